@@ -18,7 +18,6 @@ import numpy as np
 
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.fea.wall import normal_in_mesh, touch_point
 from palpate.material import get_material
 from palpate.mesh import locate_inner, mesh_skin
 from palpate.mesh.hexahedron import CORNERS
@@ -63,7 +62,9 @@ def main() -> None:
 def solve_by_felupe(press: Press) -> dict[str, np.ndarray]:
     """Press the same mesh by FElupe, to the same images."""
     mesh, material = press.mesh, press.material
-    normal = normal_in_mesh(mesh, press.wall)
+    wall = press.obstacle
+    assert isinstance(wall, WallSpec)
+    normal = wall.normal(mesh)
     outer = np.unique(mesh.outer_faces)
     area = np.pi * mesh.skin.outer_radius * (mesh.skin.height + mesh.skin.thickness) / len(outer)
     given, result = FOLDER / "press.npz", FOLDER / "result.npz"
@@ -73,7 +74,7 @@ def solve_by_felupe(press: Press) -> dict[str, np.ndarray]:
         nodes=mesh.nodes,
         cells=mesh.cells[:, [*CORNERS, *EDGES, *FACES, *MIDDLE]],
         normal=-normal,
-        touch=touch_point(mesh.skin, normal),
+        touch=mesh.skin.support_point(normal),
         outer=outer,
         base=mesh.base,
         mirror=mesh.mirror,

@@ -1,7 +1,7 @@
 """Square a drill to random walls by virtual units on a simulated robot, and count; goes on where it was stopped.
 
     python benchmarks/align_walls.py H20_T2.h5 walls.jsonl
-    python benchmarks/align_walls.py H20_T2.h5 walls_unknown.jsonl --known 0
+    python benchmarks/align_walls.py H20_T2.h5 walls_unknown.jsonl --calibration-presses 0
     python benchmarks/align_walls.py H20_T2.h5 walls_solved.jsonl --solved --units 4 --walls 5
     python benchmarks/align_walls.py H20_T2.h5 walls.jsonl --count
 
@@ -19,7 +19,7 @@ import numpy as np
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
-from palpate.robot import Play, PlayedUnit, describe_wall
+from palpate.robot import AlignmentScenario, VirtualUnit, describe_wall
 from palpate.twin import read_twin
 
 ROBOT_DEG = 0.05
@@ -35,14 +35,16 @@ def play(chosen: argparse.Namespace) -> None:
     layout = place_markers(build_skin(dome), MarkerSpec(count=169))
     material = get_material("zaid_2024_ecoflex_00_30")
     twin = read_twin(chosen.twin)
-    played = Play(twin, layout, dome, material, known=chosen.known, solved=chosen.solved)
+    played = AlignmentScenario(
+        twin, layout, dome, material, calibration_presses=chosen.known, by_solver=chosen.solved
+    )
     done = {(line["unit"], line.get("wall")) for line in read_lines(chosen.out)}
     for number in range(1, chosen.units + 1):
         if all((number, wall) in done for wall in (None, *range(chosen.walls))):
             continue
         with chosen.out.open("a") as file:
             try:
-                unit = PlayedUnit(played, number)
+                unit = VirtualUnit(played, number)
             except PalpateError as error:
                 file.write(json.dumps({"unit": number, "failure": str(error)}) + "\n")
                 continue
@@ -64,7 +66,7 @@ def count(path: Path) -> None:
     final = np.array([line["final_deg"] for line in walls])
     touches = np.array([line["touches"] for line in walls])
     square = np.array([line["square"] for line in walls])
-    forces = np.array([line["most_force_n"] for line in walls])
+    forces = np.array([line["max_force_n"] for line in walls])
     own = np.sqrt(2.0) * ROBOT_DEG
     rows = {
         "units": len(offsets),
@@ -82,7 +84,7 @@ def count(path: Path) -> None:
         "touches, median / 99 % / most": f"{np.median(touches):g} / {np.quantile(touches, 0.99):g} / {touches.max()}",
         "force, greatest, N": f"{forces.max():.3f}",
         "the interval of what is left holds the truth": f"{np.mean([x['held'] for x in walls if x['square']]):.1%}",
-        "endings": {line["ending"]: sum(each["ending"] == line["ending"] for each in walls) for line in walls},
+        "endings": {line["outcome"]: sum(each["outcome"] == line["outcome"] for each in walls) for line in walls},
     }
     for name, value in rows.items():
         print(f"{name}: {value}")
@@ -90,8 +92,8 @@ def count(path: Path) -> None:
 
 def tabulate(path: Path) -> None:
     """Walls as a table beside the file."""
-    names = ["unit", "wall", "tilt_deg", "friction", "touches", "images", "final_deg", "left_deg"]
-    names += ["left_half_width_deg", "most_force_n", "ending"]
+    names = ["unit", "wall", "tilt_deg", "friction", "touches", "images", "final_deg", "residual_deg"]
+    names += ["residual_half_width_deg", "max_force_n", "outcome"]
     with path.with_suffix(".csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)
@@ -108,7 +110,7 @@ def main() -> None:
     reader = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     reader.add_argument("twin", type=Path)
     reader.add_argument("out", type=Path)
-    reader.add_argument("--known", type=int, default=5)
+    reader.add_argument("--calibration-presses", type=int, default=5)
     reader.add_argument("--units", type=int, default=20)
     reader.add_argument("--walls", type=int, default=50)
     reader.add_argument("--solved", action="store_true")

@@ -17,22 +17,24 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import Deviation
-from palpate.bench.photograph import set_scene, wrap_dots
-from palpate.built import PoseFitter, ToleranceSpec, learn_rest, model_unit
+from palpate.bench.photograph import build_scene, marker_outlines
+from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import generator
 from palpate.design import MarkerSpec, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import RigSpec, Unit, open_sensor
+from palpate.sensor import SensorSpec, Unit, open_sensor
 from palpate.twin import read_twin
 
 PRINTS = 6
 WALLS = ((3.0, 40.0), (6.0, 160.0), (9.0, 285.0))
 """Tilt and azimuth, degrees."""
 LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
-TOLERANCE = ToleranceSpec(camera_offset=4.0, camera_tilt_deg=6.0, camera_distance=2.0, dot=0.6, pad=1.0)
+TOLERANCE = ToleranceSpec(
+    camera_offset=4.0, camera_tilt_deg=6.0, camera_distance=2.0, marker_position=0.6, print_shift=1.0
+)
 
 
 def bend_print(points, outermost, rng):
@@ -54,7 +56,7 @@ def main() -> None:
     material, mesh = get_material("zaid_2024_ecoflex_00_30"), mesh_skin(twin.skin)
     finer = mesh_skin(twin.skin, MeshSpec(cells=round(9 / 8 * (mesh.spec.cells or 16))))
     presses = [
-        solve_press(finer, material, WallSpec(tilt_deg=t, azimuth_deg=a, contact=0.9, image_step=0.8))
+        solve_press(finer, material, WallSpec(tilt_deg=t, azimuth_deg=a, contact=0.9, depth_step=0.8))
         for t, a in WALLS
     ]
     deviation = Deviation(offset_x=2.0, offset_y=-2.2, tilt_x_deg=3.0, tilt_y_deg=-2.6, roll_deg=2.0)
@@ -65,17 +67,19 @@ def main() -> None:
         x, y = bend_print(designed, float(np.hypot(*layout.positions[:, :2].T).max()), rng).T
         printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
         scene = replace(
-            set_scene(skin, layout, deviation, nominal, LIGHT), edges=wrap_dots(skin, printed, layout.diameter)
+            build_scene(skin, layout, deviation, nominal, LIGHT),
+            edges=marker_outlines(skin, printed, layout.diameter),
         )
         unit = Unit(skin, layout, nominal=nominal, tolerance=TOLERANCE)
-        sensor = open_sensor([scene.at_rest()], unit, twin, RigSpec())
+        sensor = open_sensor([scene.render_rest()], unit, twin, SensorSpec())
         rest = scene.camera.project(layout.positions)  # the control: as if the print were the design's
         control = PoseFitter(
-            model_unit(twin, layout, learn_rest(twin, layout, nominal, rest, TOLERANCE, 0.02), TOLERANCE), 0.02
+            build_unit_model(twin, layout, infer_from_rest(twin, layout, nominal, rest, TOLERANCE, 0.02), TOLERANCE),
+            0.02,
         )
         for press, (tilt, turn) in zip(presses, WALLS, strict=True):
             truth = tilt * np.cos(np.radians(turn)), tilt * np.sin(np.radians(turn))
-            for depth, image in zip(press.depth, scene.through(press), strict=True):
+            for depth, image in zip(press.depth, scene.render_press(press), strict=True):
                 reading = sensor.read(image)
                 if depth < 2.0 or reading.sighting is None:
                     continue

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.benchmark import deviation_of, read_set
-from palpate.camera import trace_dots
+from palpate.camera import project_markers
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
@@ -30,19 +30,19 @@ def main(folder: str, count: int) -> None:
     print("design,unit,tilt_deg,friction,depth_mm,moved_px,off_px,force_n,solved_n")
     for design in spec.designs:
         markers, skin = benchmark.markers("train", design.name), build_skin(design.skin)
-        layout = place_markers(skin, design.print)
+        layout = place_markers(skin, design.marker_layout)
         rows = np.flatnonzero((table.design == design.name) & (table.branch == "flat"))
         for row in np.random.default_rng(0).permutation(rows)[:count]:
             rx, ry, depth, force, _, friction = table.labels[row]
             unit, tilt = int(table.unit[row]), float(np.hypot(rx, ry))
             built = deviation_of(spec, design, unit)
-            scene = set_scene(skin, layout, built, spec.camera, spec.render)
+            scene = build_scene(skin, layout, built, spec.camera, spec.render)
             azimuth = float(np.degrees(np.arctan2(ry, rx)))
-            wall = WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, depth=depth, image_step=0.8, contact=friction)
+            wall = WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, depth=depth, depth_step=0.8, contact=friction)
             mesh = mesh_skin(build_skin(built.dome(design.skin)), MeshSpec(cells=CELLS))
             press = solve_press(mesh, built.material(get_material(spec.material)), wall)
             edges = press.positions(scene.edges[:-1].reshape(-1, 3))[-1].reshape(-1, *scene.edges.shape[1:])
-            solved = trace_dots(scene.camera, edges).centres
+            solved = project_markers(scene.camera, edges).centres
             noted = markers.markers_px[markers.image == table.image[row]][0]
             there = np.isfinite(noted).all(axis=1)
             moved = (noted - markers.rest_px[unit])[there]

@@ -22,8 +22,8 @@ from palpate.design import build_skin, place_markers
 from palpate.fea import read_press
 from palpate.learn import (
     Estimator,
-    TrainSpec,
-    calibrate,
+    TrainingSpec,
+    calibrate_interval,
     compare_splits,
     evaluate,
     measure_coverage,
@@ -32,15 +32,15 @@ from palpate.learn import (
 )
 from palpate.study import read_study
 from palpate.study.plan import plan_study
-from palpate.study.task import DatasetTask, find_made
+from palpate.study.task import DatasetTask, find_artefact
 
-EARLY = TrainSpec(schedule="plateau", stopping_patience=10, plateau_patience=5)
+EARLY = TrainingSpec(schedule="plateau", stopping_patience=10, plateau_patience=5)
 """As `quick`, but stopped by the held-out presses, as the paper stops."""
 TRAINED_TO_DEG = 9.0
 
 
 def make(task: DatasetTask, store: ArtefactStore, spec: DatasetSpec) -> Dataset:
-    presses = [read_press(find_made(store, press)) for press in task.presses]
+    presses = [read_press(find_artefact(store, press)) for press in task.presses]
     layout = place_markers(build_skin(task.dome), task.markers)
     return generate_dataset(presses, layout, build_camera(task.camera), spec)
 
@@ -53,15 +53,15 @@ def print_splits(task: DatasetTask, store: ArtefactStore) -> None:
         "the paper's 91": DatasetSpec(poses="paper-91"),
     }
     for name, spec in specs.items():
-        found = compare_splits(make(task, store, spec), TrainSpec(), seed=1)
+        found = compare_splits(make(task, store, spec), TrainingSpec(), seed=1)
         errors = (f"{part.rmse_deg:.3f} / {part.max_error_deg:.2f}" for part in (found.by_press, found.by_image))
-        print(f"| {name} | {' | '.join(errors)} | {found.flatters:.2f} |", flush=True)
+        print(f"| {name} | {' | '.join(errors)} | {found.optimism_factor:.2f} |", flush=True)
 
 
 def print_shuffled(dataset: Dataset) -> None:
     shuffled = shuffle_labels(dataset, seed=1)
-    spread = float(np.sqrt((shuffled.part(validation=True).poses[:, :2] ** 2).mean()))
-    for name, spec in (("stopped early", EARLY), ("quick", TrainSpec())):
+    spread = float(np.sqrt((shuffled.subset(validation=True).poses[:, :2] ** 2).mean()))
+    for name, spec in (("stopped early", EARLY), ("quick", TrainingSpec())):
         rmse = evaluate(train(shuffled, spec, 1), shuffled).rmse_deg
         print(
             f"shuffled labels, {name}: RMSE {rmse:.3f}°, spread {spread:.3f}°, ratio {rmse / spread:.3f}", flush=True
@@ -89,8 +89,8 @@ def print_intervals(estimator: Estimator, dataset: Dataset, fresh: Dataset) -> N
 def print_outside(dataset: Dataset) -> None:
     """Images that the training did not know, from a training on tilts up to `TRAINED_TO_DEG`, depths above 3 mm."""
     tilt, depth = np.hypot(dataset.poses[:, 0], dataset.poses[:, 1]), dataset.poses[:, 2]
-    estimator = train(keep(dataset, (tilt < TRAINED_TO_DEG) & (depth > 3.0)), TrainSpec(), 1)
-    estimator = calibrate(estimator, keep(dataset, (tilt < TRAINED_TO_DEG) & (depth > 3.0)), 1)
+    estimator = train(keep(dataset, (tilt < TRAINED_TO_DEG) & (depth > 3.0)), TrainingSpec(), 1)
+    estimator = calibrate_interval(estimator, keep(dataset, (tilt < TRAINED_TO_DEG) & (depth > 3.0)), 1)
     noisy = draw_jitter(dataset.images_px, dataset.spec.jitter_px, generator(3))
     swapped, lost = noisy.copy(), noisy.copy()
     swapped[:, [1, 2]] = noisy[:, [2, 1]]
@@ -106,7 +106,9 @@ def print_outside(dataset: Dataset) -> None:
         "a marker 10 px off": lost[known],
     }
     for name, images in cases.items():
-        print(f"called outside, {name}: {100 * estimator.estimate(images).outside.mean():.1f} %", flush=True)
+        print(
+            f"called outside, {name}: {100 * estimator.estimate(images).out_of_distribution.mean():.1f} %", flush=True
+        )
 
 
 def keep(dataset: Dataset, rows: NDArray[np.bool_]) -> Dataset:
@@ -127,7 +129,7 @@ def main() -> None:
             continue
         print(f"\nH20 T2, {task.markers.count} markers")
         dataset = make(task, store, DatasetSpec())
-        estimator = calibrate(train(dataset, TrainSpec(), 1), dataset, 1)
+        estimator = calibrate_interval(train(dataset, TrainingSpec(), 1), dataset, 1)
         print_intervals(estimator, dataset, make(task, store, DatasetSpec(seed=77)))
         print_outside(dataset)
         print_shuffled(dataset)

@@ -1,13 +1,13 @@
 """Noise of a dot's centre by its diameter in the image: palpate's detector on degraded images of the bench.
 
-    python benchmarks/dot_noise.py [IMAGES] [OUT.csv]
+    python benchmarks/marker_noise.py [IMAGES] [OUT.csv]
 
 A dome with 37 dots is photographed again and again, each time with the camera moved by parts of a pixel and with new
 noise. What is found is held against the centroid of each dot's trace. `noise_px` is the spread about what a dot is
 off on the average (root of the mean square over dots, each robust against specks of dirt), `constant_px` the spread
 of these averages, which light and dirt make and which is the same wherever the dot hardly moves; `both_px` has both.
 `bound_px` is the Cramer-Rao bound of the centre of a disc of diameter d, contrast C and edge s under the noise of a
-pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.built.size_noise` says.
+pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.built.noise_by_diameter` says.
 """
 
 import csv
@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import DEGRADED, Deviation, set_scene
-from palpate.built.noise import size_noise
-from palpate.camera import CameraSpec, render, trace_dots
+from palpate.bench import DEGRADED, Deviation, build_scene
+from palpate.built.noise import noise_by_diameter
+from palpate.camera import CameraSpec, project_markers, render
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
@@ -41,11 +41,11 @@ def measure(diameter: float, distance: float, seed: int, images: int) -> list[Fl
     rng, errors, detector = generator(seed, "dot noise"), [], None
     for number in range(images):
         x, y = rng.uniform(-MOVED_MM, MOVED_MM, 2)
-        scene = set_scene(skin, layout, Deviation(offset_x=x, offset_y=y), CameraSpec(distance=distance), DEGRADED)
+        scene = build_scene(skin, layout, Deviation(offset_x=x, offset_y=y), CameraSpec(distance=distance), DEGRADED)
         look = DEGRADED.model_copy(update={"seed": seed, "noise_seed": number})
         image = render(scene.camera, scene.edges, look)
         camera, dots = scene.camera, scene.edges[:-1]
-        truth, diameters = trace_dots(camera, dots)
+        truth, diameters = project_markers(camera, dots)
         if detector is None:
             spec = DetectSpec(diameter_px=float(np.median(diameters)), polarity="dark")
             detector, contrast = prepare_detector(image, spec), np.full(len(layout), np.nan)
@@ -74,12 +74,12 @@ def main(images: str = "30", out: str = "") -> None:
             try:
                 found.append(measure(diameter, distance, seed, int(images)))
             except PalpateError as error:
-                print(f"{diameter} mm at {distance:g} mm: {error.what}")
+                print(f"{diameter} mm at {distance:g} mm: {error.problem}")
         if not found:
             continue
         noise, mean, px, bound = (np.concatenate(parts) for parts in zip(*found, strict=True))
         own, constant = np.sqrt(np.mean(noise**2)), 1.4826 * np.median(np.abs(mean))
-        law = np.median(size_noise(px))
+        law = np.median(noise_by_diameter(px))
         numbers = (np.median(px), own, np.median(bound), constant, np.hypot(own, constant), law)
         rows.append((diameter, distance, *(round(float(number), 4) for number in numbers)))
         print(*rows[-1], flush=True)

@@ -15,17 +15,25 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import bench as virtual
-from palpate.bench.photograph import Scene, set_scene
-from palpate.built import Deviation, PoseFitter, RobotPress, draw_deviation, identify, learn_rest, model_unit
+from palpate.bench.photograph import Scene, build_scene
+from palpate.built import (
+    CalibrationPress,
+    Deviation,
+    PoseFitter,
+    build_unit_model,
+    identify,
+    infer_from_rest,
+    sample_deviation,
+)
 from palpate.built.noise import NOISE_PX
-from palpate.camera import trace_dots
+from palpate.camera import project_markers
 from palpate.core import ArtefactStore, FloatArray, generator
 from palpate.design import MarkerSpec, skin_from_data
 from palpate.fea import Press
 from palpate.material import get_material
 from palpate.optimise import RequirementsSpec
 from palpate.optimise.prove import _Candidate
-from palpate.study import find_made
+from palpate.study import find_artefact
 
 KNOWN_ROBOT = {"robot_tilt_deg": 1e-6, "robot_depth": 1e-6}
 
@@ -39,7 +47,7 @@ class ExactDots:
     def look(self, edges: FloatArray) -> FloatArray:
         """Centres of area of the traces of dots; the last is the orientation mark."""
         found = np.full((len(self.scene.printed), 2), np.nan)
-        found[self.scene.printed] = trace_dots(self.scene.camera, edges).centres[:-1]
+        found[self.scene.printed] = project_markers(self.scene.camera, edges).centres[:-1]
         return found
 
     def through(self, press: Press) -> Iterator[FloatArray]:
@@ -48,25 +56,25 @@ class ExactDots:
             yield self.look(points.reshape(self.scene.edges.shape))
 
 
-def read_unit(bench: virtual.Bench, deviation: Deviation) -> FloatArray:
+def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
-    spec, twin = bench.spec, bench.reads_with
-    dots = ExactDots(set_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
+    spec, twin = bench.spec, bench.opened_model
+    dots = ExactDots(build_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
     rest = dots.look(dots.scene.edges)
-    belief = learn_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
+    belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
     model, rng = (
-        model_unit(twin, bench.layout, belief, spec.tolerance),
+        build_unit_model(twin, bench.layout, belief, spec.tolerance),
         generator(spec.seed, "directions", deviation.unit),
     )
     known = virtual._known(bench, dots, None, deviation, rng)
-    presses = [RobotPress(poses, np.array(seen)) for poses, seen, _ in known]
+    presses = [CalibrationPress(poses, np.array(seen)) for poses, seen, _ in known]
     found = identify(model, presses, NOISE_PX, virtual._robot(bench))
-    fitter, errors = PoseFitter(model.believing(found.belief), NOISE_PX, found.mounting, None), []
-    for press in [press for press in virtual.presses_of(bench, deviation) for _ in range(spec.azimuths)]:
+    fitter, errors = PoseFitter(model.with_posterior(found.posterior), NOISE_PX, found.mounting, None), []
+    for press in [press for press in virtual.solve_unit_presses(bench, deviation) for _ in range(spec.azimuths)]:
         turned = virtual._turned(press, float(rng.uniform(0, 360)))
         for depth, seen in zip(turned.depth[1:], list(dots.through(turned))[1:], strict=True):
             told = fitter.fit(seen).pose
-            if depth >= spec.least_depth - 1e-9:
+            if depth >= spec.min_depth - 1e-9:
                 errors.append(told[:2] - virtual._robot_pose(turned, deviation, float(depth))[:2])
     return np.array(errors)
 
@@ -78,12 +86,12 @@ def designs(folder: Path) -> Iterator[_Candidate]:
     names = {"height": "height_mm", "base_radius": "base_radius_mm", "thickness": "thickness_mm"}
     shape = {name: won[column] for name, column in names.items()} | {"aspect": won["aspect"], "taper": won["taper"]}
     rings = tuple(float(ring) for ring in won["ring_diameters_mm"].split())
-    markers = MarkerSpec(count=won["markers"], diameter=won["dot_mm"], ring_diameters=rings)
+    markers = MarkerSpec(count=won["markers"], diameter=won["marker_diameter_mm"], ring_diameters=rings)
     choice = next(one for one in spec.cameras if one.name == won["camera"])
     camera = choice.camera.model_copy(update={"distance": won["distance_mm"]})
     skin = skin_from_data({"kind": "ellipsoid", **shape})
     yield _Candidate(spec, "winner", skin, won["material"], markers, camera)
-    if spec.rival is not None:
+    if spec.baseline is not None:
         yield _Candidate.rival(spec)
 
 
@@ -92,14 +100,14 @@ def main(folder: Path, units: int = 4, robot: str = "") -> None:
     store = ArtefactStore(folder / "store")
     for design in designs(folder):
         spec = design.bench.model_copy(update=KNOWN_ROBOT if robot == "known-robot" else {})
-        material, twin = get_material(design.material), find_made(store, design.twin)
-        bench = virtual.Bench(spec, design.skin, design.markers, material, design.camera, twin, store)
+        material, twin = get_material(design.material), find_artefact(store, design.twin)
+        bench = virtual.VirtualBench(spec, design.skin, design.markers, material, design.camera, twin, store)
         squares = []
         for unit in range(1, units + 1):
-            errors = read_unit(bench, draw_deviation(spec.tolerance, spec.seed, unit))
+            errors = read_unit(bench, sample_deviation(spec.tolerance, spec.seed, unit))
             squares.append(np.mean(errors**2))
             print(f"{design.title}, unit {unit}: {np.sqrt(squares[-1]):.4f} deg", flush=True)
-        print(f"{design.title}, {units} units: {np.sqrt(np.mean(squares)):.4f} deg, foreseen {design.foresee(store)}")
+        print(f"{design.title}, {units} units: {np.sqrt(np.mean(squares)):.4f} deg, foreseen {design.predict(store)}")
 
 
 if __name__ == "__main__":

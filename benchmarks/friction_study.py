@@ -87,7 +87,7 @@ class Study:
         base = self.images(presses["frictionless"])
         depth = presses["frictionless"].depth
         down, up = (self.press(max(tilt + step, 0.0), "frictionless") for step in (-STEP_DEG, STEP_DEG))
-        by_tilt = (self.images(up) - self.images(down)) / (up.wall.tilt_deg - down.wall.tilt_deg)
+        by_tilt = (self.images(up) - self.images(down)) / (up.obstacle.tilt_deg - down.obstacle.tilt_deg)
         by_depth = np.gradient(base, depth, axis=0)
         rows = []
         for law, press in presses.items():

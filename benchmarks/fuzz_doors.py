@@ -104,12 +104,12 @@ def _run_words(path: Path) -> object:
 
 
 def _read_manifest(path: Path) -> object:
-    from palpate.core.store import MANIFEST, find_fault
+    from palpate.core.store import MANIFEST, find_corruption
 
     artefact = path.with_suffix(".h5")
     artefact.write_bytes(b"force")
     os.replace(path, artefact.with_suffix(MANIFEST))
-    return find_fault(artefact)
+    return find_corruption(artefact)
 
 
 def _read_failures(path: Path) -> object:
@@ -159,13 +159,15 @@ def _calibration_door(folder: Path) -> Door:
 def _image_door(folder: Path) -> Door:
     import cv2
 
-    from palpate.camera import RenderSpec, build_camera, dot_edges, render
+    from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
     from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     normals = (layout.positions - [0, 0, dome.center_z]) / dome.radius
-    image = render(build_camera(), dot_edges(layout.positions, normals, layout.diameter), RenderSpec(noise=2.0))
+    image = render(
+        build_camera(), flat_marker_outlines(layout.positions, normals, layout.diameter), RenderSpec(noise=2.0)
+    )
     kinds = (".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp")
     return Door("image", ".png", tuple(cv2.imencode(kind, image)[1].tobytes() for kind in kinds), _find_dots)
 
@@ -265,12 +267,12 @@ def _points_door(_: Path) -> Door:
 
 
 def _bench_door(_: Path) -> Door:
-    from palpate.material import read_bench
+    from palpate.material import read_test_file
 
     stress = "\n".join(f"{0.1 * i:.2f},{0.02 * i:.4f}" for i in range(20))
     strain = "\n".join(f"{0.1 * i:.2f};{0.3 * i:.4f}" for i in range(20))
     good = (f"Strain (mm/mm),Stress (MPa)\n{stress}\n".encode(), f"strain (%);stress (kPa)\n{strain}\n".encode())
-    return Door("bench", "-tension.csv", good, read_bench)
+    return Door("bench", "-tension.csv", good, read_test_file)
 
 
 def _material_door(_: Path) -> Door:
@@ -288,7 +290,7 @@ def _press_door(folder: Path) -> Door:
     from palpate.mesh import MeshSpec, mesh_skin
 
     mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=4))
-    press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, image_step=0.1))
+    press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, depth_step=0.1))
     write_press(folder / "press.h5", press)
     return Door("press", ".h5", ((folder / "press.h5").read_bytes(),), read_press)
 
@@ -323,10 +325,10 @@ def _dataset_door(folder: Path) -> Door:
 
 
 def _model(folder: Path) -> bytes:
-    from palpate.learn import calibrate, fit_ridge, write_estimator
+    from palpate.learn import calibrate_interval, fit_ridge, write_estimator
 
     dataset = _dataset()
-    write_estimator(folder / "model.onnx", calibrate(fit_ridge(dataset), dataset))
+    write_estimator(folder / "model.onnx", calibrate_interval(fit_ridge(dataset), dataset))
     return (folder / "model.onnx").read_bytes()
 
 

@@ -1,4 +1,4 @@
-"""How well drawn recordings of a TacTip-like sensor are learnt: `docs/results/sensor/learn_recording.md`.
+"""How well drawn recordings of a TacTip-like sensor are learnt: `docs/results/sensor/train_on_recording.md`.
 
     python benchmarks/learn_recording.py draw FOLDER --images 3000    a recording is drawn
     python benchmarks/learn_recording.py draw FOLDER --gel           a harder one (`tests/drawn_gel.py`)
@@ -27,11 +27,11 @@ from palpate.core import ArtefactStore
 from palpate.recording import (
     RecordingSpec,
     assign_images,
-    learn_recording,
+    prepare_recording,
+    read_pretrained,
     read_recording,
-    read_start,
     recording_report,
-    see_recording,
+    train_on_recording,
     write_model,
 )
 
@@ -58,7 +58,7 @@ def assign(folder: Path) -> dict[str, object]:
     truth = dict(np.load(folder / TRUTH))
     store, spec = ArtefactStore(folder / "store"), RecordingSpec(estimators="ridge")
     begin = time.monotonic()
-    seen = see_recording(read_recording(folder, most=100_000), spec, store, say)
+    seen = prepare_recording(read_recording(folder, most=100_000), spec, store, say)
     assert seen.assigned is not None
     found: dict[str, object] = {"seconds": time.monotonic() - begin}
     naive = assign_images(seen.sight, seen.assigned.reference, seen.eye.shape, False, say)
@@ -84,7 +84,7 @@ def learn(folder: Path, epochs: int, nearest: bool, estimators: str) -> dict[str
     spec = RecordingSpec(
         epochs=epochs, threads=1, estimators=estimators, correspondence="nearest" if nearest else "grown"
     )
-    learnt = learn_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), say)
+    learnt = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), say)
     write_model(folder / ("nearest.h5" if nearest else "model.h5"), learnt.model)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return recording_report(learnt) | {"memory_gib": memory}
@@ -92,7 +92,7 @@ def learn(folder: Path, epochs: int, nearest: bool, estimators: str) -> dict[str
 
 def adapt(folder: Path, presses: tuple[int, ...], alone: tuple[int, ...]) -> dict[str, object]:
     """RMSE on 300 further images of another unit: adapted from this folder's model, and trained by itself."""
-    start = read_start(folder / "model.h5")
+    start = read_pretrained(folder / "model.h5")
     rings = int(np.rint((np.sqrt(12 * len(np.load(folder / TRUTH)["rest"]) - 3) / 3 - 1) / 2))
     place = folder / "other"
     if not (place / TRUTH).is_file():
@@ -103,13 +103,13 @@ def adapt(folder: Path, presses: tuple[int, ...], alone: tuple[int, ...]) -> dic
     found: dict[str, object] = {}
     for count, begin in [(n, start) for n in presses] + [(n, None) for n in alone]:
         # of all presses given, 27 % are held back by the split: more are given, so that as many teach
-        given = round(count / (1 - spec.held_out - spec.validation))
+        given = round(count / (1 - spec.test_share - spec.validation_share))
         table = place / f"first_{count}.csv"
         table.write_text("\n".join(rows[: given + 1]) + "\n")
-        learnt = learn_recording(read_recording(table), spec, store, say, begin)
+        learnt = train_on_recording(read_recording(table), spec, store, say, begin)
         table.unlink()
         errors = [read_all(learnt.model, place, truth)]
-        key = f"{int(learnt.seen.split.teach.sum())} presses, {'adapted' if begin else 'alone'}"
+        key = f"{int(learnt.seen.split.train.sum())} presses, {'adapted' if begin else 'alone'}"
         found[key] = {"best": learnt.best, "rmse": np.round(errors[0], 4).tolist()}
         say(f"{key}: {found[key]}")
     return found

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter, hold_out, read_dataset
-from palpate.learn import Metrics, TrainSpec, fit_ridge, measure_errors
-from palpate.learn.components import Components, find_components
+from palpate.learn import Metrics, TrainingSpec, fit_ridge, measure_errors
+from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.network import TrainingData, train_network
 from palpate.study import read_study
 from palpate.study.plan import plan_study
-from palpate.study.task import find_made
+from palpate.study.task import find_artefact
 
 Array = NDArray[np.float64]
 Predict = Callable[[Array], Array]
@@ -45,28 +45,28 @@ def jitter_of(dataset: Dataset) -> Array:
     return np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
 
 
-def positions(dataset: Dataset, clean: Array) -> Components:
+def positions(dataset: Dataset, clean: Array) -> PrincipalComponents:
     """Normalised positions as the paper has them."""
-    return Components(np.zeros(clean.shape[1]), np.eye(clean.shape[1]))
+    return PrincipalComponents(np.zeros(clean.shape[1]), np.eye(clean.shape[1]))
 
 
-def displacements(dataset: Dataset, clean: Array) -> Components:
+def displacements(dataset: Dataset, clean: Array) -> PrincipalComponents:
     """Normalised positions less those at rest."""
-    return Components(normalised(dataset, dataset.rest_px[None])[0], np.eye(clean.shape[1]))
+    return PrincipalComponents(normalised(dataset, dataset.rest_px[None])[0], np.eye(clean.shape[1]))
 
 
-def standardised(dataset: Dataset, clean: Array) -> Components:
+def standardised(dataset: Dataset, clean: Array) -> PrincipalComponents:
     """Every coordinate less its mean, over the root of its variance with jitter."""
     sd = np.sqrt(clean.var(axis=0) + jitter_of(dataset) ** 2 / 3)
-    return Components(clean.mean(axis=0), np.diag(1.0 / sd))
+    return PrincipalComponents(clean.mean(axis=0), np.diag(1.0 / sd))
 
 
-def whitened(count: int) -> Callable[[Dataset, Array], Components]:
+def whitened(count: int) -> Callable[[Dataset, Array], PrincipalComponents]:
     """Leading principal components over the root of signal and jitter."""
     return lambda dataset, clean: find_components(clean, jitter_of(dataset), count)
 
 
-INPUTS: dict[str, Callable[[Dataset, Array], Components]] = {
+INPUTS: dict[str, Callable[[Dataset, Array], PrincipalComponents]] = {
     "positions": positions,
     "displacement from rest": displacements,
     "displacement, standardised": standardised,
@@ -77,9 +77,9 @@ INPUTS: dict[str, Callable[[Dataset, Array], Components]] = {
 }
 
 
-def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Components]) -> Predict:
+def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], PrincipalComponents]) -> Predict:
     """The network of the preset `quick` on other inputs."""
-    spec, kept = TrainSpec(), dataset.part(validation=False)
+    spec, kept = TrainingSpec(), dataset.subset(validation=False)
     inputs = normalised(dataset, kept.images_px)
     components = choose(dataset, inputs)
     mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
@@ -113,7 +113,7 @@ def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -
     components = find_components(normalised(dataset, kept.images_px), jitter_of(dataset), 48)
     rows = rng.permutation(np.tile(np.arange(len(kept.poses)), 2))[:KERNEL_IMAGES]
     images = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, rng)
-    clean = rng.random(len(rows)) < TrainSpec().clean_share
+    clean = rng.random(len(rows)) < TrainingSpec().clean_share
     images[clean] = kept.images_px[rows][clean]
 
     def read(images_px: Array) -> Array:
@@ -135,13 +135,13 @@ def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -
 
 def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
     """Length and penalty chosen on presses taken from those for training, as `best` chooses or by jitter alone."""
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     held = hold_out(kept.press, 0.2, child_seed(SEED, "inner"))
     inner = replace(kept, validation=held)
     scores = {}
     for length in LENGTHS:
         for penalty in PENALTIES:
-            predict = fit_kernel(dataset, inner.part(validation=False), length, penalty)
+            predict = fit_kernel(dataset, inner.subset(validation=False), length, penalty)
             clean, jittered = judge(inner, predict)
             scores[length, penalty] = jittered.rmse_deg * (1.0 if by_jitter else clean.rmse_deg)
     best = min(scores, key=lambda pair: scores[pair])
@@ -151,7 +151,7 @@ def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
 
 def judge(dataset: Dataset, predict: Predict) -> tuple[Metrics, Metrics]:
     """Errors on the held-out presses, clean and with jitter."""
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     noisy = draw_jitter(held.images_px, dataset.spec.jitter_px, generator(SEED, "judge"))
     return measure_errors(predict(held.images_px), held.poses), measure_errors(predict(noisy), held.poses)
 
@@ -207,7 +207,7 @@ def main() -> None:
             continue
         if task.markers.count not in words.markers:
             continue
-        whole = read_dataset(find_made(store, task))
+        whole = read_dataset(find_artefact(store, task))
         for name, dataset, learn in cases(whole):
             if words.only not in name:
                 continue

@@ -42,7 +42,7 @@ IMAGES = [
     "bias_rms_deg",
     "bias_max_deg",
     "depth_bias_rms_mm",
-    "limit_deg",
+    "bound_deg",
     "limit_over_paper",
 ]
 
@@ -82,7 +82,7 @@ def tabulate_images(presses: dict[str, list[Any]]) -> list[dict[str, Any]]:
     from palpate.camera import CameraSpec, build_camera
     from palpate.dataset import DatasetSpec, sample_poses
     from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-    from palpate.learn import find_limits
+    from palpate.learn import compute_error_bounds
     from palpate.twin import build_field, image_jacobian
 
     camera = build_camera(CameraSpec())
@@ -90,7 +90,9 @@ def tabulate_images(presses: dict[str, list[Any]]) -> list[dict[str, Any]]:
     layout = place_markers(build_skin(DomeSpec(height=20, thickness=2)), MarkerSpec(count=MARKERS))
     poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=REACH_DEG))
     fields = {name: build_field(runs, layout) for name, runs in presses.items()}
-    limits = {name: {item.depth_mm: item for item in find_limits(f, camera, spec)} for name, f in fields.items()}
+    limits = {
+        name: {item.depth_mm: item for item in compute_error_bounds(f, camera, spec)} for name, f in fields.items()
+    }
     rows = []
     for name, field in fields.items():
         for depth, limit in limits[name].items():
@@ -134,7 +136,7 @@ def draw_sources(path: Path) -> None:
     import numpy as np
     from matplotlib.figure import Figure
 
-    from palpate.material import Mode, get_material, read_bench, trace_curve
+    from palpate.material import Mode, get_material, read_test_file, trace_curve
 
     figure = Figure(figsize=(5.2, 3.8), layout="constrained")
     axis = figure.subplots()
@@ -145,7 +147,7 @@ def draw_sources(path: Path) -> None:
     ):
         nominal = trace_curve(get_material(name), Mode.UNIAXIAL, stretch).nominal
         axis.plot(stretch, 1e3 * nominal, color=colour, label=label)
-    (test,) = read_bench(RAW)
+    (test,) = read_test_file(RAW)
     for factor, label, style in ((1.0, "Marechal 2020, as published", "."), (0.56, "the same, strain × 0.56", "x")):
         along = 1 + factor * (test.stretch - 1)
         shown = np.flatnonzero(along <= 5)[:: round(6 / factor)]

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "markers")
 from bent_prints import DESIGNS, bent, controls, design_of, draw, judge
 
 from palpate.core import PalpateError, generator
-from palpate.markers import name_markers, prepare_detector
+from palpate.markers import assign_markers, prepare_detector
 from palpate.sensor import register_dome
 
 COUNTS = (7, 37, 91, 169)
@@ -62,7 +62,7 @@ def name_draws(count: int, draws: int, image: bool) -> Row:
         try:
             dots = drawn["dots"] if not image else _detected(drawn, rng)
             start = time.process_time()
-            naming = name_markers(dots, design.pattern)
+            naming = assign_markers(dots, design.pattern)
             row.seconds.append(time.process_time() - start)
         except PalpateError as error:
             row.verdicts["refused"] += 1
@@ -91,7 +91,7 @@ def _register(naming, drawn, design, row) -> None:
         print("pose:", error, file=sys.stderr)
         return
     for places, into in (
-        (design.layout.positions if found.law is None else found.law.positions, row.law_px),
+        (design.layout.positions if found.distortion is None else found.distortion.positions, row.law_px),
         (design.layout.positions, row.nominal_px),
     ):
         off = found.camera.project(places) - drawn["smooth"]
@@ -107,7 +107,7 @@ def name_controls(draws: int) -> list[tuple[str, int, int]]:
             for dots, pattern in make(generator(20, "control", kind, number)):
                 tried += 1
                 try:
-                    name_markers(dots, pattern)
+                    assign_markers(dots, pattern)
                     named += 1
                     print("control named:", kind, number, len(pattern), file=sys.stderr)
                 except PalpateError:

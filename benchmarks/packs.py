@@ -25,7 +25,7 @@ from palpate.cad import read_step
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_skin, place_markers
-from palpate.fabricate import PackSpec, PadMapping, ProcessSpec, carry_to_dome, write_pack
+from palpate.fabricate import PackSpec, PadMapping, ProcessSpec, project_to_skin, write_pack
 from palpate.material import get_material
 
 HEIGHTS, THICKNESSES, MARKERS = (10, 20, 30), (1, 2, 3, 4), (7, 37, 91, 169)
@@ -107,10 +107,10 @@ def check(folder: Path, spec: PackSpec) -> dict[str, float]:
 def hollow(parts: dict, spec: PackSpec) -> float:
     """Volume in mm³ that cavity and core leave between them: block minus both, pins and holes left out."""
     from palpate.cad import cylinder, revolve
-    from palpate.design import build_module
+    from palpate.design import build_contact_module
 
-    module = build_module(build_skin(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
-    top = module.dome.height + module.dome.thickness
+    module = build_contact_module(build_skin(spec.skin), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
+    top = module.skin.height + module.skin.thickness
     inner = cylinder(module.flange_foot, module.foot, top + 0.5)
     left = inner
     for name, part in parts.items():
@@ -122,7 +122,7 @@ def hollow(parts: dict, spec: PackSpec) -> float:
 
 def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
     """Greatest distance of a dot in DXF and SVG from the compensated place, and on the dome from the marker."""
-    dome = build_skin(spec.dome)
+    dome = build_skin(spec.skin)
     layout = place_markers(dome, spec.markers)
     with (folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])
@@ -131,7 +131,7 @@ def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
     group = next(node for node in ElementTree.parse(folder / "artwork.svg").getroot() if node.get("id") == "dots")
     vector = np.array([[float(node.get("cx")), -float(node.get("cy"))] for node in group])
     off = max(np.linalg.norm(found - page, axis=1).max() for found in (drawn, vector))
-    carried = np.linalg.norm(carry_to_dome(dome, vector, spec.process.mapping) - layout.positions, axis=1).max()
+    carried = np.linalg.norm(project_to_skin(dome, vector, spec.process.mapping) - layout.positions, axis=1).max()
     return {"artwork_off_mm": float(off), "carried_off_mm": float(carried)}
 
 

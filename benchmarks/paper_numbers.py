@@ -20,7 +20,7 @@ import numpy as np
 from palpate.camera import build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.fea.nodal_stress import held_solid
+from palpate.fea.nodal_stress import clamped_solid
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 
@@ -32,7 +32,7 @@ FRAME, DROPPED = 0.8, 1.6
 
 def stretches(press: Press) -> tuple[float, float]:
     """Least and greatest principal stretch of any Gauss point in any state that the press kept."""
-    cells = held_solid(press).cells
+    cells = clamped_solid(press).cells
     least, greatest = 1.0, 1.0
     for u in press.displacement:
         F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)
@@ -49,7 +49,7 @@ def describe(height: float, thickness: float, tilt: float, law: str) -> dict[str
     row: dict[str, object] = {"height_mm": height, "thickness_mm": thickness, "tilt_deg": tilt, "contact": law}
     row |= {"ended": str(press.ended), "ended_depth_mm": press.ended_depth, "branch": str(press.branch[-1])}
     row |= {"force_n": float(np.linalg.norm(press.force[-1])), "peak_stress_mpa": float(press.peak_stress.max())}
-    row["least_stretch"], row["greatest_stretch"] = stretches(press)
+    row["min_stretch"], row["max_stretch"] = stretches(press)
     camera = build_camera()
     for count in (7, 169):
         dots = place_markers(skin, MarkerSpec(count=count)).positions

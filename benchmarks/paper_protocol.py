@@ -101,7 +101,7 @@ READINGS = (
 
 def solve(contact):
     skin, law = build_skin(DomeSpec()), get_material("zaid_2024_ecoflex_00_30")
-    walls = [WallSpec(tilt_deg=tilt, depth=8.0, image_step=0.8, contact=contact) for tilt in TILTS]
+    walls = [WallSpec(tilt_deg=tilt, depth=8.0, depth_step=0.8, contact=contact) for tilt in TILTS]
     return skin, [solve_press(mesh_skin(skin), law, wall) for wall in walls]
 
 

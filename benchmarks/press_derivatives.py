@@ -62,9 +62,9 @@ def main() -> None:
 def compare(case: tuple[float, float, float], law: str | float, names: list[str]) -> list[dict[str, str]]:
     """Rows of a case: error of the derivative of the field, and the scatter of the slope, in percent of its norm."""
     height, thickness, tilt = case
-    wall = WallSpec(tilt_deg=tilt, contact=law, depth=DEPTH, image_step=IMAGE)
+    wall = WallSpec(tilt_deg=tilt, contact=law, depth=DEPTH, depth_step=IMAGE)
     mesh = mesh_skin(build_skin(DomeSpec(height=height, thickness=thickness)))
-    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
+    mesh = centre_mesh(mesh, wall.at_first_contact(mesh)[1])
     largest = 0.4 if law == "frictionless" else 0.2
     solver = SolverSpec(first_step=largest, largest_step=largest, tolerance=1e-8)
     press = solve_press(mesh, MATERIAL, wall, solver.model_copy(update={"derivatives": tuple(names)}))
@@ -113,7 +113,7 @@ def beside(mesh: Mesh, wall: WallSpec, solver: SolverSpec, name: str, by: float)
     """A whole press with a parameter that differs."""
     material: Material = MATERIAL
     if name in ("tilt_deg", "depth"):
-        changed = {name: getattr(wall, name) + by} | ({"image_step": wall.depth + by} if name == "depth" else {})
+        changed = {name: getattr(wall, name) + by} | ({"depth_step": wall.depth + by} if name == "depth" else {})
         wall = wall.model_copy(update=changed)
     elif name == "friction":
         wall = wall.model_copy(update={"contact": wall.friction + by})

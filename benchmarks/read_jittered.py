@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.built import PoseFitter, ToleranceSpec, learn_rest, model_unit
+from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec
 from palpate.dataset import draw_jitter, read_dataset
 from palpate.design import MarkerSpec, place_markers
@@ -25,14 +25,16 @@ def main(dataset_path: str, twin_path: str) -> None:
     layout = place_markers(twin.skin, MarkerSpec(count=len(dataset.rest_px)))
     exact = ToleranceSpec(**dict.fromkeys(ToleranceSpec.model_fields, 0.0))
     noise_px = dataset.spec.jitter_px / np.sqrt(3.0)
-    model = model_unit(twin, layout, learn_rest(twin, layout, CameraSpec(), dataset.rest_px, exact, 0.01), exact)
+    model = build_unit_model(
+        twin, layout, infer_from_rest(twin, layout, CameraSpec(), dataset.rest_px, exact, 0.01), exact
+    )
     held_out = np.flatnonzero(dataset.validation)
     images = draw_jitter(dataset.images_px[held_out], dataset.spec.jitter_px, np.random.default_rng(0))
     fitter, errors, bounds = PoseFitter(model, noise_px), [], []
     for number, image in zip(held_out, images, strict=True):
         pose = dataset.poses[number]
         errors.append(fitter.fit(image).pose[:2] - pose[:2])
-        by_pose = model.look(pose, 0.0, unit=False).by_pose[..., :3].reshape(-1, 3)
+        by_pose = model.predict(pose, 0.0, unit=False).pose_jacobian[..., :3].reshape(-1, 3)
         bounds.append(noise_px**2 * np.diag(np.linalg.inv(by_pose.T @ by_pose))[:2])
     squares, least, depths = np.array(errors) ** 2, np.array(bounds), np.round(dataset.poses[held_out, 2], 3)
     print("depth_mm  images  rmse_deg  bound_deg  ratio")

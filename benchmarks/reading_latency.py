@@ -31,7 +31,7 @@ def take_images(unit, material):
     mesh = mesh_skin(unit.skin)
     presses = [
         solve_press(
-            mesh, material, WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, contact=friction, depth=8.0, image_step=0.8)
+            mesh, material, WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, contact=friction, depth=8.0, depth_step=0.8)
         )
         for tilt, azimuth, friction in WALLS
     ]
@@ -42,7 +42,7 @@ def time_reading(unit, twin, images):
     """Milliseconds (n, 4) by the clock and of the processor, of the whole and of its fits; share without pose."""
     sensor = open_sensor(images[:AT_REST], unit, twin)
     fits = [0.0, 0.0]
-    fit = sensor.reader.read
+    fit = sensor.estimator.estimate
 
     def timed(sighting):
         clock, busy = time.perf_counter(), time.thread_time()
@@ -51,7 +51,7 @@ def time_reading(unit, twin, images):
         fits[1] += time.thread_time() - busy
         return found
 
-    object.__setattr__(sensor.reader, "read", timed)
+    object.__setattr__(sensor.estimator, "read", timed)
     rows, without = [], 0
     for image in images[AT_REST:]:
         fits[:] = 0.0, 0.0

@@ -59,9 +59,9 @@ def timed(what: str) -> Iterator[None]:
 def start(tasks: Callable[[], tuple[Task, ...]], store: ArtefactStore) -> None:
     """What a run does before the first task is given to a worker."""
     planned = tasks()
-    made = {task.recipe.key for task in planned if store.holds(task.recipe, task.suffix)}
+    made = {task.recipe.key for task in planned if store.has(task.recipe, task.suffix)}
     todo = [task for task in planned if task.recipe.key not in made]
-    Schedule(todo, made).take()
+    Schedule(todo, made).next_task()
 
 
 def main() -> None:
@@ -89,7 +89,7 @@ def main() -> None:
         with timed("looking at every artefact, as at the start of a run"):
             start(lambda: tasks, store)
         with timed("order of as many tasks in an empty store"):
-            Schedule(tasks, []).take()
+            Schedule(tasks, []).next_task()
         with timed("start of a run of the whole study, planning included"):
             start(lambda: plan_study(study).tasks(), store)
         with timed("status of the whole study, planning included"):

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.cli.progress import Lines
-from palpate.optimise import Front, RequirementsSpec, TriedSkin, optimise_design, read_requirements
+from palpate.optimise import Front, RequirementsSpec, SkinTrial, optimise_design, read_requirements
 from palpate.optimise.draw_front import draw_search
 from palpate.optimise.front import coarse_errors
 
@@ -29,11 +29,13 @@ def task(seed: int, skins: int) -> RequirementsSpec:
     """The requirements of one seed."""
     wanted = read_requirements("paper_task")
     camera = wanted.cameras[0].model_copy(update={"distances": (DISTANCE, DISTANCE)})
-    other = {"seed": seed, "skins": skins, "control": skins, "cameras": (camera,), "objectives": ("error",)}
-    return wanted.model_copy(update={**other, "finalists": 0, "grid": None, "rival": None, "hours": 1e4})
+    other = {"seed": seed, "skins": skins, "random_skins": skins, "cameras": (camera,), "objectives": ("error",)}
+    return wanted.model_copy(
+        update={**other, "finalists": 0, "baseline_grid": None, "baseline": None, "max_hours": 1e4}
+    )
 
 
-def least_so_far(tried: Sequence[TriedSkin], markers: int) -> np.ndarray:
+def least_so_far(tried: Sequence[SkinTrial], markers: int) -> np.ndarray:
     """Least error (n,) of 19 of 20 units among the first skins that meet the limits, degrees."""
     errors = dict(coarse_errors(tried, markers, meets=True))
     return np.minimum.accumulate([errors.get(one.number, np.inf) for one in tried])
@@ -41,14 +43,14 @@ def least_so_far(tried: Sequence[TriedSkin], markers: int) -> np.ndarray:
 
 def compare(front: Front) -> list[object]:
     """One row: the best of both, and after how many skins the search was as good as the best by chance."""
-    most, parts = front.spec.markers, (front.tried, front.control.chance)
+    most, parts = front.spec.markers, (front.trials, front.search_baselines.random)
     search, chance = (least_so_far(part, most) for part in parts)
     best = [part[int(np.argmax(least == least[-1]))] for part, least in zip(parts, (search, chance), strict=True)]
-    rmse = [one.proposal.best(most).figure.rmse_deg for one in best]
+    rmse = [one.coarse.best(most).accuracy.rmse_deg for one in best]
     after = int(np.argmax(search <= chance[-1])) + 1 if search[-1] <= chance[-1] else 0
     figures = [round(float(value), 5) for value in (search[-1], chance[-1], *rmse)]
-    meets = [sum(one.meets for one in part) for part in parts]
-    return [front.spec.seed, len(search), *figures, after, *meets, *(one.proposal.skin.build().name for one in best)]
+    meets = [sum(one.feasible for one in part) for part in parts]
+    return [front.spec.seed, len(search), *figures, after, *meets, *(one.coarse.skin.build().name for one in best)]
 
 
 def main(folder: Path, results: Path, skins: int = SKINS) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 import uvicorn
 import websockets
 
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source
 from palpate.core import PalpateError
@@ -28,7 +28,7 @@ from palpate.twin import read_twin
 from palpate.viewer import Feed, ServeSpec, build_readings_app
 from palpate.viewer.guard import Guard
 from palpate.viewer.serve_readings import bound_backlog
-from palpate.viewer.server import open_door
+from palpate.viewer.server import bind_server
 
 RATE, CLIENTS = 60.0, 20
 
@@ -41,8 +41,8 @@ def memory_mb() -> float:
 def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
     twin = read_twin(path)
     layout = place_markers(twin.skin, MarkerSpec(count=169))
-    scene = set_scene(twin.skin, layout, Deviation(), CameraSpec(), RenderSpec(noise=2.0, blur_px=0.7))
-    images = [scene.at_rest()]
+    scene = build_scene(twin.skin, layout, Deviation(), CameraSpec(), RenderSpec(noise=2.0, blur_px=0.7))
+    images = [scene.render_rest()]
     sensor = open_sensor(images, Unit(twin.skin, layout), twin)
     began = time.monotonic()
 
@@ -68,7 +68,7 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
                     return
                 yield images[0]
 
-    door, listener = open_door(ServeSpec(port=0))
+    door, listener = bind_server(ServeSpec(port=0))
     bound_backlog(listener)
     app = Guard(build_readings_app(sensor, Feed(Camera)), door)
     server = uvicorn.Server(uvicorn.Config(app, log_level="error", lifespan="on", ws_per_message_deflate=False))

@@ -20,19 +20,22 @@ SKIN = DomeSpec().build()
 MARKERS = place_markers(SKIN, MarkerSpec(count=169)).positions
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 DEPTH, CELLS = 5.0, 16
-ENDS = {"drift_across": ("mm", (0.25, 0.5, 1.0, 2.0, 3.5, 5.0)), "twist_rate_deg": ("deg", (0.5, 1.0, 2.0, 3.5, 5.0))}
+ENDS = {
+    "lateral_rate_across": ("mm", (0.25, 0.5, 1.0, 2.0, 3.5, 5.0)),
+    "twist_rate_deg": ("deg", (0.5, 1.0, 2.0, 3.5, 5.0)),
+}
 """Unit, and how far the wall has gone at full depth."""
 
 
 def press(contact: str | float, whole: bool, **rates: float) -> Press:
-    wall = WallSpec(tilt_deg=5, depth=DEPTH, image_step=DEPTH, contact=contact, **rates)
+    wall = WallSpec(tilt_deg=5, depth=DEPTH, depth_step=DEPTH, contact=contact, **rates)
     solver = SolverSpec() if whole else SolverSpec(derivatives=tuple(ENDS))
     return solve_press(mesh_skin(SKIN, MeshSpec(cells=CELLS, whole=whole)), MATERIAL, wall, solver)
 
 
 def rate_of(half: Press, name: str) -> np.ndarray:
     """Derivative (n, 3) mm of the markers at full depth by a rate across the half's plane of symmetry."""
-    turn, found = half.wall.turn(half.mesh), half.derivative(name)
+    turn, found = half.obstacle.turn(half.mesh), half.derivative(name)
     local = MARKERS @ turn
     other = local[:, :1] < 0
     field = locate_inner(half.mesh, np.where(other, local * [-1.0, 1.0, 1.0], local)).interpolate(

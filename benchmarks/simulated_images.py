@@ -34,14 +34,17 @@ def rate(does: Callable[[], object], images: int) -> float:
 def main(path: Path) -> None:
     torch.set_num_threads(1)
     twin, camera = read_twin(path), build_camera()
-    dots = twin.print_dots(place_markers(twin.skin, MarkerSpec(count=169)).positions)
+    dots = twin.with_markers(place_markers(twin.skin, MarkerSpec(count=169)).positions)
     rng = np.random.default_rng(0)
     tilt, deep = float(twin.tilts_deg[-1]) / np.sqrt(2.0), float(twin.depths_mm[-1])
     poses = np.column_stack([rng.uniform(-tilt, tilt, (COUNT, 2)), rng.uniform(0.0, deep, COUNT)])
-    slips = rng.uniform(0.0, float(twin.slips[-1]), COUNT)
+    slips = rng.uniform(0.0, float(twin.inverse_frictions[-1]), COUNT)
     few = list(zip(poses[:ONE_BY_ONE], slips[:ONE_BY_ONE], strict=True))
-    exact = np.array([camera.project(dots.move(*each).positions) for each in few])
-    print(f"one by one: {rate(lambda: [camera.project(dots.move(*each).positions) for each in few], len(few)):.0f}/s")
+    exact = np.array([camera.project(dots.evaluate(*each).positions) for each in few])
+    print(
+        f"one by one: "
+        f"{rate(lambda: [camera.project(dots.evaluate(*each).positions) for each in few], len(few)):.0f}/s"
+    )
     for dtype in ("float64", "float32"):
         batch = BatchTwin(dots, camera, dtype=dtype)
         apart = np.abs(batch.pixels(poses[:ONE_BY_ONE], slips[:ONE_BY_ONE]).numpy() - exact).max()

@@ -86,11 +86,11 @@ def published_case(name: str) -> Case:
     skin = press.skin.build()
     mesh = FILLED if press.mesh.filled else TUBE if skin.hole else HOLLOW
     markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
-    tilt, depth = 92.0 if press.wall.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.wall.depth / 2
-    travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "image_step": depth / IMAGES}
+    tilt, depth = 92.0 if press.obstacle.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.obstacle.depth / 2
+    travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "depth_step": depth / IMAGES}
     modulus = press.material.law.shear_modulus
     penalty = modulus * (CONFINED if modulus < SOFT_WALL_MPA else STIFFER) if mesh.filled else SOFT
-    return Case(skin, press.material, mesh, press.wall.model_copy(update=travel), markers, penalty)
+    return Case(skin, press.material, mesh, press.obstacle.model_copy(update=travel), markers, penalty)
 
 
 def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:
@@ -100,7 +100,7 @@ def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:
 def compare(case: Case) -> list[dict[str, object]]:
     skin, material, meshing, wall = case.skin, case.material, case.mesh, case.wall
     mesh = mesh_skin(skin, meshing)
-    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
+    mesh = centre_mesh(mesh, wall.at_first_contact(mesh)[1])
     deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=case.penalty)
     ours = solve_press(mesh, material, wall)
     theirs = solve_press_calculix(mesh, material, wall, CalculixSpec(deck=deck))
@@ -133,7 +133,7 @@ def rows_of(name: str, ours: Press, theirs: Press, skin: Skin, markers: FloatArr
 
 def _thrust(press: Press) -> FloatArray:
     """Force (n,) N against the way of the obstacle."""
-    return np.asarray(press.force @ press.wall.turn(press.mesh) @ press.wall.way(press.mesh))
+    return np.asarray(press.force @ press.obstacle.turn(press.mesh) @ press.obstacle.approach_axis(press.mesh))
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.material import Loading, Sample, predict_unseen, rank, rank_models
+from palpate.material import Loading, Sample, extrapolate_modes, rank, rank_models
 from palpate.verify.read_reference import read_reference
 
 DATA = Path(__file__).parents[1] / "tests" / "unit" / "material" / "data"
@@ -56,7 +56,7 @@ def measure(name: str) -> list[tuple[str, float, float, float]]:
             for fit in (item.fit for item in ranked if item.fit is not None):
                 found = []
                 for rank._AS_GOOD in (_BEFORE, 10.0):
-                    found.append(predict_unseen(fit, ranked, given))
+                    found.append(extrapolate_modes(fit, ranked, given))
                 for before, now in zip(*found, strict=True):
                     other = samples.get(str(now.mode))
                     if other is None:

@@ -1,14 +1,14 @@
 """Volumes of a contact module and of the mold that casts it."""
 
-from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
+from palpate.design import DomeSpec, MountSpec, build_contact_module, build_module_solid, build_skin
 from palpate.fabricate import ProcessSpec, build_mold
 
 
 def main() -> float:
     dome, mount, process = build_skin(DomeSpec(height=20, thickness=2)), MountSpec(), ProcessSpec()
-    part = build_solid(build_module(dome, mount))
+    part = build_module_solid(build_contact_module(dome, mount))
     scale = 1 / (1 - process.shrinkage_percent / 100)
-    mold = build_mold(build_module(dome, mount, scale), process)
+    mold = build_mold(build_contact_module(dome, mount, scale), process)
     print(f"part {part.volume / 1000:.2f} mL, mold holds {mold.hollow() / 1000:.2f} mL")
     for name, solid in mold.parts.items():
         print(f"{name}: {solid.volume / 1000:.1f} mL of PLA")

@@ -7,7 +7,7 @@ from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
-from palpate.learn import find_limits
+from palpate.learn import compute_error_bounds
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import build_field
@@ -21,7 +21,7 @@ def main() -> float:
     bounds = {}
     for count in (7, 37, 169):
         field = build_field(presses, place_markers(dome, MarkerSpec(count=count)))
-        for limit in find_limits(field, build_camera(), DatasetSpec()):
+        for limit in compute_error_bounds(field, build_camera(), DatasetSpec()):
             bounds[count, limit.depth_mm] = limit.least_squares_deg
             print(
                 f"{count} markers, {limit.depth_mm:.1f} mm: least squares {limit.least_squares_deg:.2f} deg, "

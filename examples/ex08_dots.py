@@ -3,9 +3,9 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import build_pattern, name_markers, prepare_detector
+from palpate.markers import assign_markers, build_pattern, prepare_detector
 
 
 def main() -> float:
@@ -15,9 +15,11 @@ def main() -> float:
     dots = np.vstack([layout.positions, mark])
     normals = (dots - [0, 0, dome.center_z]) / np.linalg.norm(dots - [0, 0, dome.center_z], axis=1, keepdims=True)
     askew = build_camera(CameraSpec(offset_x=1.5, tilt_y_deg=3, roll_deg=25))
-    image = render(askew, dot_edges(dots, normals, layout.diameter), RenderSpec(noise=3, blur_px=0.7, vignetting=0.3))
+    image = render(
+        askew, flat_marker_outlines(dots, normals, layout.diameter), RenderSpec(noise=3, blur_px=0.7, vignetting=0.3)
+    )
     blobs = prepare_detector(image).find(image)
-    naming = name_markers(blobs.positions_px, build_pattern(layout.positions, build_camera().project, mark))
+    naming = assign_markers(blobs.positions_px, build_pattern(layout.positions, build_camera().project, mark))
     miss = np.linalg.norm(naming.positions_px - askew.project(layout.positions), axis=1)
     print(f"{naming.found.sum()} of {len(layout)} markers named, turned by {naming.turn_deg:.1f} deg")
     print(f"centres off by {miss.mean():.3f} px, at most {miss.max():.3f} px; ambiguous: {naming.ambiguous}")

@@ -4,7 +4,7 @@ from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
-from palpate.learn import TrainSpec, evaluate, find_limits, pool_limits, train
+from palpate.learn import TrainingSpec, compute_error_bounds, evaluate, pool_bounds, train
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import build_field
@@ -17,9 +17,9 @@ def main() -> float:
     presses = [solve_press(mesh, silicone, wall) for wall in walls]
     camera, spec = build_camera(), DatasetSpec(n_presses=1500)
     dataset = generate_dataset(presses, layout, camera, spec)
-    estimator = train(dataset, TrainSpec(epochs=80, repeats=1))
+    estimator = train(dataset, TrainingSpec(epochs=80, repeats=1))
     clean, jittered = evaluate(estimator, dataset), evaluate(estimator, dataset, jitter_seed=0)
-    limit = pool_limits(find_limits(build_field(presses, layout), camera, spec))
+    limit = pool_bounds(compute_error_bounds(build_field(presses, layout), camera, spec))
     print(f"clean {clean.rmse_deg:.3f} deg, at most {clean.pooled.max:.2f} deg on {clean.images} held-out images")
     print(f"jittered {jittered.rmse_deg:.3f} deg, {jittered.rmse_deg / limit.least_squares_deg:.2f} of least squares")
     return jittered.rmse_deg

@@ -9,7 +9,7 @@ def main() -> float:
     for offset in (0, 4):
         ball = pp.BallSpec(radius=8, offset=offset, depth=3.2, contact="frictionless")
         press = pp.solve_press(mesh, silicone, ball)
-        print(f"{ball.words}: {press.force[-1, 2]:.4f} N along the axis, {press.force[-1, 0]:.4f} N across it")
+        print(f"{ball.label}: {press.force[-1, 2]:.4f} N along the axis, {press.force[-1, 0]:.4f} N across it")
     return float(press.force[-1, 2])
 
 

@@ -3,7 +3,7 @@
 import palpate as pp
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset
-from palpate.learn import TrainSpec, evaluate, train
+from palpate.learn import TrainingSpec, evaluate, train
 
 
 def main() -> float:
@@ -12,7 +12,7 @@ def main() -> float:
     balls = [pp.BallSpec(radius=10, offset=mm, depth=4, contact="frictionless") for mm in (0, 2, 4)]
     presses = [pp.solve_press(mesh, silicone, ball) for ball in balls]
     dataset = generate_dataset(presses, layout, build_camera(), DatasetSpec(n_presses=600, jitter_px=0.2))
-    estimator = train(dataset, TrainSpec(width=32, epochs=150, repeats=1))
+    estimator = train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
     errors = evaluate(estimator, dataset)
     for axis, error in errors.by_axis.items():
         print(f"{axis}: RMSE {error.rmse:.3f} mm, at most {error.max:.2f} mm on {errors.images} held-out images")

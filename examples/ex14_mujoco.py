@@ -11,7 +11,7 @@ import palpate as pp
 from palpate.camera import build_camera
 from palpate.fea import Press
 from palpate.mechanics import SolverSpec
-from palpate.robot import tilt_of
+from palpate.robot import tilt_from_normal
 from palpate.simulator import AssetFormat, build_asset, export_asset
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
@@ -20,7 +20,7 @@ TILTS, STEPS = (0.0, 4.0, 8.0, 12.0), 2000
 
 def press(tilt_deg: float) -> Press:
     mesh = pp.mesh_skin(pp.build_skin(pp.DomeSpec()), pp.MeshSpec(cells=6))
-    wall = pp.WallSpec(tilt_deg=tilt_deg, depth=4, image_step=0.5)
+    wall = pp.WallSpec(tilt_deg=tilt_deg, depth=4, depth_step=0.5)
     return pp.solve_press(
         mesh, pp.get_material("zaid_2024_ecoflex_00_30"), wall, SolverSpec(derivatives=TWIN_DERIVATIVES)
     )
@@ -39,16 +39,16 @@ def load(straight: Press) -> mujoco.MjModel:
 def run(model: mujoco.MjModel, twin: Twin) -> tuple[float, np.ndarray]:
     """Press to 3 mm while the wall leans over to 5°; depth in mm, and the dots' pixels of every step."""
     layout, camera = pp.place_markers(twin.skin, pp.MarkerSpec(count=169)), build_camera()
-    dots, data, seen = twin.print_dots(layout.positions), mujoco.MjData(model), []
+    dots, data, seen = twin.with_markers(layout.positions), mujoco.MjData(model), []
     for share in np.linspace(0.0, 1.0, STEPS):
         lean = np.radians(5.0 * share)
         normal = np.array([0.0, -np.sin(lean), np.cos(lean)])
-        data.mocap_pos[0] = (twin.skin.touch(normal) - [0.0, 0.0, 3.0 * share]) / 1e3
+        data.mocap_pos[0] = (twin.skin.support_point(normal) - [0.0, 0.0, 3.0 * share]) / 1e3
         data.mocap_quat[0] = [np.cos(lean / 2), np.sin(lean / 2), 0.0, 0.0]
         mujoco.mj_step(model, data)
         depth = 1e3 * data.sensordata[0]
-        rx, ry = tilt_of(data.xmat[model.body("wall").id].reshape(3, 3)[:, 2])
-        seen.append(camera.project(dots.move(np.array([rx, ry, depth]), slip=0.0).positions))
+        rx, ry = tilt_from_normal(data.xmat[model.body("wall").id].reshape(3, 3)[:, 2])
+        seen.append(camera.project(dots.evaluate(np.array([rx, ry, depth]), inverse_friction=0.0).positions))
     return depth, np.array(seen)
 
 

@@ -15,7 +15,7 @@ def main() -> float:
     for friction in (0.3, 0.6):
         # depth, x, y in mm: down, aside, back
         there_and_back = [[3], [3, 2.5], [3, 0]]
-        wall = RouteSpec(waypoints=there_and_back, contact=friction, image_step=0.25)
+        wall = RouteSpec(waypoints=there_and_back, contact=friction, depth_step=0.25)
         press = pp.solve_press(mesh, silicone, wall, SolverSpec(adhesion=0))
         aside = np.array([wall.waypoint(length).x_mm for length in press.depth])
         sliding = press.depth >= 3

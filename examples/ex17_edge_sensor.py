@@ -6,7 +6,7 @@ import palpate as pp
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.fea import obstacle_from_data
-from palpate.learn import TrainSpec, train
+from palpate.learn import TrainingSpec, train
 
 
 def main() -> tuple[float, float]:
@@ -15,8 +15,8 @@ def main() -> tuple[float, float]:
     edge = {"kind": "edge", "radius": 3, "opening_deg": 120, "depth": 4, "contact": "frictionless"}
     presses = [pp.solve_press(mesh, silicone, obstacle_from_data(edge | {"offset": mm})) for mm in (0, 2, 4)]
     dataset = generate_dataset(presses, layout, build_camera(), DatasetSpec(n_presses=600, jitter_px=0.2))
-    estimator = train(dataset, TrainSpec(width=32, epochs=150, repeats=1))
-    held = dataset.part(validation=True)
+    estimator = train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
+    held = dataset.subset(validation=True)
     deep = held.poses[:, 2] > 2
     errors = dataset.space.line_error(estimator.predict(held.images_px[deep]), held.poses[deep])
     offset_mm, angle_deg = np.sqrt(np.mean(errors**2, axis=0)).tolist()

@@ -13,8 +13,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from palpate.bench import set_scene
-from palpate.built import ToleranceSpec, draw_deviation
+from palpate.bench import build_scene
+from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec, RenderSpec, render
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
@@ -48,11 +48,11 @@ def make_recording(folder: Path) -> None:
     write_table(
         folder.parent / "layout.csv", "x_mm,y_mm,z_mm", ([f"{x:.4f}" for x in row] for row in layout.positions)
     )
-    deviation = draw_deviation(ToleranceSpec(), SEED, 1)
-    scene = set_scene(skin, layout, deviation, CameraSpec(), LIGHT)
+    deviation = sample_deviation(ToleranceSpec(), SEED, 1)
+    scene = build_scene(skin, layout, deviation, CameraSpec(), LIGHT)
     mesh, material = mesh_skin(skin, MeshSpec()), get_material("zaid_2024_ecoflex_00_30")
     solved = [
-        solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, image_step=0.8, contact=FRICTION))
+        solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, depth_step=0.8, contact=FRICTION))
         for tilt in (0.0, 2.5, 5.0, 7.5, 10.0)
     ]
     rows: list[list[object]] = []
@@ -62,11 +62,11 @@ def make_recording(folder: Path) -> None:
         cv2.imwrite(str(folder / str(rows[-1][0])), render(scene.camera, scene.edges, noise))
     for press in range(1, 20):
         one, azimuth = solved[press % len(solved)], float(rng.uniform(0, 360))
-        turned = replace(one, wall=one.wall.model_copy(update={"azimuth_deg": azimuth}))
-        images = list(scene.through(turned))
+        turned = replace(one, obstacle=one.obstacle.model_copy(update={"azimuth_deg": azimuth}))
+        images = list(scene.render_press(turned))
         for depth in DEPTHS:
             step = int(np.argmin(np.abs(turned.depth - depth)))
-            tilt = turned.wall.tilt_deg
+            tilt = turned.obstacle.tilt_deg
             pose = tilt * np.cos(np.radians(azimuth)), tilt * np.sin(np.radians(azimuth)), turned.depth[step]
             force = float(np.linalg.norm(turned.force[step]))
             rows.append([f"{len(rows):02d}.png", press, *(f"{value:.4f}" for value in (*pose, force))])

@@ -56,7 +56,7 @@ class FadingLaw(Law):
         S = J * (inverse @ unfold(tau) @ inverse.transpose(0, 2, 1))
         before = self.memory.get("stress", np.zeros_like(S))
         parts = self.memory.get("parts", [np.zeros_like(S) for _ in self.relaxation.times])
-        now, share, kept = [], self.relaxation.end, np.zeros_like(S)
+        now, share, kept = [], self.relaxation.long_term_share, np.zeros_like(S)
         for lost, time, part in zip(self.relaxation.shares, self.relaxation.times, parts, strict=True):
             x = self.memory["passed"] / time
             taken = -np.expm1(-x) / x
@@ -104,7 +104,7 @@ def press_fading(relaxation: Relaxation, wall: WallSpec, ramp: float, holds: tup
     plain = get_material("zaid_2024_ecoflex_00_30")
     elastic = solve_press(mesh, plain, wall)
     law = FadingLaw(plain.law, relaxation)
-    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
+    mesh = centre_mesh(mesh, wall.at_first_contact(mesh)[1])
     path = start_press(mesh, replace(plain, law=law), wall, SolverSpec())
     depths = elastic.depth[1:]
     plan = [(ramp * depth / wall.depth, float(depth)) for depth in depths] + [(ramp + t, wall.depth) for t in holds]

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from palpate.design import TILT_DEPTH, Symmetry
+from palpate.design import TILT_SPACE, Symmetry
 
 RADIUS = 20.0
 STEP = 0.8
@@ -54,7 +54,7 @@ class KinematicPress:
         self.mesh = SimpleNamespace(skin=skin)
         self.ended_depth = self.reached
         self.wall = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0, pose_space=TILT_DEPTH
+            radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=8.0, pose_space=TILT_SPACE
         )
 
     def positions(self, points):

@@ -3,12 +3,12 @@
 import numpy as np
 
 from palpate.design import DomeSpec, MarkerSpec, build_skin
-from palpate.learn import Coverage, DepthLimit, measure_errors
+from palpate.learn import Coverage, ErrorBound, measure_errors
 from palpate.study import Counts, DesignResult, PressSummary
 
 LIMITS = (
-    DepthLimit(2.4, 48, 1.0, 1.2, 0.2, 0.7, 0.02, 0.3, 0.01),
-    DepthLimit(8.0, 48, 1.0, 0.2, 0.1, 0.1, 0.01, 0.05, 0.01),
+    ErrorBound(2.4, 48, 1.0, 1.2, 0.2, 0.7, 0.02, 0.3, 0.01),
+    ErrorBound(8.0, 48, 1.0, 0.2, 0.1, 0.1, 0.01, 0.05, 0.01),
 )
 
 
@@ -47,7 +47,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
             "estimator": ("ff",),
             "learning": ("dd",),
         },
-        limits=LIMITS,
+        bounds=LIMITS,
         coverage=None if failure else COVERAGE,
         repeat_rmse_deg=() if failure else (size, size + 0.1, size - 0.1),
         spec={"dataset": {"seed": 4}},

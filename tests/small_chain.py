@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.bench import Bench, VirtualBenchSpec
+from palpate.bench import VirtualBench, VirtualBenchSpec
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
 from palpate.dataset import DatasetSpec, generate_dataset
@@ -24,7 +24,7 @@ TILTS = (0.0, 4.0, 8.0)
 
 def solve(tilt_deg, **wall):
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
+    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, depth_step=1.0, **wall))
 
 
 def small_dataset(**spec):
@@ -41,7 +41,7 @@ def write_small_model(path):
 def write_small_twin(path):
     contacts, solver = ("no-slip", 1.4, 0.8, 0.4), SolverSpec(derivatives=TWIN_DERIVATIVES)
     walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
         for contact in contacts
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
@@ -51,9 +51,9 @@ def write_small_twin(path):
 
 
 def small_bench(folder, model, **spec):
-    chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "image_step": 0.9}
-    chosen |= {"cells": CELLS, "least_depth": 2.0} | spec
-    return Bench(
+    chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "depth_step": 0.9}
+    chosen |= {"cells": CELLS, "min_depth": 2.0} | spec
+    return VirtualBench(
         VirtualBenchSpec(**chosen), DOME, MARKERS, MATERIAL, CameraSpec(), model, ArtefactStore(folder / "store")
     )
 

@@ -3,21 +3,21 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.design import MarkerSpec
 from palpate.optimise import (
+    Evaluation,
     Front,
-    Judged,
-    Proposal,
+    LayoutOption,
     RequirementsSpec,
     SearchPlan,
+    SkinEvaluation,
     SkinSpace,
-    TriedSkin,
-    Variant,
+    SkinTrial,
     search_skins,
     write_front,
 )
-from palpate.optimise.optimise_design import JOURNAL, _keep, violations
+from palpate.optimise.optimise_design import JOURNAL, _keep, constraint_violations
 from palpate.optimise.space import Place
 
 SPEC = RequirementsSpec(
@@ -27,26 +27,26 @@ RINGS = {7: (20.0,), 19: (10.0, 20.0), 37: (10.0, 20.0, 27.0)}
 MATERIAL = "zaid_2024_ecoflex_00_30"
 
 
-def propose(place: Place) -> Proposal:
+def propose(place: Place) -> SkinEvaluation:
     """Thick skins are stiff, and more dots read better."""
     skin = SkinSpace.of(SPEC).skin(place)
     options = tuple(
-        Variant(
+        LayoutOption(
             MarkerSpec(ring_diameters=rings, diameter=1.2),
             "davis346",
             44.0,
             0.0,
-            BuiltFigure(5, 0.6 / count, 2.0 / count + 0.01 * skin.height / 20.0, 0.01, 0.3 / count),
+            PredictedAccuracy(5, 0.6 / count, 2.0 / count + 0.01 * skin.height / 20.0, 0.01, 0.3 / count),
         )
         for count, rings in RINGS.items()
     )
-    return Proposal(skin, MATERIAL, 6.0, 0.3 * skin.thickness, None, options)
+    return SkinEvaluation(skin, MATERIAL, 6.0, 0.3 * skin.thickness, None, options)
 
 
-def judge(places: Sequence[Place]) -> list[Judged]:
+def judge(places: Sequence[Place]) -> list[Evaluation]:
     found = [propose(place) for place in places]
     return [
-        Judged((one.options[-1].figure.worst_deg,), violations(SPEC, one), {"proposal": one.to_data()})
+        Evaluation((one.options[-1].accuracy.p95_deg,), constraint_violations(SPEC, one), {"proposal": one.to_data()})
         for one in found
     ]
 
@@ -58,7 +58,9 @@ def write_search(folder: Path, *, finished: bool) -> Front:
     front = Front(
         SPEC,
         tuple(
-            TriedSkin(one.number, Proposal.from_data(one.judged.note["proposal"]), one.judged.violations)
+            SkinTrial(
+                one.number, SkinEvaluation.from_data(one.evaluation.record["proposal"]), one.evaluation.violations
+            )
             for one in tried
         ),
     )

@@ -25,7 +25,7 @@ def side(axes: plt.Axes) -> None:
     inner = skin.inner_point(angle * skin.base_radius * 0.999, np.full(80, np.pi / 2))
     for sign in (-1, 1):
         axes.plot(sign * inner[:, 1], inner[:, 2], color=BLUE, lw=2)
-    touch = skin.touch(normal)
+    touch = skin.support_point(normal)
     along = np.array([normal[2], -normal[1]])
     ends = touch[1:] + np.outer([-16, 26], along)
     axes.plot(*ends.T, color=ORANGE, lw=2)

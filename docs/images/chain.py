@@ -17,7 +17,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from palpate.camera import build_camera
-from palpate.camera import preset as camera_preset
+from palpate.camera import camera_preset as camera_preset
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
@@ -51,7 +51,7 @@ def frame(axes: Axes3D, title: str) -> None:
 
 def draw_wall(axes: Axes3D, press: Press) -> None:
     """The wall at full depth."""
-    dome, tilt = press.mesh.skin, np.radians(press.wall.tilt_deg)
+    dome, tilt = press.mesh.skin, np.radians(press.obstacle.tilt_deg)
     normal = np.array([0, -np.sin(tilt), np.cos(tilt)])
     middle = np.array([0, 0, dome.center_z - press.depth[-1]]) + dome.outer_radius * normal
     along = np.array([0, np.cos(tilt), np.sin(tilt)])

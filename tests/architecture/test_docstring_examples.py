@@ -9,11 +9,11 @@ import pytest
 SOURCE = Path(__file__).parents[2] / "src"
 FILES = sorted(path for path in SOURCE.rglob("*.py") if ">>> " in path.read_text(encoding="utf-8"))
 VERBS = {
-    "camera": ["build_camera", "dot_edges", "render", "tangent_pair"],
-    "core": ["child_seed", "flag_of", "generator", "parameters", "provenance"],
+    "camera": ["build_camera", "flat_marker_outlines", "render", "tangent_pair"],
+    "core": ["child_seed", "flag_name", "generator", "parameters", "provenance"],
     "dataset": ["draw_jitter", "generate_dataset", "hold_out", "sample_poses"],
     "design": [
-        "build_module",
+        "build_contact_module",
         "build_skin",
         "check_design",
         "place_markers",
@@ -23,9 +23,9 @@ VERBS = {
         "turn_about_axis",
         "wall_normal",
     ],
-    "grid": ["name_row", "unit_of"],
+    "grid": ["design_label", "column_unit"],
     "learn": ["fit_ridge", "measure_errors"],
-    "sensor": ["find_zero", "score_readings"],
+    "sensor": ["find_depth_zero", "score_readings"],
     "study": ["read_study"],
 }
 

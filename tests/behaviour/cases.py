@@ -16,34 +16,34 @@ from typing import Any
 import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
-from palpate.bench import ToleranceSpec, play_unit
+from palpate.bench import ToleranceSpec, run_unit_trial
 from palpate.bench.played import COLUMNS
 from palpate.benchmark import PRESETS, make_benchmark, read_set
-from palpate.benchmark.draw_unit import draw_unit
-from palpate.benchmark.learnt_baselines import learn_design
+from palpate.benchmark.draw_unit import simulate_unit
+from palpate.benchmark.learnt_baselines import predict_by_markers
 from palpate.benchmark.spec import TINY_BASELINES
-from palpate.built import ForeseeSpec, draw_deviation, foresee
+from palpate.built import AccuracySpec, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
-from palpate.dataset import DatasetSpec, RandomiseSpec, generate_dataset
+from palpate.dataset import DatasetSpec, RandomisationSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
 from palpate.fea import BallSpec, Branch, CylinderSpec, Press, WallSpec, read_obstacle
 from palpate.learn import (
+    compute_error_bounds,
     evaluate,
-    find_limits,
     fit_ridge,
-    learn_forces,
     open_predictor,
     read_estimator,
+    train_force_output,
     write_estimator,
 )
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.optimise import RequirementsSpec
-from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import propose
-from palpate.recording import RecordingSpec, learn_recording, read_recording
+from palpate.optimise.proposal import SkinEvaluation
+from palpate.optimise.propose import evaluate_skin
+from palpate.recording import RecordingSpec, read_recording, train_on_recording
 from palpate.recording.arrays import read_arrays
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_field
 from presses import build_twin, run_tiny_study, solve_press, stored_folder
@@ -108,21 +108,21 @@ def summarise(found: Press) -> dict[str, Any]:
 
 
 def presses() -> Results:
-    wall = {"depth": 4.0, "image_step": 1.0}
+    wall = {"depth": 4.0, "depth_step": 1.0}
     found = {
         "no slip": solve("dome", WallSpec(tilt_deg=6, contact="no-slip", **wall), derivatives=TWIN_DERIVATIVES),
         "frictionless": solve("dome", WallSpec(tilt_deg=6, contact="frictionless", **wall)),
         "friction": solve("dome", WallSpec(tilt_deg=9, contact=0.6, azimuth_deg=40, unload=True, **wall)),
-        "snap": solve("thin", WallSpec(depth=8, image_step=2.0)),
-        "inverted": solve("thin", WallSpec(depth=8, image_step=2.0), branch=Branch.INVERTED),
-        "low": solve("low", WallSpec(tilt_deg=3, depth=3, image_step=1.0)),
+        "snap": solve("thin", WallSpec(depth=8, depth_step=2.0)),
+        "inverted": solve("thin", WallSpec(depth=8, depth_step=2.0), branch=Branch.INVERTED),
+        "low": solve("low", WallSpec(tilt_deg=3, depth=3, depth_step=1.0)),
         "ellipsoid": solve(
-            "ellipsoid", WallSpec(tilt_deg=4, drift=0.1, twist_rate_deg=1.0, bend=5.0, **wall), whole=True
+            "ellipsoid", WallSpec(tilt_deg=4, lateral_rate=0.1, twist_rate_deg=1.0, curvature=5.0, **wall), whole=True
         ),
         "ball": solve("dome", BallSpec(radius=6, offset=3, **wall)),
         "cylinder": solve("dome", CylinderSpec(**wall)),
-        "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, image_step=1.0))),
-        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, image_step=0.2), filled=True),
+        "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, depth_step=1.0))),
+        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), filled=True),
     }
     meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
     sizes = {
@@ -133,7 +133,7 @@ def presses() -> Results:
 
 def small_presses(contact: str | float = "no-slip", **update: Any) -> list[Press]:
     return [
-        solve("dome", WallSpec(tilt_deg=tilt, depth=5.0, image_step=1.0, contact=contact), **update)
+        solve("dome", WallSpec(tilt_deg=tilt, depth=5.0, depth_step=1.0, contact=contact), **update)
         for tilt in (0.0, 4.0, 8.0)
     ]
 
@@ -153,7 +153,9 @@ def datasets() -> Results:
         small_presses(),
         place_markers(skin_of("dome"), MARKERS),
         camera,
-        DatasetSpec(n_presses=20, max_tilt_deg=8.0, randomise=RandomiseSpec(dot=0.05, camera_offset=0.1, focal=0.01)),
+        DatasetSpec(
+            n_presses=20, max_tilt_deg=8.0, randomise=RandomisationSpec(dot=0.05, camera_offset=0.1, focal=0.01)
+        ),
     )
     return {
         name: {
@@ -168,7 +170,7 @@ def datasets() -> Results:
 
 def error_bounds() -> Results:
     field = build_field(small_presses(), place_markers(skin_of("dome"), MARKERS))
-    found = find_limits(field, build_camera(), small_dataset().spec, 0)
+    found = compute_error_bounds(field, build_camera(), small_dataset().spec, 0)
     return {f"{one.depth_mm:g} mm": asdict(one) for one in found}
 
 
@@ -201,14 +203,14 @@ def force_estimators() -> Results:
     with tempfile.TemporaryDirectory() as name:
         pose, force = Path(name) / "pose.onnx", Path(name) / "force.onnx"
         write_estimator(pose, fit_ridge(dataset))
-        learn_forces(pose, dataset, force)
+        train_force_output(pose, dataset, force)
         return {"ridge": {"force": open_predictor(force).predict(dataset.images_px[::50]).forces}}
 
 
 @cache
 def small_twin() -> Twin:
     walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
         for contact in ("no-slip", 1.4, 0.8, 0.4)
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
@@ -216,19 +218,23 @@ def small_twin() -> Twin:
 
 
 def twins() -> Results:
-    printed = small_twin().print_dots(place_markers(skin_of("dome"), MARKERS).positions)
+    printed = small_twin().with_markers(place_markers(skin_of("dome"), MARKERS).positions)
     results: Results = {}
     for name, touch in {"straight": (0.0, 0.0, 2.0), "tilted": (5.0, -2.0, 3.3), "shallow": (1.0, 7.0, 0.7)}.items():
-        moved = printed.move(np.array(touch), 0.7, 0.02)
-        results[name] = {"positions": moved.positions, "by": moved.by, "force": moved.force}
+        moved = printed.evaluate(np.array(touch), 0.7, 0.02)
+        results[name] = {"positions": moved.positions, "by": moved.jacobian, "force": moved.force}
     return results
 
 
 def accuracies() -> Results:
     layout, camera = place_markers(skin_of("dome"), MARKERS), build_camera()
     found = {
-        known: foresee(
-            small_twin(), layout, camera, ToleranceSpec(), ForeseeSpec(30, 20, max_tilt_deg=9.0, known=known)
+        known: predict_accuracy(
+            small_twin(),
+            layout,
+            camera,
+            ToleranceSpec(),
+            AccuracySpec(30, 20, max_tilt_deg=9.0, calibration_presses=known),
         )
         for known in (0, 4)
     }
@@ -238,19 +244,19 @@ def accuracies() -> Results:
 def unit_trials() -> Results:
     with tempfile.TemporaryDirectory() as name:
         bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), units=1, tilts=1, azimuths=2)
-        found = play_unit(bench, draw_deviation(bench.spec.tolerance, 3, 1))
+        found = run_unit_trial(bench, sample_deviation(bench.spec.tolerance, 3, 1))
     return {"twin": {name: found.column(name) for name in COLUMNS if name != "latency_ms"}}
 
 
 def skin_evaluations() -> Results:
     spec = RequirementsSpec(name="behaviour", markers=37, depth=5.0, max_tilt_deg=8.0)
     skin = skin_from_data(SKINS["dome"])
-    found = propose(small_twin(), Proposal(skin, SILICONE, 5.0, 0.3, None, ()), spec)
+    found = evaluate_skin(small_twin(), SkinEvaluation(skin, SILICONE, 5.0, 0.3, None, ()), spec)
     return {
         f"option {number}": {
             "rings": option.markers.ring_diameters or (),
-            "rmse": option.figure.rmse_deg,
-            "worst": option.figure.worst_deg,
+            "rmse": option.accuracy.rmse_deg,
+            "worst": option.accuracy.p95_deg,
         }
         for number, option in enumerate(found.options)
     }
@@ -258,7 +264,7 @@ def skin_evaluations() -> Results:
 
 def benchmark_units() -> Results:
     spec = PRESETS["tiny"]
-    found = draw_unit(spec, spec.designs[0], 1, small_twin())
+    found = simulate_unit(spec, spec.designs[0], 1, small_twin())
     return {
         "unit 1": {
             "markers": found.markers_px[::5],
@@ -272,7 +278,7 @@ def baselines() -> Results:
     spec = PRESETS["tiny"]
     folder = stored_folder("benchmark", [spec.model_dump_json()], lambda made: make_benchmark(spec, made, workers=1))
     found = read_set(folder / "set")
-    predicted = learn_design("ridge", found, spec.designs[0], TINY_BASELINES)
+    predicted = predict_by_markers("ridge", found, spec.designs[0], TINY_BASELINES)
     return {"ridge": dict(predicted.values)}
 
 
@@ -281,7 +287,7 @@ def recorded() -> tuple[Path, Any]:
     folder = Path(tempfile.mkdtemp(prefix="palpate-behaviour-"))
     draw_recording(folder, draw_motions(60, 1, shear=2.0), DrawnSensor(rings=3))
     spec = RecordingSpec(estimators="ridge", threads=1)
-    found = learn_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), lambda text: None)
+    found = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), lambda text: None)
     return folder / "store", found
 
 

@@ -11,6 +11,20 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from behaviour.cases import CASES, ROUNDING
 from palpate.core.behaviour import BEHAVIOUR_FILE
 
+STORED = {
+    "press": {
+        "by curvature": "by bend",
+        "by lateral_rate": "by drift",
+        "by lateral_rate_across": "by drift_across",
+    },
+    "accuracy": {"calibration_presses": "known", "p95_deg": "worst_deg"},
+    "unit_trial": {
+        "inverse_friction": "slip",
+        "inverse_friction_read": "slip_read",
+        "inverse_friction_half": "slip_half",
+    },
+}
+"""Stage → name of a result → its name in the stored file, which keeps the names of 0.2 and so its stamps."""
 DIGITS, SHARE = 7, 1e-5
 """Significant digits that are stored, and the share of a result's size below which two results are equal."""
 
@@ -19,7 +33,8 @@ def compute(stage: str) -> dict[str, Any]:
     """Results of a stage: case → name → flat list of numbers."""
     return {
         case: {
-            name: [_round(value) for value in np.ravel(np.asarray(values, float))] for name, values in found.items()
+            STORED.get(stage, {}).get(name, name): [_round(value) for value in np.ravel(np.asarray(values, float))]
+            for name, values in found.items()
         }
         for case, found in CASES[stage]().items()
     }

@@ -10,10 +10,10 @@ import pytest
 from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
-from palpate.bench import SimulatedSource, draw_touches
+from palpate.bench import SimulatedSource, sample_presses
 from palpate.grid import name_row
 from palpate.sensor import Unit
-from palpate.viewer.library import Library
+from palpate.viewer.library import DesignLibrary
 from palpate.viewer.results import read_results
 from presses import run_tiny_study
 
@@ -39,12 +39,12 @@ def _what_the_browser_needs():
 def results(tmp_path_factory) -> Path:
     """Results of a real study, and a recording of virtual touches of its second design inside them."""
     out = run_tiny_study(tmp_path_factory.mktemp("viewer") / "results")
-    library = Library(read_results(out))
+    library = DesignLibrary(read_results(out))
     design = library.design(1)
     recording = out / "recording"
     recording.mkdir()
-    unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
-    touches = SimulatedSource(unit, draw_touches(library.specimen(design).pressed.presses, seed=2))
+    unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
+    touches = SimulatedSource(unit, sample_presses(library.specimen(design).pressed.presses, seed=2))
     for number, image in enumerate(islice(touches.images(), 30)):
         cv2.imwrite(str(recording / f"{number:03d}.png"), image)
     return out

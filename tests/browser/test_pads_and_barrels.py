@@ -20,11 +20,11 @@ BARREL = {"kind": "barrel", "height": 120.0, "base_radius": 25.0, "middle_radius
 
 def pad_walls():
     poses = [(0.0, 0.0), (1.0, 0.0), (1.0, 90.0)]
-    return [WallSpec(tilt_deg=t, azimuth_deg=a, depth=0.6, image_step=0.1, contact=0.0) for t, a in poses]
+    return [WallSpec(tilt_deg=t, azimuth_deg=a, depth=0.6, depth_step=0.1, contact=0.0) for t, a in poses]
 
 
 def side_walls():
-    return [SideWallSpec(tilt_deg=t, depth=2.0, image_step=1.0, contact=0.0) for t in (88.0, 90.0, 92.0)]
+    return [SideWallSpec(tilt_deg=t, depth=2.0, depth_step=1.0, contact=0.0) for t in (88.0, 90.0, 92.0)]
 
 
 def write_results(folder, data: dict[str, object], walls: list[ObstacleSpec], meshing: MeshSpec) -> None:

@@ -31,7 +31,7 @@ def test_every_obstacle_has_a_row() -> None:
 
 
 class TestObstacle(ObstacleSuite):
-    @pytest.fixture(params=ROWS, ids=lambda spec: spec.words)
+    @pytest.fixture(params=ROWS, ids=lambda spec: spec.label)
     def spec(self, request: pytest.FixtureRequest) -> ObstacleSpec:
         found: ObstacleSpec = request.param
         return found
@@ -42,7 +42,7 @@ class TestObstacle(ObstacleSuite):
 
 
 class TestObstacleAtTheSide(ObstacleSuite):
-    @pytest.fixture(params=SIDE_ROWS, ids=lambda spec: spec.words)
+    @pytest.fixture(params=SIDE_ROWS, ids=lambda spec: spec.label)
     def spec(self, request: pytest.FixtureRequest) -> ObstacleSpec:
         found: ObstacleSpec = request.param
         return found

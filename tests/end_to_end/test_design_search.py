@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from errors import check_values
-from palpate.bench import Bench, VirtualBenchSpec, run_bench
+from palpate.bench import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.bench.result import pool_units
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, propose, prove, prove_front, read_requirements, write_front
-from palpate.study import find_made, read_study
+from palpate.optimise import optimise_design, propose, prove, read_requirements, validate_front, write_front
+from palpate.study import find_artefact, read_study
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -28,14 +28,14 @@ pytestmark = pytest.mark.slow
 WANTED = """
 name: small
 depth: 3
-least_depth: 1
+min_depth: 1
 max_tilt_deg: 9
 heights: [18, 22]
 base_radii: [20, 20]
 thicknesses: [2, 3]
 aspects: [1, 1]
 markers: 37
-known: 2
+calibration_presses: 2
 skins: 5
 finalists: 0
 """
@@ -80,27 +80,27 @@ def test_a_search_finds_the_same_however_it_was_done(
         importlib.import_module("palpate.optimise.optimise_design"), "stage_version", lambda stage: "another"
     )
     assert optimise_design(spec, tmp_path / "cut", workers=2) == whole, "what was judged before is judged again"
-    assert len(again.tried) == 5
+    assert len(again.trials) == 5
     assert again.winner is not None
-    assert again.winner.tried.meets
+    assert again.winner.trial.feasible
     assert 0 < again.winner.value("error") < 0.5
 
 
 def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 
-    wanted.write_text(WANTED + "grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
-    more = ["--skins", "2", "--control", "3", "--workers", "2", "--packs"]
+    wanted.write_text(WANTED + "baseline_grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
+    more = ["--skins", "2", "--random-skins", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(wanted), "--out", str(tmp_path / "out"), *more])
     assert left.value.code == 0
     page = (tmp_path / "out" / "report.md").read_text()
-    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --control 3 --packs\n" in page
+    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --random-skins 3 --packs\n" in page
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37
-    by_chance, grid = found["control"]["chance"], found["control"]["grid"]
-    assert by_chance["worst_deg"] <= found["control"]["search"]["worst_deg"], "the first skins are the same"
+    by_chance, grid = found["random_skins"]["chance"], found["random_skins"]["grid"]
+    assert by_chance["p95_deg"] <= found["random_skins"]["search"]["p95_deg"], "the first skins are the same"
     assert (grid["thickness_mm"], grid["distance_mm"], grid["ring_diameters_mm"]) == (2.5, 48.0, "10 20 30")
     assert (tmp_path / "out" / "winner.svg").read_text().count("<path") > 20
     (skin,) = read_study(tmp_path / "out" / "winner.yaml").designs.skins()
@@ -108,7 +108,7 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     (pack,) = (tmp_path / "out" / "packs").iterdir()
     assert (pack / "instructions.pdf").is_file()
     assert json.loads((pack / "manifest.json").read_text())
-    (tmp_path / "other.yaml").write_text(WANTED + "dot: 1.2\n")
+    (tmp_path / "other.yaml").write_text(WANTED + "min_marker_diameter: 1.2\n")
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
     assert left.value.code == 2
@@ -120,22 +120,26 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
     monkeypatch.setattr(prove, "VirtualBenchSpec", small)
     monkeypatch.setattr(prove, "UNITS", 3)
-    monkeypatch.setattr(prove, "plan_proposal", lambda *design, full: propose.plan_proposal(*design))
-    text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
-    wanted.write_text(text + "proof: trained\nrival: {thickness: 3, markers: {count: 19}}\n")
+    monkeypatch.setattr(prove, "plan_skin_evaluation", lambda *design, full: propose.plan_skin_evaluation(*design))
+    text = (
+        WANTED.replace("skins: 5", "skins: 1")
+        .replace("[2, 3]", "[2.5, 3]")
+        .replace("calibration_presses: 2", "calibration_presses: 0")
+    )
+    wanted.write_text(text + "validation: trained\nbaseline: {thickness: 3, markers: {count: 19}}\n")
     spec, out = read_requirements(wanted), tmp_path / "out"
-    front = prove_front(optimise_design(spec, out, workers=2), out, workers=2)
+    front = validate_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
-    proof = front.proof
+    proof = front.validation
     assert proof is not None, front.shortfall
     assert [one.title for one in proof.designs] == ["winner", "rival"]
     for one in proof.designs:
-        assert one.played is not None
-        assert (one.played.units, one.played.without_pose) == (3, 0)
-        assert one.off < 0.6, "three units on a coarse mesh"
+        assert one.simulated is not None
+        assert (one.simulated.units, one.simulated.without_pose) == (3, 0)
+        assert one.relative_error < 0.6, "three units on a coarse mesh"
         assert one.trained is not None
         assert (one.trained.units, one.trained.without_pose) == (3, 0)
-        assert one.trained != one.played
+        assert one.trained != one.simulated
         assert one.trained.rmse_deg < 1, "a sensor that always says upright would be off by 3.7"
     if proof.second is None:
         assert "CalculiX" in proof.second_problem
@@ -146,15 +150,15 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     write_front(out, front, "palpate optimise")
     page = (out / "report.md").read_text()
     check_values(page, "winner", "rival", "RMSE")
-    assert prove_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
+    assert validate_front(optimise_design(spec, out, workers=1), out, workers=1).validation == proof
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
     # the same units by the bench itself
-    twin = find_made(
+    twin = find_artefact(
         ArtefactStore(out / "store"),
-        prove.plan_proposal(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
+        prove.plan_skin_evaluation(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
     )
-    bench = Bench(
-        small(units=3, max_tilt_deg=9.0, depth=3.0, least_depth=1.0),
+    bench = VirtualBench(
+        small(units=3, max_tilt_deg=9.0, depth=3.0, min_depth=1.0),
         DomeSpec(thickness=3.0),
         MarkerSpec(count=19),
         get_material(spec.materials[0]),
@@ -163,7 +167,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         ArtefactStore(tmp_path / "bench"),
     )
     rx, ry, _ = (score.errors for score in pool_units(list(run_bench(bench))))
-    rival = proof.designs[1].played
+    rival = proof.designs[1].simulated
     assert rival is not None
     assert rival.rmse_deg == pytest.approx(((rx.rmse**2 + ry.rmse**2) / 2) ** 0.5, rel=1e-9)
-    assert 0 < rival.worst_deg <= max(rx.max, ry.max)
+    assert 0 < rival.p95_deg <= max(rx.max, ry.max)

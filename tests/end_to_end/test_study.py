@@ -30,8 +30,8 @@ COLUMNS = {
     "presses",
     "samples",
     "seed",
-    "limit_deg",
-    "rmse_over_limit",
+    "bound_deg",
+    "rmse_over_bound",
     "rmse_spread_deg",
 }
 
@@ -91,7 +91,7 @@ def test_limits_need_no_training_and_are_those_of_the_grid(tiny_study: Path, fin
     assert artefacts(finished) == before
     read = json.loads(finish(["limit", finished, "--json"]).stdout)["designs"]
     for one, other in zip(computed, read, strict=True):
-        assert one["limit_deg"] == pytest.approx(other["limit_deg"], rel=1e-6)
+        assert one["bound_deg"] == pytest.approx(other["bound_deg"], rel=1e-6)
         assert [part["floor_deg"] for part in one["by_depth"]] == [part["floor_deg"] for part in other["by_depth"]]
         assert [round(part["depth_mm"], 9) for part in one["by_depth"]] == [2.4, 3.2, 4.0]
 
@@ -111,7 +111,7 @@ def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Pat
 
 
 def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
-    done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "limit_deg", "-o", tmp_path, "--json"])
+    done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [
         "limit_by_depth.png",
         "limit_by_depth.svg",
@@ -167,7 +167,7 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert sum(json.loads(done.stdout)["computed"].values()) == 12
     assert numbers(tmp_path) == numbers(finished)
     output = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
-    assert (output["made"], output["of"], output["left_s"]) == (12, 12, 0)
+    assert (output["made"], output["of"], output["remaining_s"]) == (12, 12, 0)
 
 
 @pytest.mark.slow

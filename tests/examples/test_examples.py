@@ -1,6 +1,8 @@
-"""Every example runs, and gives the number that its reader expects."""
+"""Every example runs, and gives the number that its reader expects; every benchmark can be imported."""
 
+import importlib.util
 import runpy
+import sys
 from pathlib import Path
 
 import pytest
@@ -8,6 +10,9 @@ import pytest
 from needs import needs
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+BENCHMARKS = sorted((EXAMPLES.parent / "benchmarks").glob("*.py"))
+ELSEWHERE = {"felupe_press": "felupe"}
+"""Benchmark → the library of its own environment, which this one may lack."""
 EXPECTED = {
     "ex01_press": pytest.approx(0.1997, rel=0.01),
     "ex02_markers": pytest.approx(1.949, rel=0.01),
@@ -51,3 +56,17 @@ def test_an_example_gives_its_number(name: str, capsys, tmp_path, monkeypatch) -
     value = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"]()
     assert value == EXPECTED[name]
     assert capsys.readouterr().out
+
+
+@pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.stem)
+def test_a_benchmark_can_be_imported(path: Path, monkeypatch) -> None:
+    if path.stem in ELSEWHERE:
+        pytest.importorskip(ELSEWHERE[path.stem])
+    monkeypatch.syspath_prepend(str(path.parent))
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    spec = importlib.util.spec_from_file_location(f"benchmark_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)

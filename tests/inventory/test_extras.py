@@ -36,7 +36,7 @@ GRID = "import sys; sys.path[:0] = ['{root}/tests']; from results import PAPER\n
 PROGRAMS = {
     "": "from palpate.cli import main; main('press --cells 4 --depth 2 --step 1 --json'.split())",
     "learn": PRESSES
-    + "from palpate.learn import TrainSpec, train; print(train(dataset, TrainSpec(epochs=2), 0).members)",
+    + "from palpate.learn import TrainingSpec, train; print(train(dataset, TrainingSpec(epochs=2), 0).members)",
     "predict": PRESSES
     + "from palpate.learn import fit_ridge, open_predictor, write_estimator; from pathlib import Path\n"
     "write_estimator(Path('m.onnx'), fit_ridge(dataset))\n"

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from needs import needs
-from palpate.built import PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.fea import Ended, WallSpec, solve_press
-from palpate.learn import TrainSpec, train
-from palpate.markers import build_pattern, name_markers, prepare_detector
+from palpate.fea import EndReason, WallSpec, solve_press
+from palpate.learn import TrainingSpec, train
+from palpate.markers import assign_markers, build_pattern, prepare_detector
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import TWIN_DERIVATIVES, read_twin
@@ -42,7 +42,7 @@ def image():
     needs("cv2")
     dots = np.vstack([LAYOUT.positions, MARK])
     normals = SKIN.normal(dots)
-    return render(CAMERA, dot_edges(dots, normals, LAYOUT.diameter), RenderSpec(noise=2.0, blur_px=0.8))
+    return render(CAMERA, flat_marker_outlines(dots, normals, LAYOUT.diameter), RenderSpec(noise=2.0, blur_px=0.8))
 
 
 @pytest.mark.parametrize("contact", ["frictionless", "no-slip", 0.5], ids=["frictionless", "no_slip", "friction"])
@@ -50,7 +50,7 @@ def test_press(measure, contact):
     """H 20 T 2 under 5° to 8 mm on the default mesh."""
     wall = WallSpec(tilt_deg=5.0, depth=8.0, contact=contact)
     press = measure(lambda: solve_press(mesh_skin(SKIN), MATERIAL, wall), cost)
-    assert press.ended == Ended.DEPTH_REACHED
+    assert press.ended == EndReason.DEPTH_REACHED
 
 
 def test_press_derivatives(measure):
@@ -62,23 +62,23 @@ def test_press_derivatives(measure):
 
 def test_twin_move(measure, twin):
     """Where 169 dots go, and how by pose, friction, thickness, bend and drift, a thousand times."""
-    dots = twin.print_dots(LAYOUT.positions)
+    dots = twin.with_markers(LAYOUT.positions)
     poses = np.random.default_rng(1).uniform([-5, -5, 2], [5, 5, 4.5], (1000, 3))
     moved = measure(
-        lambda: [dots.move(pose, 0.5, drift=np.zeros(3)) for pose in poses],
-        lambda found: {"iterations": len(found), "unknowns": found[0].by.size},
+        lambda: [dots.evaluate(pose, 0.5, lateral=np.zeros(3)) for pose in poses],
+        lambda found: {"iterations": len(found), "unknowns": found[0].jacobian.size},
     )
-    assert np.isfinite([each.by for each in moved]).all()
+    assert np.isfinite([each.jacobian for each in moved]).all()
 
 
 def test_fit_pose(measure, twin):
     """Pose, friction and their covariance from 120 images of a press, each from where the last one was."""
-    dots, rng = twin.print_dots(LAYOUT.positions), np.random.default_rng(2)
+    dots, rng = twin.with_markers(LAYOUT.positions), np.random.default_rng(2)
     rest = CAMERA.project(LAYOUT.positions)
-    belief = learn_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
-    model = model_unit(twin, LAYOUT, belief, ToleranceSpec())
+    belief = infer_from_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
+    model = build_unit_model(twin, LAYOUT, belief, ToleranceSpec())
     poses = np.column_stack([np.full(120, 4.0), np.full(120, -2.0), np.linspace(1.5, 4.5, 120)])
-    seen = [CAMERA.project(dots.move(pose, 1.0).positions) + rng.normal(0, 0.05, rest.shape) for pose in poses]
+    seen = [CAMERA.project(dots.evaluate(pose, 1.0).positions) + rng.normal(0, 0.05, rest.shape) for pose in poses]
 
     def fit():
         fitter = PoseFitter(model, 0.05)
@@ -103,7 +103,7 @@ def test_name_dots(measure, image):
     """Which of 169 is which, ten times, pattern included."""
     blobs = prepare_detector(image).find(image).positions_px
     named = measure(
-        lambda: [name_markers(blobs, build_pattern(LAYOUT.positions, CAMERA.project, MARK)) for _ in range(10)],
+        lambda: [assign_markers(blobs, build_pattern(LAYOUT.positions, CAMERA.project, MARK)) for _ in range(10)],
         lambda found: {"iterations": len(found), "unknowns": int(found[0].found.sum())},
     )
     assert named[0].found.all()
@@ -125,7 +125,7 @@ def test_train(measure, presses):
     needs("torch")
     dataset = generate_dataset(presses, LAYOUT, CAMERA, DatasetSpec(n_presses=600, max_tilt_deg=8.0))
     estimator = measure(
-        lambda: train(dataset, TrainSpec(epochs=5)),
+        lambda: train(dataset, TrainingSpec(epochs=5)),
         lambda found: {
             "iterations": 5 * int((~dataset.validation).sum()),
             "unknowns": sum(w.size for w in found.weights),

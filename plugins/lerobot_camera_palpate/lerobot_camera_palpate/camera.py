@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lerobot_camera_palpate.config import PalpateCameraConfig
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
-from palpate.robot import OpenSpec, open_by, read_open_spec
+from palpate.robot import SensorLaunchSpec, open_from_parameters, parse_launch_spec
 from palpate.sensor import Sensor, describe_reading
 
 _LONGEST_S, _PATIENCE_S = 10.0, 2.0
@@ -132,8 +132,10 @@ class PalpateCamera(Camera):
         return f"PalpateCamera({self.config.source})"
 
     def _open_sensor(self) -> Sensor:
-        chosen = {name: getattr(self.config, name) for name in OpenSpec.model_fields if hasattr(self.config, name)}
-        return open_by(read_open_spec(OpenSpec, chosen))
+        chosen = {
+            name: getattr(self.config, name) for name in SensorLaunchSpec.model_fields if hasattr(self.config, name)
+        }
+        return open_from_parameters(parse_launch_spec(SensorLaunchSpec, chosen))
 
     def _begin(self) -> None:
         """Wait for the first image, and hold it against the size that was asked for."""
@@ -159,7 +161,7 @@ class PalpateCamera(Camera):
                 reading = describe_reading(sensor.read(item)) if sensor else None
                 with self._news:
                     if isinstance(item, PalpateError):
-                        self._reason = item.what
+                        self._reason = item.problem
                     else:
                         self._newest, self._taken = _Seen(self._coloured(item), time.monotonic(), reading), False
                     self._news.notify_all()

@@ -17,7 +17,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from palpate.core import PalpateError, parameters
-from palpate.robot import TOPICS, RosSensor, RosSpec, read_open_spec
+from palpate.robot import TOPICS, RosSensor, RosSpec, parse_launch_spec
 from palpate.ros import Message, build_message
 from palpate_ros.convert import make_message, message_type
 
@@ -42,7 +42,7 @@ class SensorNode(LifecycleNode):
         """Open the sensor; the dome is untouched."""
         try:
             values = {name: self.get_parameter(name).value for name in self._names}
-            self._palpate = RosSensor(read_open_spec(RosSpec, values), self._publish)
+            self._palpate = RosSensor(parse_launch_spec(RosSpec, values), self._publish)
         except PalpateError as error:
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE

@@ -23,15 +23,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.photograph import Scene, set_scene
-from palpate.bench.played import COLUMNS, TOLD, Played, ToldNumber, list_learnt, read_played, write_played
+from palpate.bench.photograph import Scene, build_scene
+from palpate.bench.played import (
+    COLUMNS,
+    MEASURANDS,
+    ParameterEstimate,
+    UnitTrial,
+    compare_parameters,
+    read_trial,
+    write_trial,
+)
 from palpate.bench.spec import VirtualBenchSpec
-from palpate.built import KNOWN_TILTS, KNOWN_TURN_DEG, Deviation, RobotSpec
+from palpate.built import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, Deviation, RobotUncertainty
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
 from palpate.deck import CalculixSpec
 from palpate.design import (
-    TILT_DEPTH,
+    TILT_SPACE,
     MarkerLayout,
     MarkerSpec,
     Skin,
@@ -43,7 +51,7 @@ from palpate.design import (
 from palpate.fea import (
     PRESS_SOLVERS,
     Branch,
-    Ended,
+    EndReason,
     Press,
     WallSpec,
     press_recipe,
@@ -59,7 +67,7 @@ from palpate.sensor import (
     Sensor,
     Unit,
     check_model,
-    find_zero,
+    find_depth_zero,
     identify_unit,
     open_model,
     open_sensor,
@@ -73,14 +81,14 @@ _INVERTED_CORE = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class VirtualBench:
     """What is played.
 
     Attributes
     ----------
     spec
         How it presses, looks and counts.
-    dome, markers, material, camera
+    skin, markers, material, camera
         The design and what the training took for granted.
     model
         What reads: a trained network (.onnx), or the design's twin (.h5).
@@ -91,7 +99,7 @@ class Bench:
     """
 
     spec: VirtualBenchSpec
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     material: Material
     camera: CameraSpec
@@ -107,23 +115,23 @@ class Bench:
     @cached_property
     def nominal(self) -> Skin:
         """The design's dome."""
-        return build_skin(self.dome)
+        return build_skin(self.skin)
 
     @cached_property
-    def reads_with(self) -> Predictor | Twin:
+    def opened_model(self) -> Predictor | Twin:
         """The model, opened."""
         return open_model(self.model)
 
     @property
     def name(self) -> str:
         """The design in words."""
-        return f"H {self.dome.height:g}, T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+        return f"H {self.skin.height:g}, T {self.skin.thickness:g} mm, {len(self.layout)} markers"
 
     def facts(self) -> dict[str, Any]:
         """What every report begins with, as JSON data: spec, design, model and versions."""
         return {
             "spec": self.spec.model_dump(mode="json"),
-            "dome": self.dome.model_dump(mode="json"),
+            "dome": self.skin.model_dump(mode="json"),
             "markers": len(self.layout),
             "model_sha256": self.model_sha256,
             "made_by": provenance() | {"unit_trial": stage_version("unit_trial")},
@@ -141,7 +149,7 @@ class Bench:
             "one press of a unit is turned to every azimuth",
             "Judge its estimator by `palpate run`: presses held out.",
         )
-        check_model(self.reads_with, Unit(self.nominal, self.layout, nominal=self.camera), TILT_DEPTH)
+        check_model(self.opened_model, Unit(self.nominal, self.layout, nominal=self.camera), TILT_SPACE)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -156,7 +164,7 @@ class Bench:
             ) from error
 
 
-def play_unit(bench: Bench, deviation: Deviation) -> Played:
+def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
     """Press, photograph and read one unit, or find in the store what it gave before.
 
     Raises
@@ -167,9 +175,9 @@ def play_unit(bench: Bench, deviation: Deviation) -> Played:
     recipe = unit_recipe(bench, deviation)
     found = bench.store.find(recipe, ".json")
     if found is None:
-        played = _play(bench, deviation)
-        found = bench.store.write(recipe, lambda path: write_played(path, played), ".json")
-    return read_played(found, deviation)
+        played = _run_unit(bench, deviation)
+        found = bench.store.write(recipe, lambda path: write_trial(path, played), ".json")
+    return read_trial(found, deviation)
 
 
 def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
@@ -178,19 +186,19 @@ def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
     return [round(float(tilt), 3) for tilt in spec.max_tilt_deg * parts / spec.tilts]
 
 
-def presses_of(bench: Bench, deviation: Deviation) -> Iterator[Press]:
+def solve_unit_presses(bench: VirtualBench, deviation: Deviation) -> Iterator[Press]:
     """The unit's presses by rising tilt, solved where the store has none."""
     for tilt in unit_tilts(bench.spec, deviation.unit):
         yield _press(bench, deviation, tilt, _branch(bench, deviation))
 
 
-def _branch(bench: Bench, deviation: Deviation) -> Branch:
+def _branch(bench: VirtualBench, deviation: Deviation) -> Branch:
     """The state in which a unit is read."""
     other = bench.spec.inverted and deviation.unit > bench.spec.units - bench.spec.inverted
     return Branch.INVERTED if other else Branch.FLAT
 
 
-def _press(bench: Bench, deviation: Deviation, tilt: float, branch: Branch = Branch.FLAT) -> Press:
+def _press(bench: VirtualBench, deviation: Deviation, tilt: float, branch: Branch = Branch.FLAT) -> Press:
     recipe = _press_recipe(bench, deviation, tilt, branch)
     path = bench.store.find(recipe)
     if path is None:
@@ -199,101 +207,107 @@ def _press(bench: Bench, deviation: Deviation, tilt: float, branch: Branch = Bra
     return read_press(path)
 
 
-def _play(bench: Bench, deviation: Deviation) -> Played:
-    scene = set_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
+def _run_unit(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
+    scene = build_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
     unit = Unit(bench.nominal, bench.layout, nominal=bench.camera, tolerance=bench.spec.tolerance)
-    presses = list(presses_of(bench, deviation))
+    presses = list(solve_unit_presses(bench, deviation))
     try:
         _refuse_none(presses)
-        sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)
+        sensor = open_sensor([scene.render_rest()], unit, bench.opened_model)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
-        zero, learnt = None, tuple[ToldNumber, ...]()
-        if bench.spec.known:
+        zero, learnt = None, tuple[ParameterEstimate, ...]()
+        if bench.spec.calibration_presses:
             known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
-            learnt = tuple(list_learnt(known, deviation, _slip(bench, deviation), bench.spec.tolerance))
+            learnt = tuple(
+                compare_parameters(known, deviation, _inverse_friction(bench, deviation), bench.spec.tolerance)
+            )
         elif bench.spec.zero:
             flat = _press(bench, deviation, unit_tilts(bench.spec, deviation.unit)[0])
             first = _read(bench, scene, sensor, _turned(flat, float(rng.uniform(0, 360))), deviation)
-            zero = find_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.least_depth)
+            zero = find_depth_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.min_depth)
         tables = [
             _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation, number).images
             for number, press in enumerate(item for item in presses for _ in range(bench.spec.azimuths))
         ]
     except PalpateError as error:
-        return Played(deviation, np.empty((0, len(COLUMNS))), failure=str(error))
-    return Played(deviation, np.concatenate(tables), zero, learnt)
+        return UnitTrial(deviation, np.empty((0, len(COLUMNS))), failure=str(error))
+    return UnitTrial(deviation, np.concatenate(tables), zero, learnt)
 
 
 def _refuse_none(presses: list[Press]) -> None:
     """Refuse a unit that has no other state to be read in."""
     for press in presses:
-        if press.ended is Ended.NO_BRANCH:
+        if press.ended is EndReason.NO_BRANCH:
             raise PalpateError(
                 press.message, "Press deeper, or let fewer units be inverted.", code="inverted-state-missing"
             )
 
 
 def _known(
-    bench: Bench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
+    bench: VirtualBench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
 ) -> list[tuple[FloatArray, list[NDArray[np.uint8]], FloatArray]]:
     """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off.
 
     They are on a flat wall. Its load cell is read once, at the deepest image of the first.
     """
-    tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in KNOWN_TILTS[: bench.spec.known]]
-    level = replace(deviation, bend=0.0)
+    tilts = [
+        round(share * bench.spec.max_tilt_deg, 3) for share in CALIBRATION_TILTS[: bench.spec.calibration_presses]
+    ]
+    level = replace(deviation, curvature=0.0)
     solved, first, found = [_press(bench, level, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
-    for number in range(bench.spec.known):
-        press = _turned(solved[number % len(solved)], (first + KNOWN_TURN_DEG * number) % 360.0)
+    for number in range(bench.spec.calibration_presses):
+        press = _turned(solved[number % len(solved)], (first + CALIBRATION_TURN_DEG * number) % 360.0)
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
-        deep = press.depth >= bench.spec.least_depth - 1e-9
+        deep = press.depth >= bench.spec.min_depth - 1e-9
         cell = np.full(int(deep.sum()), np.nan)
         if not number:
             cell[-1] = _weigh(press)[-1]
-        found.append((poses[deep], list(compress(scene.through(press), deep)), cell))
+        found.append((poses[deep], list(compress(scene.render_press(press), deep)), cell))
     return found
 
 
 def _weigh(press: Press) -> FloatArray:
     """What a load cell under the wall says at each image of a press (n,), N along its normal."""
-    return press.force @ wall_normal(np.radians(press.wall.radial), 0.0)  # as it was solved, not turned
+    return press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)  # as it was solved, not turned
 
 
-def _robot(bench: Bench) -> RobotSpec:
-    return RobotSpec(bench.spec.robot_tilt_deg, bench.spec.robot_depth)
+def _robot(bench: VirtualBench) -> RobotUncertainty:
+    return RobotUncertainty(bench.spec.robot_tilt_deg, bench.spec.robot_depth)
 
 
 def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float, float, float]:
     """rx, ry (degrees) and depth (mm) of an image on the robot's scale."""
-    tilt, azimuth = press.wall.radial, np.radians(press.wall.turn_deg + deviation.seating_turn_deg)
+    tilt, azimuth = press.obstacle.radial, np.radians(press.obstacle.turn_deg + deviation.seating_turn_deg)
     rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
     ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
     # the robot starts where a dome of the design's thickness would be touched
-    late = deviation.touch - deviation.thickness / np.cos(np.radians(tilt))
+    late = deviation.depth_zero - deviation.thickness / np.cos(np.radians(tilt))
     return float(rx), float(ry), float(depth + late)
 
 
-def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation, number: int = 0) -> Played:
+def _read(
+    bench: VirtualBench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation, number: int = 0
+) -> UnitTrial:
     """Truth and readings of the images of a press that count."""
     rows = []
-    slip = _slip(bench, deviation)
-    for depth, force, image in zip(press.depth, _weigh(press), scene.through(press), strict=True):
+    slip = _inverse_friction(bench, deviation)
+    for depth, force, image in zip(press.depth, _weigh(press), scene.render_press(press), strict=True):
         reading = sensor.read(image)
-        if depth >= bench.spec.least_depth - 1e-9:
+        if depth >= bench.spec.min_depth - 1e-9:
             told, half = list(reading.pose), list(reading.half_width)
             if reading.fit is not None:
-                pressing = reading.fit.force.pressing
-                told += [pressing.value, reading.fit.slip]
+                pressing = reading.fit.force.normal_force
+                told += [pressing.value, reading.fit.inverse_friction]
                 half += [pressing.half_width, reading.fit.half_width[3]]
-            nothing = [np.nan] * (len(TOLD) - len(told))
+            nothing = [np.nan] * (len(MEASURANDS) - len(told))
             truth = (*_robot_pose(press, deviation, float(depth)), force, slip)
             rows.append((number, len(reading.flags), reading.latency_ms, *truth, *told, *nothing, *half, *nothing))
-    return Played(deviation, np.array(rows).reshape(-1, len(COLUMNS)))
+    return UnitTrial(deviation, np.array(rows).reshape(-1, len(COLUMNS)))
 
 
-def _slip(bench: Bench, deviation: Deviation) -> float:
+def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
     """1/µ of a unit's wall; NaN where it is frictionless."""
     contact = deviation.friction or bench.spec.contact
     if isinstance(contact, str):
@@ -302,33 +316,33 @@ def _slip(bench: Bench, deviation: Deviation) -> float:
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall in another direction; its solution turns with it (`Scene.through`)."""
-    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    """The press with its wall in another direction; its solution turns with it (`Scene.render_press`)."""
+    return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
-def _solve(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Press:
-    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench, deviation, branch))
+def _solve(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Press:
+    mesh = mesh_skin(build_skin(deviation.dome(bench.skin)), _mesh_spec(bench, deviation, branch))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg, branch)
     if branch is Branch.INVERTED:
         return solve_press(mesh, material, wall, branch=branch)
     return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
 
 
-def _mesh_spec(bench: Bench, deviation: Deviation, branch: Branch) -> MeshSpec:
+def _mesh_spec(bench: VirtualBench, deviation: Deviation, branch: Branch) -> MeshSpec:
     if branch is Branch.INVERTED:
         own = bench.spec.cells or round(FINER * _own_cells(bench))
         return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
     cells = bench.spec.cells or (_own_cells(bench) if whole else round(FINER * _own_cells(bench)))
-    return MeshSpec(cells=cells, whole=whole, filled=bench.material.fills)
+    return MeshSpec(cells=cells, whole=whole, filled=bench.material.has_gel)
 
 
-def _own_cells(bench: Bench) -> int:
+def _own_cells(bench: VirtualBench) -> int:
     """Cells from pole to rim by which the nominal skin is pressed."""
-    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.fills)).spec.cells or 0
+    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.has_gel)).spec.cells or 0
 
 
-def _wall(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
+def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
     """The wall of a press; where robots drift, as far as is drawn for this press.
 
     A skin slides while it inverts, so that a drift does not matter then.
@@ -338,12 +352,12 @@ def _wall(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -
     return WallSpec(
         tilt_deg=tilt_deg,
         depth=bench.spec.depth,
-        image_step=bench.spec.image_step,
+        depth_step=bench.spec.depth_step,
         contact=deviation.friction or bench.spec.contact,
-        bend=_bend(bench, deviation, tilt_deg),
+        curvature=_curvature(bench, deviation, tilt_deg),
         **dict(
             zip(
-                WallSpec.DRIFTS if branch is Branch.FLAT else (),
+                WallSpec.LATERAL_FIELDS if branch is Branch.FLAT else (),
                 (most * shares).round(6).tolist(),
                 strict=branch is Branch.FLAT,
             )
@@ -351,20 +365,20 @@ def _wall(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -
     )
 
 
-def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
+def _curvature(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> float:
     """Curvature of the wall of a press, 1/m, either way."""
     share = generator(bench.spec.seed, "bend", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0)
-    return round(deviation.bend * float(share), 4)
+    return round(deviation.curvature * float(share), 4)
 
 
-def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
+def _press_recipe(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
     other = bench.spec.solver == "calculix"
     solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
     mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
-    return press_recipe(deviation.dome(bench.dome), mesh, deviation.material(bench.material), wall, solver, branch)
+    return press_recipe(deviation.dome(bench.skin), mesh, deviation.material(bench.material), wall, solver, branch)
 
 
-def unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+def unit_recipe(bench: VirtualBench, deviation: Deviation) -> Recipe:
     """The recipe of what a unit gave."""
     spec = {
         "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),

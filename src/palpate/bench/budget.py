@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import Bench, play_unit
-from palpate.bench.played import Played
+from palpate.bench.bench import VirtualBench, run_unit_trial
+from palpate.bench.played import UnitTrial
 from palpate.built import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, parameters
@@ -31,7 +31,7 @@ class BudgetLine:
     ----------
     name
         Field of `ToleranceSpec`, or ``images``, ``model`` and ``touch_unknown``.
-    words
+    label
         What a person reads.
     tolerance
         How large it was, with its unit.
@@ -46,7 +46,7 @@ class BudgetLine:
     """
 
     name: str
-    words: str
+    label: str
     tolerance: str
     angle_deg: float
     angle_max_deg: float
@@ -59,7 +59,7 @@ class BudgetLine:
         return asdict(self)
 
 
-def run_budget(bench: Bench) -> Iterator[BudgetLine]:
+def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
     """Measure line by line; units that are in the store are not played again.
 
     Raises
@@ -68,21 +68,21 @@ def run_budget(bench: Bench) -> Iterator[BudgetLine]:
         If the nominal unit cannot be played.
     """
     bench.check()
-    nominal = play_unit(bench, Deviation())
-    clean = play_unit(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
+    nominal = run_unit_trial(bench, Deviation())
+    clean = run_unit_trial(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
     for played in (nominal, clean):
         if played.failure:
             raise PalpateError(f"The nominal unit cannot be played: {played.failure}", code="unit-not-played")
-    yield _line("model", "the model itself, nominal unit, clean images", "", clean.perfect(), [clean])
+    yield _line("model", "the model itself, nominal unit, clean images", "", clean.with_exact_poses(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:
         if getattr(bench.spec.tolerance, item.name):
             yield _alone(bench, item, nominal)
-    if bench.spec.zero and bench.spec.tolerance.touch:
-        touch = next(item for item in IMPERFECTIONS if item.name == "touch")
+    if bench.spec.zero and bench.spec.tolerance.depth_zero:
+        touch = next(item for item in IMPERFECTIONS if item.name == "depth_zero")
         blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
-        line = _alone(blind, touch, play_unit(blind, Deviation()))
-        yield replace(line, name="touch_unknown", words="touch zero, not looked for")
+        line = _alone(blind, touch, run_unit_trial(blind, Deviation()))
+        yield replace(line, name="touch_unknown", label="touch zero, not looked for")
 
 
 def total(lines: Sequence[BudgetLine]) -> float:
@@ -90,17 +90,18 @@ def total(lines: Sequence[BudgetLine]) -> float:
     return float(np.sqrt(sum(line.angle_deg**2 for line in lines)))
 
 
-def _alone(bench: Bench, item: Imperfection, nominal: Played) -> BudgetLine:
+def _alone(bench: VirtualBench, item: Imperfection, nominal: UnitTrial) -> BudgetLine:
     draws = (2 if item.signed else 1) if item.solved else DRAWS
     played = [
-        play_unit(bench, single_deviation(bench.spec.tolerance, item, bench.spec.seed, draw)) for draw in range(draws)
+        run_unit_trial(bench, single_deviation(bench.spec.tolerance, item, bench.spec.seed, draw))
+        for draw in range(draws)
     ]
     unit = next(note.unit for note in parameters(ToleranceSpec) if note.name == item.name)
     size = f"{getattr(bench.spec.tolerance, item.name):g}" + (f" {unit}" if unit != "1" else "")
-    return _line(item.name, item.words, f"±{size}" if item.signed else size, nominal, played)
+    return _line(item.name, item.label, f"±{size}" if item.signed else size, nominal, played)
 
 
-def _line(name: str, words: str, tolerance: str, nominal: Played, units: Sequence[Played]) -> BudgetLine:
+def _line(name: str, words: str, tolerance: str, nominal: UnitTrial, units: Sequence[UnitTrial]) -> BudgetLine:
     failures = tuple(unit.failure for unit in units if unit.failure)
     changes = np.concatenate([np.empty((0, 3)), *(_change(nominal, unit) for unit in units if not unit.failure)])
     if not len(changes):
@@ -109,7 +110,7 @@ def _line(name: str, words: str, tolerance: str, nominal: Played, units: Sequenc
     angle, depth = changes[:, :2], changes[:, 2]
     return BudgetLine(
         name=name,
-        words=words,
+        label=words,
         tolerance=tolerance,
         angle_deg=float(np.sqrt(np.mean(angle**2))),
         angle_max_deg=float(np.abs(angle).max()),
@@ -119,17 +120,25 @@ def _line(name: str, words: str, tolerance: str, nominal: Played, units: Sequenc
     )
 
 
-def _change(nominal: Played, unit: Played) -> FloatArray:
+def _change(nominal: UnitTrial, unit: UnitTrial) -> FloatArray:
     """(n, 3) differences of the errors of the same images, those that both read."""
     change = (unit.corrected() - unit.truth) - (nominal.corrected() - nominal.truth)
     return np.asarray(change[np.isfinite(change).all(axis=1)])
 
 
-_TRAINED = ("thickness", "friction", "dot", "camera_offset", "camera_distance", "camera_tilt_deg", "focal")
-"""Imperfections that `palpate.dataset.RandomiseSpec` varies; others look like a pose, or are gone after rest."""
+_TRAINED = (
+    "thickness",
+    "friction_min",
+    "marker_position",
+    "camera_offset",
+    "camera_distance",
+    "camera_tilt_deg",
+    "focal",
+)
+"""Imperfections that `palpate.dataset.RandomisationSpec` varies; others look like a pose, or are gone after rest."""
 
 
-def recommend(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
+def recommend_randomisation(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
     """What the training should vary, and how far: all that costs at least a tenth of the total's square.
 
     Returns

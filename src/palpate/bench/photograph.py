@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.built import Deviation
-from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, render, tangent_pair, wrap_dots
+from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, marker_outlines, render, tangent_pair
 from palpate.core import BoolArray, FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
@@ -36,23 +36,25 @@ class Scene:
     render: RenderSpec
     printed: BoolArray
 
-    def at_rest(self) -> NDArray[np.uint8]:
+    def render_rest(self) -> NDArray[np.uint8]:
         """Image (h, w) of the untouched dome."""
         return self._look(self.edges, "rest")
 
-    def through(self, press: Press) -> Iterator[NDArray[np.uint8]]:
+    def render_press(self, press: Press) -> Iterator[NDArray[np.uint8]]:
         """Images (h, w) of a press, rest included; one of a whole model was solved at azimuth 0."""
-        own = turn_about_axis(np.radians(press.wall.turn_deg)) if press.mesh.spec.whole else np.eye(3)
+        own = turn_about_axis(np.radians(press.obstacle.turn_deg)) if press.mesh.spec.whole else np.eye(3)
         flat = press.positions(self.edges.reshape(-1, 3) @ own) @ own.T
         for number, points in enumerate(flat):
-            yield self._look(points.reshape(self.edges.shape), press.wall.radial, press.wall.turn_deg, number)
+            yield self._look(points.reshape(self.edges.shape), press.obstacle.radial, press.obstacle.turn_deg, number)
 
     def _look(self, edges: FloatArray, *which: str | float) -> NDArray[np.uint8]:
         noise = child_seed(self.render.seed, "noise", *which)
         return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
 
 
-def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
+def build_scene(
+    skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec
+) -> Scene:
     """Print the dots of one unit and mount its camera.
 
     Parameters
@@ -71,14 +73,14 @@ def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: C
     points = _misprint(skin, points, deviation, rng)
     there = np.ones(len(points), bool)
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
-    edges = wrap_dots(skin, points, layout.diameter)[there]
+    edges = marker_outlines(skin, points, layout.diameter)[there]
     return Scene(edges, build_camera(deviation.camera(nominal)), spec, there[:-1])
 
 
 def _misprint(skin: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
     """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
-    x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
+    x, y = points[:, 0] + deviation.print_shift_x, points[:, 1] + deviation.print_shift_y
     printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
     first, second = tangent_pair(skin.normal(printed))
-    off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
+    off = deviation.marker_position * rng.uniform(-1.0, 1.0, (len(points), 2))
     return skin.nearest(printed + off[:, :1] * first + off[:, 1:] * second)

@@ -11,18 +11,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built import Deviation, Identified, ToleranceSpec
+from palpate.built import Deviation, IdentificationResult, ToleranceSpec
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.sensor import TouchZero
+from palpate.sensor import DepthZero
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
-TOLD = (*POSE, "force_n", "slip")
+MEASURANDS = (*POSE, "force_n", "inverse_friction")
 """What an image tells: pose, force along the wall's normal, 1/µ. The last two are NaN where a network reads."""
-COLUMNS = ("press", "flagged", "latency_ms", *TOLD, *(f"{n}_read" for n in TOLD), *(f"{n}_half" for n in TOLD))
+COLUMNS = (
+    "press",
+    "flagged",
+    "latency_ms",
+    *MEASURANDS,
+    *(f"{n}_read" for n in MEASURANDS),
+    *(f"{n}_half" for n in MEASURANDS),
+)
 """Columns of the table of images: the truth of what is told, what was read, and half-widths of its 90 % intervals."""
 
 
-class ToldNumber(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """One number of a unit that known presses told.
 
     Attributes
@@ -33,7 +40,7 @@ class ToldNumber(NamedTuple):
         What it is.
     mean, sd
         What was told.
-    before
+    prior_sd
         Standard deviation before any press.
     """
 
@@ -41,11 +48,11 @@ class ToldNumber(NamedTuple):
     truth: float
     mean: float
     sd: float
-    before: float
+    prior_sd: float
 
 
 @dataclass(frozen=True, eq=False)
-class Played:
+class UnitTrial:
     """What one unit's images gave.
 
     Attributes
@@ -57,7 +64,7 @@ class Played:
         taken out.
     zero
         The depth's zero by the first press; `None` where it was not asked for.
-    learnt
+    parameters
         What known presses told of the unit; empty without any.
     failure
         Why the unit could not be played; empty where it was.
@@ -65,8 +72,8 @@ class Played:
 
     deviation: Deviation
     images: FloatArray
-    zero: TouchZero | None = None
-    learnt: tuple[ToldNumber, ...] = ()
+    zero: DepthZero | None = None
+    parameters: tuple[ParameterEstimate, ...] = ()
     failure: str = ""
 
     def column(self, *names: str) -> FloatArray:
@@ -98,7 +105,7 @@ class Played:
         """(n,) from image to pose."""
         return self.column("latency_ms")[:, 0]
 
-    def perfect(self) -> Played:
+    def with_exact_poses(self) -> UnitTrial:
         """The same images, as if their poses had been read without an error."""
         images = self.images.copy()
         images[:, [COLUMNS.index(f"{name}_read") for name in POSE]] = self.truth
@@ -109,53 +116,54 @@ class Played:
         return self.estimates + np.array([0.0, 0.0, self.zero.offset if self.zero else 0.0])
 
 
-def write_played(path: Path, played: Played) -> None:
+def write_trial(path: Path, trial: UnitTrial) -> None:
     """Write what a unit gave; what is not a number becomes ``null``."""
     data = {
         "columns": COLUMNS,
-        "images": [[value if math.isfinite(value) else None for value in row] for row in played.images.tolist()],
-        "zero": asdict(played.zero) if played.zero else None,
-        "learnt": [each._asdict() for each in played.learnt],
-        "failure": played.failure,
+        "images": [[value if math.isfinite(value) else None for value in row] for row in trial.images.tolist()],
+        "zero": asdict(trial.zero) if trial.zero else None,
+        "parameters": [each._asdict() for each in trial.parameters],
+        "failure": trial.failure,
     }
     path.write_text(json.dumps(data), encoding="utf-8")
 
 
-def read_played(path: Path, deviation: Deviation) -> Played:
-    """Read what `write_played` wrote of a unit."""
+def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
+    """Read what `write_trial` wrote of a unit."""
     data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return Played(
+    return UnitTrial(
         deviation=deviation,
         images=np.array(data["images"], float).reshape(-1, len(COLUMNS)),
-        zero=TouchZero(**data["zero"]) if data["zero"] else None,
-        learnt=tuple(ToldNumber(**each) for each in data["learnt"]),
+        zero=DepthZero(**data["zero"]) if data["zero"] else None,
+        parameters=tuple(ParameterEstimate(**each) for each in data["parameters"]),
         failure=data["failure"],
     )
 
 
-def list_learnt(
-    found: Identified, deviation: Deviation, slip: float, tolerance: ToleranceSpec
-) -> Iterator[ToldNumber]:
-    """What known presses told of a unit that slips by 1/µ = `slip`, beside what it is."""
+def compare_parameters(
+    found: IdentificationResult, deviation: Deviation, inverse_friction: float, tolerance: ToleranceSpec
+) -> Iterator[ParameterEstimate]:
+    """What known presses told of a unit that slips by 1/µ = `inverse_friction`, beside what it is."""
     for row in found.rows(tolerance):
         name = row["name"]
         if name.startswith("1/friction"):
-            truth = slip
-        elif name == "touch":  # a thicker dome is touched earlier
-            truth = deviation.touch - deviation.thickness
+            truth = inverse_friction
+        elif name == "depth_zero":  # a thicker dome is touched earlier
+            truth = deviation.depth_zero - deviation.thickness
         else:
             truth = 1.0 + deviation.modulus if name == "stiffness" else float(getattr(deviation, name))
-        yield ToldNumber(name, truth, row["mean"], row["sd"], row["before"])
+        yield ParameterEstimate(name, truth, row["mean"], row["sd"], row["before"])
 
 
-def cover(errors: FloatArray, half_widths: FloatArray) -> float:
+def covered_share(errors: FloatArray, half_widths: FloatArray) -> float:
     """Share of errors within their intervals; NaN without any."""
     known = np.isfinite(errors) & np.isfinite(half_widths)
     return float((np.abs(errors) <= half_widths)[known].mean()) if known.any() else math.nan
 
 
-def gather(played: Sequence[Played], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Truth, error and half-width (n,) of what all images of some units tell by one of `TOLD`, where they do."""
-    rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in played])
+def collect_estimates(trials: Sequence[UnitTrial], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Truth, error and half-width (n,) of what all images of some units tell by one of `MEASURANDS`, where they
+    do."""
+    rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in trials])
     rows = rows[np.isfinite(rows[:, 1])]
     return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2]

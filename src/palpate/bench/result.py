@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import Bench, play_unit
-from palpate.bench.played import POSE, TOLD, Played, ToldNumber, cover, gather
+from palpate.bench.bench import VirtualBench, run_unit_trial
+from palpate.bench.played import MEASURANDS, POSE, ParameterEstimate, UnitTrial, collect_estimates, covered_share
 from palpate.bench.spec import VirtualBenchSpec
-from palpate.built import Deviation, ToleranceSpec, draw_deviation
+from palpate.built import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
-from palpate.sensor import PAPER_TABLE_3, Score, made_by, score_readings, table_lines, write_report
+from palpate.sensor import PAPER_TABLE_3, Score, markdown_table, provenance_line, score_readings, write_report
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""
@@ -30,23 +30,23 @@ class UnitResult:
     ----------
     number
         0 for the nominal unit.
-    played
+    trial
         Its readings.
     scores
         Roll, pitch and depth; empty where the unit could not be played or never gave a pose.
     """
 
     number: int
-    played: Played
+    trial: UnitTrial
     scores: tuple[Score, ...]
 
     @property
     def without_pose(self) -> int:
         """Images that gave no pose."""
-        return int((~np.isfinite(self.played.estimates).all(axis=1)).sum())
+        return int((~np.isfinite(self.trial.estimates).all(axis=1)).sum())
 
     @property
-    def as_good(self) -> bool:
+    def meets_paper(self) -> bool:
         """Whether every image gave a pose, and roll and pitch are at least as good as the paper's."""
         if not self.scores or self.without_pose:
             return False
@@ -54,7 +54,7 @@ class UnitResult:
         return all(error.rmse <= WANTED_RMSE_DEG and error.max <= WANTED_MAX_DEG for error in angles)
 
 
-def run_bench(bench: Bench) -> Iterator[UnitResult]:
+def run_bench(bench: VirtualBench) -> Iterator[UnitResult]:
     """Play the nominal unit and then the sampled ones, as far as they are not in the store.
 
     Raises
@@ -64,15 +64,15 @@ def run_bench(bench: Bench) -> Iterator[UnitResult]:
     """
     bench.check()
     for number in range(bench.spec.units + 1):
-        deviation = draw_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
-        yield score_unit(number, play_unit(bench, deviation))
+        deviation = sample_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
+        yield score_unit(number, run_unit_trial(bench, deviation))
 
 
-def score_unit(number: int, played: Played) -> UnitResult:
+def score_unit(number: int, trial: UnitTrial) -> UnitResult:
     """Score what a unit's images gave."""
-    if not np.isfinite(played.estimates).all(axis=1).any():
-        return UnitResult(number, played, ())
-    return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))
+    if not np.isfinite(trial.estimates).all(axis=1).any():
+        return UnitResult(number, trial, ())
+    return UnitResult(number, trial, score_readings(trial.truth, trial.corrected(), trial.press))
 
 
 def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple[Score, ...]:
@@ -83,14 +83,14 @@ def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple
     units = [result for result in results if result.number and result.scores]
     if not units:
         return ()
-    truth = np.concatenate([result.played.truth for result in units])
-    estimates = np.concatenate([result.played.corrected() for result in units])
-    press = np.concatenate([1000 * result.number + result.played.press for result in units])
-    kept = ~np.concatenate([result.played.flagged for result in units]) | (not trusted)
+    truth = np.concatenate([result.trial.truth for result in units])
+    estimates = np.concatenate([result.trial.corrected() for result in units])
+    press = np.concatenate([1000 * result.number + result.trial.press for result in units])
+    kept = ~np.concatenate([result.trial.flagged for result in units]) | (not trusted)
     return score_readings(truth[kept], estimates[kept], press[kept]) if kept.any() else ()
 
 
-def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any]:
+def describe_bench(bench: VirtualBench, results: Sequence[UnitResult]) -> dict[str, Any]:
     """The bench as JSON data: what was chosen, versions, and every unit."""
     sampled = [result for result in results if result.number]
     return {
@@ -99,11 +99,11 @@ def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any
         "camera": bench.camera.model_dump(mode="json"),
         "units": [_describe_unit(result) for result in results],
         "pooled": [score.as_dict() for score in pool_units(results)],
-        "as_good_as_the_paper": {"units": sum(result.as_good for result in sampled), "of": len(sampled)},
+        "as_good_as_the_paper": {"units": sum(result.meets_paper for result in sampled), "of": len(sampled)},
     }
 
 
-def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> None:
+def write_bench(folder: Path, bench: VirtualBench, results: Sequence[UnitResult]) -> None:
     """Write ``bench.json``, ``bench.csv`` and ``bench.md`` into a folder.
 
     Raises
@@ -118,7 +118,7 @@ def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> No
 def unit_rows(result: UnitResult) -> list[list[str]]:
     """Rows of a table by `COLUMNS`, one a component."""
     name = unit_name(result.number)
-    flagged = int(result.played.flagged.sum())
+    flagged = int(result.trial.flagged.sum())
     return [
         [name, f"{score.component} {score.unit}", *score_cells(score), str(result.without_pose), str(flagged)]
         for score in result.scores
@@ -137,33 +137,33 @@ def unit_name(number: int) -> str:
     return str(number) if number else "nominal"
 
 
-def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
+def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> str:
     """The bench as a Markdown page."""
     spec, sampled = bench.spec, [result for result in results if result.number]
     lines = [
         f"# Virtual bench: {bench.name}",
         "",
-        f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.least_depth:g} to {spec.depth:g} "
+        f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.min_depth:g} to {spec.depth:g} "
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
         f"{spec.solver}; seed {spec.seed}. {_beforehand(spec)}",
         "",
-        *table_lines(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
+        *markdown_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
         "",
-        f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
-        f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
+        f"{sum(result.meets_paper for result in sampled)} of {len(sampled)} sampled units have "
+        f"RMSE ≤ {WANTED_RMSE_DEG}° and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
         "",
-        *_learnt_lines(sampled),
-        *_single_lines(sampled, known=bool(spec.known)),
+        *_parameter_lines(sampled),
+        *_single_lines(sampled, known=bool(spec.calibration_presses)),
         "## Every unit",
         "",
-        *table_lines(COLUMNS, [row for result in results for row in unit_rows(result)]),
-        *[f"\nUnit {result.number}: {result.played.failure}" for result in results if result.played.failure],
+        *markdown_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
+        *[f"\nUnit {result.number}: {result.trial.failure}" for result in results if result.trial.failure],
         "",
         "## Tolerances",
         "",
-        *table_lines(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
+        *markdown_table(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
         "",
-        made_by(),
+        provenance_line(),
         "",
     ]
     return "\n".join(lines)
@@ -179,7 +179,7 @@ def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
 
 def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
     nominal = next((result.scores for result in results if result.number == 0), ())
-    flagged = sum(int(result.played.flagged.sum()) for result in results if result.number)
+    flagged = sum(int(result.trial.flagged.sum()) for result in results if result.number)
     together = [("nominal unit", nominal), ("sampled units together", pool_units(results))]
     if flagged:
         together.append((f"without {flagged} flagged images", pool_units(results, trusted=True)))
@@ -194,10 +194,10 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
 
 
-def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
+def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str]:
     """What known presses told of the units, against what they are."""
-    told: dict[str, list[ToldNumber]] = {}
-    for learnt in (each for result in sampled for each in result.played.learnt):
+    told: dict[str, list[ParameterEstimate]] = {}
+    for learnt in (each for result in sampled for each in result.trial.parameters):
         told.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
     if not told:
         return []
@@ -206,20 +206,27 @@ def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
         table = np.array([one[1:] for one in each])
         error, sd = table[:, 1] - table[:, 0], table[:, 2]
         figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())
-        share = cover(error, NormalDist().inv_cdf(0.95) * sd)
+        share = covered_share(error, NormalDist().inv_cdf(0.95) * sd)
         rows.append([name, str(len(each)), *(f"{value:.4f}" for value in figures), f"{share:.0%}"])
     head = ("number", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
-    return ["## What known presses told", "", "In mm, degrees, px, shares and 1/µ.", "", *table_lines(head, rows), ""]
+    return [
+        "## What known presses told",
+        "",
+        "In mm, degrees, px, shares and 1/µ.",
+        "",
+        *markdown_table(head, rows),
+        "",
+    ]
 
 
 def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
     """How well single images tell force and friction, and how often intervals hold."""
-    played = [result.played for result in sampled if result.scores]
-    if not played or not np.isfinite(gather(played, "force_n")[1]).any():
+    played = [result.trial for result in sampled if result.scores]
+    if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
     rows = []
-    for name in TOLD:
-        truth, error, half = gather(played, name)
+    for name in MEASURANDS:
+        truth, error, half = collect_estimates(played, name)
         if name in POSE and not known:
             continue  # those of a unit whose seating is not known are of its own frame
         share = np.abs(error) / np.maximum(np.abs(truth), 1e-9)
@@ -227,33 +234,35 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
         figures = (np.sqrt((error**2).mean()), np.abs(error).max())
         shares = (np.sqrt((share**2).mean()), share.max()) if name == "force_n" else ()
         cells = [*(f"{value:.3f}" for value in figures), *(f"{value:.2%}" for value in shares)]
-        rows.append([name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{cover(error, half):.0%}"])
+        rows.append(
+            [name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{covered_share(error, half):.0%}"]
+        )
     head = ("", "images", "rms", "max", "rms share", "max share", "≤ 2 % or 0.01 N", "in the 90 % interval")
-    return ["## What single images tell", "", *table_lines(head, rows), ""]
+    return ["## What single images tell", "", *markdown_table(head, rows), ""]
 
 
 def _beforehand(spec: VirtualBenchSpec) -> str:
     """What is done with each unit before the presses that count, and how its robot moves."""
     told = "The depth's zero is " + ("found by one press beforehand." if spec.zero else "not corrected.")
-    if spec.known:
-        told = f"Each unit is told by {spec.known} known presses and one reading of a load cell."
+    if spec.calibration_presses:
+        told = f"Each unit is told by {spec.calibration_presses} known presses and one reading of a load cell."
     tolerance = spec.tolerance
     if tolerance.lateral or tolerance.twist_deg:
         told += (
             f" Robots drift by up to {tolerance.lateral:g} mm in both directions and {tolerance.twist_deg:g}° in a "
             "press."
         )
-    if tolerance.bend:
-        told += f" Walls have curvatures of up to {tolerance.bend:g} /m, known presses are on a flat one."
+    if tolerance.curvature:
+        told += f" Walls have curvatures of up to {tolerance.curvature:g} /m, known presses are on a flat one."
     if spec.inverted:
         told += f" The last {spec.inverted} units stand inverted; known presses are made before."
-    if tolerance.friction_most:
-        told += f" Friction is {tolerance.friction:g} to {tolerance.friction_most:g}, even in 1/µ."
+    if tolerance.friction_max:
+        told += f" Friction is {tolerance.friction_min:g} to {tolerance.friction_max:g}, even in 1/µ."
     return told
 
 
 def _describe_unit(result: UnitResult) -> dict[str, Any]:
-    played = result.played
+    played = result.trial
     return {
         "unit": result.number,
         "deviation": played.deviation.as_dict(),
@@ -262,10 +271,10 @@ def _describe_unit(result: UnitResult) -> dict[str, Any]:
         "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
         if result.scores
         else None,
-        "learnt": [each._asdict() for each in played.learnt],
+        "parameters": [each._asdict() for each in played.parameters],
         "without_pose": result.without_pose,
         "flagged": int(played.flagged.sum()),
         "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],
-        "as_good_as_the_paper": result.as_good,
+        "as_good_as_the_paper": result.meets_paper,
         "failure": played.failure,
     }

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.photograph import set_scene
+from palpate.bench.photograph import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source, render
 from palpate.core import FloatArray, child_seed, generator
@@ -41,7 +41,7 @@ class SimulatedSource(Source):
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
         self._touches = touches
         camera = unit.lens or unit.nominal or CameraSpec()
-        self._scene = set_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
+        self._scene = build_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
         self._truth: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
@@ -67,7 +67,7 @@ class SimulatedSource(Source):
             yield (0.0, 0.0, 0.0), rest
         for press in self._touches:
             edges = press.positions(rest.reshape(-1, 3))
-            wall = press.wall
+            wall = press.obstacle
             down = np.arange(0.0, press.depth[-1], _STEP)
             for depth in np.append(down, down[::-1]):
                 after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
@@ -98,15 +98,15 @@ def simulate_sensor(
     """
     unit.skin.require_revolution("its one press is turned to other azimuths", "Simulate a dome, or a round pad.")
     depth = min(8.0, 0.4 * unit.skin.height)
-    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
-    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, depth_step=0.8)
+    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
     press = solve_press(mesh, material, wall)
     return SimulatedSource(unit, presses * [press])
 
 
-def draw_touches(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
+def sample_presses(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
     """Solved presses of half a dome in random order without an end, each by a wall of random azimuth."""
     rng = generator(seed, "touches")
     while True:
         press, azimuth = presses[int(rng.integers(len(presses)))], float(rng.uniform(0.0, 360.0))
-        yield replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth}))
+        yield replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth}))

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import RobotSpec, ToleranceSpec
+from palpate.built import RobotUncertainty, ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
 from palpate.fea import check_contact
@@ -26,10 +26,10 @@ class VirtualBenchSpec(Spec):
     max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt", gt=0, le=30)
     azimuths: int = parameter(4, unit="1", meaning="directions drawn at random for every tilt", ge=1, le=100)
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
-    image_step: float = parameter(
+    depth_step: float = parameter(
         0.7, unit="mm", meaning="travel between two images, other than the training's", flag="step", gt=0, le=10
     )
-    least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0, le=60)
+    min_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0, le=60)
     contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         "no-slip",
         unit="1",
@@ -39,17 +39,25 @@ class VirtualBenchSpec(Spec):
         None, unit="1", meaning="cells along a meridian; empty: an eighth more than the training's own", ge=4, le=200
     )
     solver: Literal["palpate", "calculix"] = parameter("palpate", unit="", meaning="who solves the presses")
-    known: int = parameter(
+    calibration_presses: int = parameter(
         0, unit="1", meaning="known presses from which each unit is identified beforehand; needs a twin", ge=0, le=5
     )
     inverted: int = parameter(
         0, unit="1", meaning="units, the last ones, whose skin stands in its other state while it is read", ge=0
     )
     robot_tilt_deg: float = parameter(
-        RobotSpec.tilt_deg, unit="deg", meaning="standard deviation of the robot's tilts in known presses", gt=0, le=5
+        RobotUncertainty.tilt_deg,
+        unit="deg",
+        meaning="standard deviation of the robot's tilts in known presses",
+        gt=0,
+        le=5,
     )
     robot_depth: float = parameter(
-        RobotSpec.depth, unit="mm", meaning="standard deviation of the robot's depths in known presses", gt=0, le=5
+        RobotUncertainty.depth,
+        unit="mm",
+        meaning="standard deviation of the robot's depths in known presses",
+        gt=0,
+        le=5,
     )
     zero: bool = parameter(
         True, unit="", meaning="whether the depth's zero is found by a first press before those that count"
@@ -76,10 +84,10 @@ class VirtualBenchSpec(Spec):
 
     @model_validator(mode="after")
     def _some_images_count(self) -> VirtualBenchSpec:
-        if self.least_depth > self.depth:
+        if self.min_depth > self.depth:
             raise PydanticCustomError(
                 "images-too-shallow",
                 "no image counts: they are {depth} mm deep at most, and from {least} mm on they count.",
-                {"depth": f"{self.depth:g}", "least": f"{self.least_depth:g}"},
+                {"depth": f"{self.depth:g}", "least": f"{self.min_depth:g}"},
             )
         return self

@@ -9,25 +9,25 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.bench.bench import Bench
-from palpate.bench.budget import BudgetLine, recommend, total
-from palpate.core import writing
-from palpate.sensor import table_lines, write_report
+from palpate.bench.bench import VirtualBench
+from palpate.bench.budget import BudgetLine, recommend_randomisation, total
+from palpate.core import wrap_write_errors
+from palpate.sensor import markdown_table, write_report
 
 BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg", "depth RMS mm", "units")
 
 
-def describe_budget(bench: Bench, lines: Sequence[BudgetLine]) -> dict[str, Any]:
+def describe_budget(bench: VirtualBench, lines: Sequence[BudgetLine]) -> dict[str, Any]:
     """The budget as JSON data."""
     return {
         **bench.facts(),
         "lines": [line.as_dict() for line in lines],
         "total_angle_deg": total(lines),
-        "recommended": recommend(lines, bench.spec.tolerance),
+        "recommended": recommend_randomisation(lines, bench.spec.tolerance),
     }
 
 
-def write_budget(folder: Path, bench: Bench, lines: Sequence[BudgetLine]) -> None:
+def write_budget(folder: Path, bench: VirtualBench, lines: Sequence[BudgetLine]) -> None:
     """Write ``budget.json``, ``budget.csv``, ``budget.md`` and ``budget.png`` into a folder.
 
     Raises
@@ -37,19 +37,19 @@ def write_budget(folder: Path, bench: Bench, lines: Sequence[BudgetLine]) -> Non
     """
     table = [BUDGET_COLUMNS, *map(budget_row, lines)]
     write_report(folder, "budget", describe_budget(bench, lines), budget_page(bench, lines), table)
-    with writing(folder, "Choose another folder."):
+    with wrap_write_errors(folder, "Choose another folder."):
         draw_budget(lines).savefig(folder / "budget.png", dpi=150)
 
 
 def budget_row(line: BudgetLine) -> list[str]:
     """A line of the table by `BUDGET_COLUMNS`."""
     figures = (line.angle_deg, line.angle_max_deg, line.depth)
-    return [line.words, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
+    return [line.label, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
 
 
-def budget_page(bench: Bench, lines: Sequence[BudgetLine]) -> str:
+def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> str:
     """The budget as a Markdown page."""
-    advice = recommend(lines, bench.spec.tolerance)
+    advice = recommend_randomisation(lines, bench.spec.tolerance)
     return "\n".join(
         [
             f"# Error budget: {bench.name}",
@@ -57,7 +57,7 @@ def budget_page(bench: Bench, lines: Sequence[BudgetLine]) -> str:
             "Each imperfection alone at its tolerance; how much it changes the readings of the same poses. Model "
             f"{bench.model_sha256[:12]}, seed {bench.spec.seed}.",
             "",
-            *table_lines(BUDGET_COLUMNS, map(budget_row, lines)),
+            *markdown_table(BUDGET_COLUMNS, map(budget_row, lines)),
             "",
             f"All at once, as root of the sum of squares: {total(lines):.3f}°.",
             "",
@@ -67,7 +67,7 @@ def budget_page(bench: Bench, lines: Sequence[BudgetLine]) -> str:
             "",
             *(f"* `{name}: {value:g}`" for name, value in advice.items()),
             *([] if advice else ["None: nothing that a training could see costs more than the model itself."]),
-            *[f"\n{line.words}: {failure}" for line in lines for failure in line.failures],
+            *[f"\n{line.label}: {failure}" for line in lines for failure in line.failures],
             "",
         ]
     )
@@ -81,7 +81,7 @@ def draw_budget(lines: Sequence[BudgetLine]) -> Figure:
     places = np.arange(len(shown))
     axis.barh(places, [line.angle_max_deg for line in shown], color="0.85", label="greatest")
     axis.barh(places, [line.angle_deg for line in shown], color="C0", label="root mean square")
-    axis.set_yticks(places, [f"{line.words} {line.tolerance}".strip() for line in shown])
+    axis.set_yticks(places, [f"{line.label} {line.tolerance}".strip() for line in shown])
     axis.set_xlabel("change of rx and ry (degrees)")
     axis.legend(frameon=False, loc="lower right")
     axis.spines[["top", "right"]].set_visible(False)

@@ -1,7 +1,7 @@
 """Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
 
-from palpate.benchmark.draw_unit import DrawnUnit, deviation_of, draw_unit
-from palpate.benchmark.make_benchmark import MadeBenchmark, make_benchmark
+from palpate.benchmark.draw_unit import BenchmarkUnit, deviation_of, simulate_unit
+from palpate.benchmark.make_benchmark import BenchmarkFiles, make_benchmark
 from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
 from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_benchmark_spec
 from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers, SplitTable, read_set
@@ -25,12 +25,12 @@ __all__ = [
     "TINY_BASELINES",
     "BaselineSpec",
     "BenchmarkDesign",
+    "BenchmarkFiles",
     "BenchmarkScore",
     "BenchmarkSet",
     "BenchmarkSpec",
-    "DrawnUnit",
+    "BenchmarkUnit",
     "ErrorLine",
-    "MadeBenchmark",
     "Predictions",
     "ScoreLine",
     "SplitMarkers",
@@ -39,7 +39,6 @@ __all__ = [
     "UnitImages",
     "compare_page",
     "deviation_of",
-    "draw_unit",
     "make_benchmark",
     "read_baseline_spec",
     "read_benchmark_spec",
@@ -50,5 +49,6 @@ __all__ = [
     "score_page",
     "score_predictions",
     "score_rows",
+    "simulate_unit",
     "write_predictions",
 ]

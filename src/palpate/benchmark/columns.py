@@ -20,8 +20,8 @@ _MEANS = {
     "centre_y_px": "image centre off, row",
     "k1": "first coefficient of the distortion",
     "thickness": "wall too thick",
-    "pad_x": "print off along x",
-    "pad_y": "print off along y",
+    "print_shift_x": "print off along x",
+    "print_shift_y": "print off along y",
     "missing": "share of dots that are not there",
 }
 

@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import resample
 
-from palpate.bench import Deviation, Scene, set_scene
+from palpate.bench import Deviation, Scene, build_scene
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate.benchmark.unit_images import LABELS, UnitImages
-from palpate.built import draw_deviation
-from palpate.camera import render, trace_dots
+from palpate.built import sample_deviation
+from palpate.camera import project_markers, render
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.design import build_skin, place_markers, wall_normal
-from palpate.twin import PrintedTwin, Twin
+from palpate.twin import MarkerTwin, Twin
 
 _CORNERS = 32
-"""Corners of an outline, as `palpate.camera.dot_edges` has them."""
+"""Corners of an outline, as `palpate.camera.flat_marker_outlines` has them."""
 _CARRIED = 8
 """Points of it that are carried by the surface."""
 _DIGITS = 4
@@ -36,13 +36,13 @@ class UnitPress(NamedTuple):
     rx: float
     ry: float
     friction: float
-    slip: float
+    inverse_friction: float
     depths: FloatArray
     inverted: bool
 
 
 @dataclass(frozen=True, eq=False)
-class DrawnUnit:
+class BenchmarkUnit:
     """One unit of a design, ready to be pressed.
 
     Attributes
@@ -60,16 +60,16 @@ class DrawnUnit:
     deviation: Deviation
     scene: Scene
     printed: NDArray[np.bool_]
-    flat: PrintedTwin
-    inverted: PrintedTwin | None
+    flat: MarkerTwin
+    inverted: MarkerTwin | None
 
 
 def deviation_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> Deviation:
     """How unit 1, 2, … of a design is built."""
-    return draw_deviation(spec.tolerance, _seed_of(spec, design, unit), unit)
+    return sample_deviation(spec.tolerance, _seed_of(spec, design, unit), unit)
 
 
-def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> UnitImages:
+def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> UnitImages:
     """All images of one unit.
 
     Parameters
@@ -79,17 +79,17 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     twin
         Of the design's skin.
     """
-    drawn, seed = build_unit(spec, design, unit, twin), _seed_of(spec, design, unit)
-    presses = draw_presses(spec, twin, seed, unit)
+    drawn, seed = build_benchmark_unit(spec, design, unit, twin), _seed_of(spec, design, unit)
+    presses = draw_unit_presses(spec, twin, seed, unit)
     outlines, rows, numbers = [], [], []
     for number, press in enumerate(presses):
         for depth in press.depths:
             outline, label = press_unit(drawn, press, float(depth))
-            outlines.append(trace_dots(drawn.scene.camera, outline[:-1]).centres)
+            outlines.append(project_markers(drawn.scene.camera, outline[:-1]).centres)
             rows.append(label)
             numbers.append(number)
     noise = generator(seed, "noise", unit)
-    rest = trace_dots(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1]).centres
+    rest = project_markers(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1]).centres
     seen = np.full((len(rows) + 1, len(drawn.printed), 2), np.nan)
     seen[:, drawn.printed] = np.array([*outlines, rest])
     seen += spec.noise_px * noise.standard_normal(seen.shape)
@@ -106,19 +106,19 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     )
 
 
-def build_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> DrawnUnit:
-    """Build one unit; parameters are those of `draw_unit`."""
+def build_benchmark_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> BenchmarkUnit:
+    """Build one unit; parameters are those of `simulate_unit`."""
     skin = build_skin(design.skin)
-    layout = place_markers(skin, design.print)
+    layout = place_markers(skin, design.marker_layout)
     deviation = deviation_of(spec, design, unit)
     light = spec.render.model_copy(update={"seed": child_seed(_seed_of(spec, design, unit), "light", unit)})
-    scene = set_scene(skin, layout, deviation, spec.camera, light)
+    scene = build_scene(skin, layout, deviation, spec.camera, light)
     edges_mm = scene.edges[:, :: _CORNERS // _CARRIED].reshape(-1, 3)
-    other = None if twin.inverted is None else twin.inverted.print_dots(edges_mm)
-    return DrawnUnit(deviation, scene, scene.printed, twin.print_dots(edges_mm), other)
+    other = None if twin.inverted is None else twin.inverted.with_markers(edges_mm)
+    return BenchmarkUnit(deviation, scene, scene.printed, twin.with_markers(edges_mm), other)
 
 
-def draw_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
+def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
     """Walls of one unit: even over the disc of tilts, friction within the tolerance, a depth in each equal part."""
     rng, found = generator(seed, "poses", unit), []
     for _ in range(spec.presses):
@@ -126,23 +126,23 @@ def draw_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[
         parts = (np.arange(spec.images) + rng.random(spec.images)) / spec.images
         tilt, azimuth = spec.max_tilt_deg * np.sqrt(share), 2.0 * np.pi * turn
         rx, ry = (round(float(tilt * way), _DIGITS) for way in (np.cos(azimuth), np.sin(azimuth)))
-        slips, friction = twin.slips, np.inf
-        if len(slips) > 1 and spec.tolerance.friction > 0:
-            friction = round(float(spec.tolerance.draw_friction(float(rub))), _DIGITS)
+        slips, friction = twin.inverse_frictions, np.inf
+        if len(slips) > 1 and spec.tolerance.friction_min > 0:
+            friction = round(float(spec.tolerance.friction_at(float(rub))), _DIGITS)
         slip = min(1.0 / friction, float(slips[-1]))
         inverted = twin.inverted is not None and bool(state < spec.inverted_share)
         own = twin.inverted if inverted and twin.inverted is not None else twin
-        first = max(spec.least_depth, float(own.depths_mm[0]))
-        last = min(spec.depth, float(own.depths_mm[-1]), own.reach(float(tilt), slip))
+        first = max(spec.min_depth, float(own.depths_mm[0]))
+        last = min(spec.depth, float(own.depths_mm[-1]), own.max_depth(float(tilt), slip))
         depths = np.round(first + (last - first) * parts, _DIGITS)
         found.append(UnitPress(rx, ry, friction, slip, depths, inverted))
     return found
 
 
-def press_unit(drawn: DrawnUnit, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
+def press_unit(drawn: BenchmarkUnit, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
     """Outlines (m, k, 3) mm of a pressed unit's dots, and its `LABELS`."""
     dots = drawn.inverted if press.inverted and drawn.inverted is not None else drawn.flat
-    moved = dots.move(np.array([press.rx, press.ry, depth]), press.slip, drawn.deviation.thickness)
+    moved = dots.evaluate(np.array([press.rx, press.ry, depth]), press.inverse_friction, drawn.deviation.thickness)
     force = (1.0 + drawn.deviation.modulus) * moved.force
     tilt, azimuth = np.radians(np.hypot(press.rx, press.ry)), np.arctan2(press.ry, press.rx)
     normal = wall_normal(float(tilt * np.cos(azimuth)), float(tilt * np.sin(azimuth)))
@@ -166,7 +166,7 @@ def _outline(carried: FloatArray) -> FloatArray:
 
 
 def _pictures(
-    spec: BenchmarkSpec, drawn: DrawnUnit, presses: list[UnitPress], chosen: IntArray, seed: int
+    spec: BenchmarkSpec, drawn: BenchmarkUnit, presses: list[UnitPress], chosen: IntArray, seed: int
 ) -> NDArray[np.uint8]:
     """Pictures (k + 1, h, w) at rest and of the chosen images."""
     if not spec.pictures:

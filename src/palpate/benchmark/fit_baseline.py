@@ -6,17 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_of
+from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_width_column
 from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers
 from palpate.benchmark.spec import BenchmarkDesign
-from palpate.built import PoseFitter, learn_rest, model_unit
+from palpate.built import PoseFitter, build_unit_model, infer_from_rest
 from palpate.core import FloatArray, IntArray
 from palpate.design import place_markers
 from palpate.twin import Twin
 
 
-def fit_design(
-    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, say: Callable[[str], None]
+def predict_by_fit(
+    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, report: Callable[[str], None]
 ) -> Predictions:
     """Fit every image of the test of one design.
 
@@ -26,22 +26,22 @@ def fit_design(
         Which.
     twin
         Of the design's skin; of another mesh than that which the set is drawn from.
-    say
+    report
         Told after each unit.
     """
     found, spec = benchmark.markers("test", design.name), benchmark.spec
-    layout = place_markers(twin.skin, design.print)
-    names = (*POSE, FORCE, *(half_of(name) for name in (*POSE, FORCE)))
+    layout = place_markers(twin.skin, design.marker_layout)
+    names = (*POSE, FORCE, *(half_width_column(name) for name in (*POSE, FORCE)))
     table = np.empty((len(found.image), len(names)))
     for unit in np.unique(found.unit):
         rest = found.rest_px[int(unit)]
-        belief = learn_rest(twin, layout, spec.camera, rest, spec.tolerance, spec.noise_px)
-        fitter = PoseFitter(model_unit(twin, layout, belief, spec.tolerance), spec.noise_px)
+        belief = infer_from_rest(twin, layout, spec.camera, rest, spec.tolerance, spec.noise_px)
+        fitter = PoseFitter(build_unit_model(twin, layout, belief, spec.tolerance), spec.noise_px)
         for row in order_images(found, int(unit)):
             fit = fitter.fit(found.markers_px[row])
-            force = fit.force.pressing
+            force = fit.force.normal_force
             table[row] = (*fit.pose, force.value, *fit.half_width[:3], force.half_width)
-        say(f"{design.name}: unit {unit} fitted")
+        report(f"{design.name}: unit {unit} fitted")
     return Predictions(found.image, dict(zip(names, table.T, strict=True)))
 
 

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.benchmark.predictions import POSE, Predictions, half_of
+from palpate.benchmark.predictions import POSE, Predictions, half_width_column
 from palpate.benchmark.read_set import BenchmarkSet
-from palpate.benchmark.register_images import build_dataset, design_rest, register_images
-from palpate.benchmark.score import choose_track
+from palpate.benchmark.register_images import align_to_design, build_dataset, design_rest
+from palpate.benchmark.score import select_track
 from palpate.benchmark.spec import BaselineSpec, BenchmarkDesign, Split
 from palpate.core import FloatArray, IntArray
 from palpate.dataset import Dataset
-from palpate.learn import Estimator, calibrate, fit_ridge, train
-from palpate.recording import CourseSpec, Lesson, train_picture_network
+from palpate.learn import Estimator, calibrate_interval, fit_ridge, train
+from palpate.recording import TrainerSpec, TrainingSet, train_image_network
 
 _LEVEL = 0.9
 LEARNERS: dict[str, Callable[[Dataset, BaselineSpec], Estimator]] = {
@@ -27,7 +27,9 @@ LEARNERS: dict[str, Callable[[Dataset, BaselineSpec], Estimator]] = {
 """Ways from a design's images to an estimator."""
 
 
-def learn_design(name: str, benchmark: BenchmarkSet, design: BenchmarkDesign, spec: BaselineSpec) -> Predictions:
+def predict_by_markers(
+    name: str, benchmark: BenchmarkSet, design: BenchmarkDesign, spec: BaselineSpec
+) -> Predictions:
     """What an estimator on dots says of the test of one design.
 
     Parameters
@@ -43,14 +45,14 @@ def learn_design(name: str, benchmark: BenchmarkSet, design: BenchmarkDesign, sp
         If torch is not installed, which ridge does not need.
     """
     dataset = build_dataset(benchmark, design, spec.jitter_px)
-    estimator = calibrate(LEARNERS[name](dataset, spec), dataset, spec.seed)
+    estimator = calibrate_interval(LEARNERS[name](dataset, spec), dataset, spec.seed)
     found = benchmark.markers("test", design.name)
-    told = estimator.estimate(register_images(found, design_rest(benchmark, design)))
+    told = estimator.estimate(align_to_design(found, design_rest(benchmark, design)))
     return _predictions(found.image, told.poses, told.half_width)
 
 
-def learn_pictures(
-    benchmark: BenchmarkSet, spec: BaselineSpec, kept: Path, say: Callable[[str], None]
+def predict_by_images(
+    benchmark: BenchmarkSet, spec: BaselineSpec, checkpoint: Path, report: Callable[[str], None]
 ) -> Predictions:
     """What one network on the pictures of all designs says of the pictures of the test.
 
@@ -58,9 +60,9 @@ def learn_pictures(
     ----------
     benchmark, spec
         Of what, and how.
-    kept
+    checkpoint
         File that holds what is known after each epoch.
-    say
+    report
         Told after each epoch.
 
     Raises
@@ -69,14 +71,14 @@ def learn_pictures(
         If torch is not installed.
     """
     teach, judge, test = (_look(benchmark, split, spec.picture_px) for split in ("train", "calibrate", "test"))
-    lesson = Lesson(
+    lesson = TrainingSet(
         inputs=np.concatenate([teach[1], judge[1]]),
         targets=np.concatenate([teach[2], judge[2]]),
-        teach=np.repeat([True, False], [len(teach[0]), len(judge[0])]),
-        judge=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
+        train=np.repeat([True, False], [len(teach[0]), len(judge[0])]),
+        validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
         seed=spec.seed,
     )
-    part = train_picture_network("picture", lesson, len(POSE), CourseSpec(spec.picture_epochs), kept, say)
+    part = train_image_network("picture", lesson, len(POSE), TrainerSpec(spec.picture_epochs), checkpoint, report)
     off = np.abs(part.predict(judge[1]) - judge[2])
     half = np.quantile(off, _LEVEL, axis=0, method="higher")
     poses = part.predict(test[1])
@@ -85,7 +87,7 @@ def learn_pictures(
 
 def _look(benchmark: BenchmarkSet, split: Split, side: int) -> tuple[IntArray, NDArray[np.uint8], FloatArray]:
     """Numbers (n,), small pictures (n, h, w) and poses (n, 3) of one side."""
-    table, camera = choose_track(benchmark.table(split), "pictures"), benchmark.spec.camera
+    table, camera = select_track(benchmark.table(split), "pictures"), benchmark.spec.camera
     longer = max(camera.height_px, camera.width_px)
     size = (round(side * camera.height_px / longer), round(side * camera.width_px / longer))
     return table.image, benchmark.pictures(split, table.picture.tolist(), size), table.labels[:, :3]
@@ -94,5 +96,5 @@ def _look(benchmark: BenchmarkSet, split: Split, side: int) -> tuple[IntArray, N
 def _predictions(image: IntArray, poses: FloatArray, half_width: FloatArray) -> Predictions:
     values = dict(zip(POSE, poses.T, strict=True))
     if np.isfinite(half_width).all():
-        values |= {half_of(name): column for name, column in zip(POSE, half_width.T, strict=True)}
+        values |= {half_width_column(name): column for name, column in zip(POSE, half_width.T, strict=True)}
     return Predictions(image, values)

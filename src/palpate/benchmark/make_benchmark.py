@@ -18,16 +18,16 @@ from palpate.benchmark.draw_unit import deviation_of
 from palpate.benchmark.set_files import CHECKSUMS, SET, SplitPart, list_files, write_designs, write_split, write_units
 from palpate.benchmark.spec import SPLITS, BenchmarkSpec
 from palpate.benchmark.unit_images import UnitImages, read_unit_images
-from palpate.benchmark.unit_task import DrawnUnitTask, plan_units
+from palpate.benchmark.unit_task import BenchmarkUnitTask, plan_units
 from palpate.benchmark.write_card import SetCounts, write_card
 from palpate.benchmark.write_croissant import write_croissant
-from palpate.core import ArtefactStore, IntArray, PalpateError, child_seed, generator, new_folder
-from palpate.study import Observer, find_made, run_tasks, write_json
+from palpate.core import ArtefactStore, IntArray, PalpateError, atomic_folder, child_seed, generator
+from palpate.study import Observer, find_artefact, run_tasks, write_json
 from palpate.twin import read_twin
 
 
 @dataclass(frozen=True)
-class MadeBenchmark:
+class BenchmarkFiles:
     """What was made.
 
     Attributes
@@ -50,7 +50,7 @@ class MadeBenchmark:
 
 def make_benchmark(
     spec: BenchmarkSpec, out: Path, workers: int | None = None, observer: Observer | None = None
-) -> MadeBenchmark:
+) -> BenchmarkFiles:
     """Make the set in ``out/set``; what an earlier run left in ``out/store`` is used.
 
     Parameters
@@ -81,11 +81,13 @@ def make_benchmark(
     store, folder = ArtefactStore(out / "store"), out / SET
     if (folder / CHECKSUMS).is_file():
         shutil.rmtree(folder)
-    off = {task.design.name: float(read_twin(find_made(store, task.twin)).off_mm) for task in tasks}
+    off = {
+        task.design.name: float(read_twin(find_artefact(store, task.twin)).interpolation_error_mm) for task in tasks
+    }
     numbers = _number(spec)
     images: dict[str, int] = {}
     pictures: dict[str, int] = {}
-    with new_folder(folder) as draft:
+    with atomic_folder(folder) as draft:
         write_json(draft / "spec.json", spec.model_dump(mode="json", exclude={"hidden_seed"}))
         write_designs(draft, spec)
         for split in SPLITS:
@@ -105,11 +107,11 @@ def make_benchmark(
         write_card(draft, spec, counts)
         write_croissant(draft, spec)
         size, sha256 = list_files(draft)
-    return MadeBenchmark(folder, counts, size, sha256)
+    return BenchmarkFiles(folder, counts, size, sha256)
 
 
-def _read(store: ArtefactStore, task: DrawnUnitTask) -> UnitImages:
-    return read_unit_images(find_made(store, task))
+def _read(store: ArtefactStore, task: BenchmarkUnitTask) -> UnitImages:
+    return read_unit_images(find_artefact(store, task))
 
 
 def _number(spec: BenchmarkSpec) -> Sequence[IntArray]:

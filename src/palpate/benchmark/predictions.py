@@ -11,19 +11,19 @@ from pathlib import Path
 import numpy as np
 
 from palpate.benchmark.set_files import write_table
-from palpate.core import FloatArray, IntArray, PalpateError, writing
+from palpate.core import FloatArray, IntArray, PalpateError, wrap_write_errors
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
 FORCE = "force_n"
 _HEAD = "Write image, rx_deg, ry_deg, depth_mm, and if wished force_n and half_rx_deg, half_ry_deg, half_depth_mm."
 
 
-def half_of(name: str) -> str:
+def half_width_column(name: str) -> str:
     """Column of the half-width of another column's interval."""
     return f"half_{name}"
 
 
-KNOWN = ("image", *POSE, FORCE, *(half_of(name) for name in (*POSE, FORCE)))
+KNOWN = ("image", *POSE, FORCE, *(half_width_column(name) for name in (*POSE, FORCE)))
 """Columns that a table may have."""
 
 
@@ -116,7 +116,7 @@ def write_predictions(path: Path, predictions: Predictions) -> None:
     """
     names = [name for name in KNOWN if name in predictions.values]
     columns = [np.round(predictions.values[name], 6).tolist() for name in names]
-    with writing(path):
+    with wrap_write_errors(path):
         write_table(path, ("image", *names), zip(predictions.image.tolist(), *columns, strict=True))
 
 

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from palpate.benchmark.set_files import CHECKSUMS, HIDDEN, digest
 from palpate.benchmark.spec import BenchmarkSpec, Split
 from palpate.benchmark.unit_images import LABELS
-from palpate.core import FloatArray, IntArray, PalpateError, TextArray, load_opencv, refuse_outside_links
+from palpate.core import FloatArray, IntArray, PalpateError, TextArray, load_opencv, reject_external_links
 
 _AGAIN = "Give the folder 'set' that palpate benchmark make wrote."
 
@@ -115,7 +115,7 @@ class BenchmarkSet:
         path = self.folder / f"{split}.h5"
         try:
             with h5py.File(path, "r") as file:
-                refuse_outside_links(file, path)
+                reject_external_links(file, path)
                 kept = file[design]
                 rest = zip(kept["rest_unit"][()].tolist(), kept["rest_px"][()].astype(float), strict=True)
                 return SplitMarkers(

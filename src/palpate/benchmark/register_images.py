@@ -17,11 +17,11 @@ _NEIGHBOURS = 6
 
 def design_rest(benchmark: BenchmarkSet, design: BenchmarkDesign) -> FloatArray:
     """Dots (m, 2) px of a design as built without a fault, at rest."""
-    layout = place_markers(build_skin(design.skin), design.print)
+    layout = place_markers(build_skin(design.skin), design.marker_layout)
     return build_camera(benchmark.spec.camera).project(layout.positions)
 
 
-def register_images(found: SplitMarkers, rest_px: FloatArray) -> FloatArray:
+def align_to_design(found: SplitMarkers, rest_px: FloatArray) -> FloatArray:
     """Images (n, m, 2) px as the design's camera would see them.
 
     Displacements since rest are turned and scaled as the unit's image at rest must be to lie on the design's. A dot
@@ -61,7 +61,7 @@ def build_dataset(benchmark: BenchmarkSet, design: BenchmarkDesign, jitter_px: f
     markers = [benchmark.markers(split, design.name) for split in sides]
     tables = [benchmark.table(split) for split in sides]
     own = [table.design == design.name for table in tables]
-    images = np.concatenate([register_images(found, rest) for found in markers])
+    images = np.concatenate([align_to_design(found, rest) for found in markers])
     return Dataset(
         spec=DatasetSpec(jitter_px=jitter_px),
         images_px=images,

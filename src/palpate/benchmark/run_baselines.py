@@ -10,18 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.benchmark.fit_baseline import fit_design
-from palpate.benchmark.learnt_baselines import LEARNERS, learn_design, learn_pictures
+from palpate.benchmark.fit_baseline import predict_by_fit
+from palpate.benchmark.learnt_baselines import LEARNERS, predict_by_images, predict_by_markers
 from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
 from palpate.benchmark.read_set import BenchmarkSet
-from palpate.benchmark.score import BenchmarkScore, choose_track, score_predictions
+from palpate.benchmark.score import BenchmarkScore, score_predictions, select_track
 from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_rows
 from palpate.benchmark.set_files import CHECKSUMS, digest
 from palpate.benchmark.spec import BaselineSpec
 from palpate.benchmark.unit_task import plan_design_twin
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.sensor import write_report
-from palpate.study import find_made, run_tasks
+from palpate.study import find_artefact, run_tasks
 from palpate.twin import read_twin
 
 BASELINES = {
@@ -42,7 +42,7 @@ class _Desk:
     spec: BaselineSpec
     out: Path
     workers: int | None
-    say: Callable[[str], None]
+    report: Callable[[str], None]
 
     @property
     def store(self) -> ArtefactStore:
@@ -62,7 +62,7 @@ def run_baselines(
     out: Path,
     only: Sequence[str] = (),
     workers: int | None = None,
-    say: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> dict[str, list[BenchmarkScore]]:
     """Make predictions ``out/NAME.csv`` and the tables ``out/baselines.md``, ``.csv`` and ``.json``.
 
@@ -80,7 +80,7 @@ def run_baselines(
         Names of `BASELINES`; empty: all.
     workers
         Processes that solve the presses of twins; `None`: one a core.
-    say
+    report
         Told how it goes.
 
     Returns
@@ -98,14 +98,14 @@ def run_baselines(
         raise PalpateError(
             f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.", code="baseline-unknown"
         )
-    desk = _Desk(benchmark, spec, out, workers, say)
+    desk = _Desk(benchmark, spec, out, workers, report)
     scores: dict[str, list[BenchmarkScore]] = {}
     for name in [name for name in BASELINES if not only or name in only]:
         started = time.process_time()
         found = _make(desk, name)
         write_predictions(out / f"{name}.csv", found)
-        scores[name] = _judge(benchmark, found, name)
-        say(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
+        scores[name] = _score(benchmark, found, name)
+        report(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
         _write(out, scores)
     return scores
 
@@ -122,14 +122,14 @@ def _make(desk: _Desk, name: str) -> Predictions:
             if name == "picture":
                 kept = desk.store.path(recipe, ".kept")
                 kept.parent.mkdir(parents=True, exist_ok=True)
-                made = learn_pictures(desk.benchmark, desk.spec, kept, desk.say)
+                made = predict_by_images(desk.benchmark, desk.spec, kept, desk.report)
                 kept.unlink(missing_ok=True)
             elif name in LEARNERS:
-                made = learn_design(name, desk.benchmark, designs[part], desk.spec)
+                made = predict_by_markers(name, desk.benchmark, designs[part], desk.spec)
             else:
                 made = _fit(desk, part)
             path = desk.store.write(recipe, partial(_put, made), ".csv")
-            desk.say(f"{name}: {part} done")
+            desk.report(f"{name}: {part} done")
         found.append(read_predictions(path))
     names = found[0].values
     joined = {column: np.concatenate([each.values[column] for each in found]) for column in names}
@@ -150,14 +150,14 @@ def _fit(desk: _Desk, part: str) -> Predictions:
             "Change its presses.",
             code="twin-not-made",
         )
-    return fit_design(desk.benchmark, design, read_twin(find_made(desk.store, task)), desk.say)
+    return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.report)
 
 
-def _judge(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[BenchmarkScore]:
+def _score(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[BenchmarkScore]:
     scores = [] if name == "picture" else [score_predictions(benchmark, found)]
     if not benchmark.spec.pictures:
         return scores
-    pictured = choose_track(benchmark.table("test"), "pictures").image
+    pictured = select_track(benchmark.table("test"), "pictures").image
     rows = np.isin(found.image, pictured)
     chosen = Predictions(found.image[rows], {column: values[rows] for column, values in found.values.items()})
     return [*scores, score_predictions(benchmark, chosen, "pictures")]

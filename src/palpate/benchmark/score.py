@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_of, read_predictions
+from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_width_column, read_predictions
 from palpate.benchmark.read_set import BenchmarkSet, SplitTable
 from palpate.benchmark.unit_images import LABELS
 from palpate.core import BoolArray, FloatArray, PalpateError
@@ -32,7 +32,7 @@ class ErrorLine:
 
     Attributes
     ----------
-    rmse, max, nineteen
+    rmse, max, p95
         Root mean square, greatest, and what 19 of 20 values stay below; degrees, mm or N.
     coverage, half_width
         Share of true values in the given intervals, and their mean half-width; nan without intervals.
@@ -40,7 +40,7 @@ class ErrorLine:
 
     rmse: float
     max: float
-    nineteen: float
+    p95: float
     coverage: float
     half_width: float
 
@@ -90,14 +90,14 @@ class BenchmarkScore:
         return self.lines[0]
 
     @property
-    def worst_unit_deg(self) -> float:
+    def worst_unit_p95_deg(self) -> float:
         """Greatest angle, of all units, below which 19 of 20 values of the unit stay, degrees."""
-        return max(line.parts["angle"].nineteen for line in self.lines if line.by == "unit")
+        return max(line.parts["angle"].p95 for line in self.lines if line.by == "unit")
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
         lines = [line.as_dict() for line in self.lines]
-        return {"track": self.track, "worst_unit_deg": self.worst_unit_deg, "lines": lines}
+        return {"track": self.track, "worst_unit_p95_deg": self.worst_unit_p95_deg, "lines": lines}
 
 
 def score_file(benchmark: BenchmarkSet, path: Path, track: Track = "markers") -> BenchmarkScore:
@@ -122,11 +122,13 @@ def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: 
     PalpateError
         If images are missing, there twice or unknown, or the labels cannot be read.
     """
-    truth = choose_track(benchmark.table("test"), track)
+    truth = select_track(benchmark.table("test"), track)
     found = predictions.rows(truth.image, f"the track {track}")
     columns = {name: truth.labels[:, LABELS.index(name)] for name in (*POSE, FORCE)}
     errors = {name: found.values[name] - columns[name] for name in columns if name in found.values}
-    halves = {name: found.values[half_of(name)] for name in errors if half_of(name) in found.values}
+    halves = {
+        name: found.values[half_width_column(name)] for name in errors if half_width_column(name) in found.values
+    }
     lines = []
     for by, name, rows in _groups(truth):
         parts = {
@@ -138,7 +140,7 @@ def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: 
     return BenchmarkScore(track, tuple(lines))
 
 
-def choose_track(truth: SplitTable, track: Track) -> SplitTable:
+def select_track(truth: SplitTable, track: Track) -> SplitTable:
     """The rows of a track.
 
     Raises
@@ -181,7 +183,7 @@ def _line(errors: list[FloatArray], halves: list[FloatArray]) -> ErrorLine:
     return ErrorLine(
         rmse=float(np.sqrt((size**2).mean())),
         max=float(size.max()),
-        nineteen=float(np.quantile(size, _NINETEEN, method="inverted_cdf")),
+        p95=float(np.quantile(size, _NINETEEN, method="inverted_cdf")),
         coverage=float("nan") if told is None else float((size <= told).mean()),
         half_width=float("nan") if told is None else float(told.mean()),
     )

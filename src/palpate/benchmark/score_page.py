@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from palpate.benchmark.score import BenchmarkScore, ScoreLine
-from palpate.sensor import table_lines
+from palpate.sensor import markdown_table
 
 _FIGURES = {"angle": "°", "depth": " mm", "force": " N"}
 SCORE_COLUMNS = (
@@ -24,7 +24,7 @@ def score_rows(score: BenchmarkScore) -> list[list[str]]:
 
 def score_page(name: str, score: BenchmarkScore) -> str:
     """A page of scores in Markdown."""
-    return "\n".join([f"# {name}", "", *table_lines(SCORE_COLUMNS, score_rows(score)), ""])
+    return "\n".join([f"# {name}", "", *markdown_table(SCORE_COLUMNS, score_rows(score)), ""])
 
 
 def compare_page(scores: Mapping[str, Iterable[BenchmarkScore]]) -> list[str]:
@@ -32,7 +32,7 @@ def compare_page(scores: Mapping[str, Iterable[BenchmarkScore]]) -> list[str]:
     head = ("method", "track", "images", "angle RMSE", "max", "19 of 20", "worst unit", "depth RMSE", "max")
     more = ("force RMSE", "angle in interval")
     rows = [_compare(name, score) for name, own in scores.items() for score in own]
-    return table_lines((*head, *more), rows)
+    return markdown_table((*head, *more), rows)
 
 
 def _compare(name: str, score: BenchmarkScore) -> list[str]:
@@ -44,8 +44,8 @@ def _compare(name: str, score: BenchmarkScore) -> list[str]:
         str(every.images),
         f"{angle.rmse:.3f}°",
         f"{angle.max:.2f}°",
-        f"{angle.nineteen:.3f}°",
-        f"{score.worst_unit_deg:.3f}°",
+        f"{angle.p95:.3f}°",
+        f"{score.worst_unit_p95_deg:.3f}°",
         f"{depth.rmse:.3f} mm",
         f"{depth.max:.2f} mm",
         f"{force.rmse:.3f} N" if force else "",
@@ -60,6 +60,6 @@ def _row(line: ScoreLine) -> list[str]:
         if found is None:
             cells += [""] * 5
             continue
-        cells += [f"{value:.4f}" for value in (found.rmse, found.max, found.nineteen)]
+        cells += [f"{value:.4f}" for value in (found.rmse, found.max, found.p95)]
         cells += ["" if math.isnan(value) else f"{value:.4f}" for value in (found.coverage, found.half_width)]
     return cells

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, Split
 from palpate.benchmark.unit_images import LABELS, UnitImages
-from palpate.built import UNKNOWN, Deviation
+from palpate.built import UNIT_PARAMETERS, Deviation
 from palpate.core import IntArray, PalpateError, load_opencv
 from palpate.design import build_skin, place_markers
 
@@ -26,7 +26,7 @@ SET = "set"
 CHECKSUMS, HIDDEN, HIDDEN_UNITS = "SHA256SUMS", "hidden.csv", "hidden_units.csv"
 SIGHT_COLUMNS = ("image", "design", "unit", "picture")
 LABEL_COLUMNS = ("press", *LABELS, "branch")
-MADE = ("modulus", *UNKNOWN, "pad_x", "pad_y", "missing")
+MADE = ("modulus", *UNIT_PARAMETERS, "print_shift_x", "print_shift_y", "missing")
 """Numbers of a unit's `Deviation` that its images or forces depend on."""
 _ROWS = 256
 """Images of a chunk of the marker positions."""
@@ -95,7 +95,7 @@ def write_designs(folder: Path, spec: BenchmarkSpec) -> None:
     designs, dots = [], []
     for design in spec.designs:
         skin = build_skin(design.skin)
-        layout = place_markers(skin, design.print)
+        layout = place_markers(skin, design.marker_layout)
         size = (design.height, design.thickness, design.skin.base_radius)
         designs.append((design.name, *size, len(layout), round(float(layout.diameter), 6)))
         places = np.round(layout.positions, 6).tolist()

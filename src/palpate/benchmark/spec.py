@@ -12,13 +12,13 @@ from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import Spec, parameter
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import check_contact
-from palpate.learn import TrainSpec, paper_training
+from palpate.learn import TrainingSpec, paper_training
 
 Contact = Annotated[str | float, BeforeValidator(check_contact)]
 Split = Literal["train", "calibrate", "test"]
 SPLITS: tuple[Split, ...] = ("train", "calibrate", "test")
 WORKSHOP = ToleranceSpec(
-    stiffening=0.0, friction=0.3, friction_most=3.0, seating_tilt_deg=0.0, seating_turn_deg=0.0, touch=0.0
+    stiffening=0.0, friction_min=0.3, friction_max=3.0, seating_tilt_deg=0.0, seating_turn_deg=0.0, depth_zero=0.0
 )
 """A careful workshop on walls from slippery to rough. Poses are in the unit's own frame, so nothing is seated; a twin
 knows no change of the law's form."""
@@ -44,7 +44,7 @@ class BenchmarkDesign(Spec):
         return DomeSpec(height=self.height, thickness=self.thickness)
 
     @property
-    def print(self) -> MarkerSpec:
+    def marker_layout(self) -> MarkerSpec:
         """The dots."""
         return MarkerSpec(count=self.markers)
 
@@ -57,7 +57,7 @@ class TwinPressSpec(Spec):
     contacts: tuple[Contact, ...] = parameter(
         ("no-slip", 1.2, 0.6, 0.3), unit="1", meaning="contact laws that are pressed"
     )
-    image_step: float = parameter(0.8, unit="mm", meaning="twice the travel between its increments", gt=0, le=10)
+    depth_step: float = parameter(0.8, unit="mm", meaning="twice the travel between its increments", gt=0, le=10)
     inverted: bool = parameter(True, unit="", meaning="whether the skin's inverted state is pressed as well")
     checks: int = parameter(2, unit="1", meaning="presses between its own, against which it is held", ge=0, le=20)
 
@@ -88,7 +88,7 @@ class BenchmarkSpec(Spec):
     )
     pictures: int = parameter(36, unit="1", meaning="rendered images of each unit, drawn among its images", ge=0)
     max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt; even over the disc", gt=0, le=30)
-    least_depth: float = parameter(1.0, unit="mm", meaning="least depth of the flat state", ge=0, le=60)
+    min_depth: float = parameter(1.0, unit="mm", meaning="least depth of the flat state", ge=0, le=60)
     depth: float = parameter(8.0, unit="mm", meaning="greatest depth", gt=0, le=60)
     inverted_share: float = parameter(
         0.1, unit="1", meaning="share of presses in the inverted state, where the skin has one", ge=0, le=1
@@ -129,11 +129,11 @@ class BenchmarkSpec(Spec):
 
     @model_validator(mode="after")
     def _depths_rise(self) -> BenchmarkSpec:
-        if self.least_depth >= self.depth:
+        if self.min_depth >= self.depth:
             raise PydanticCustomError(
                 "depths-not-rising",
                 "the least depth is {least} mm and the greatest {most} mm.",
-                {"least": f"{self.least_depth:g}", "most": f"{self.depth:g}"},
+                {"least": f"{self.min_depth:g}", "most": f"{self.depth:g}"},
             )
         return self
 
@@ -153,8 +153,8 @@ class BaselineSpec(Spec):
 
     seed: int = parameter(0, unit="1", meaning="seed of weights and batches", ge=0)
     jitter_px: float = parameter(0.1, unit="px", meaning="jitter that networks on dots are trained with", ge=0, le=20)
-    network: TrainSpec = TrainSpec(epochs=40, repeats=3)
-    paper: TrainSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
+    network: TrainingSpec = TrainingSpec(epochs=40, repeats=3)
+    paper: TrainingSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
     picture_px: int = parameter(128, unit="px", meaning="longer side of what the picture network sees", ge=32, le=512)
     picture_epochs: int = parameter(30, unit="1", meaning="passes over the pictures to learn from", ge=1, le=100_000)
     twin: TwinPressSpec = TwinPressSpec(cells=10, contacts=("no-slip", 1.0, 0.5, 0.3))
@@ -170,15 +170,15 @@ TINY = BenchmarkSpec(
     images=3,
     pictures=4,
     depth=3.0,
-    twin=TwinPressSpec(cells=4, image_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
-    tolerance=WORKSHOP.model_copy(update={"friction": 0.0, "friction_most": 0.0}),
+    twin=TwinPressSpec(cells=4, depth_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
+    tolerance=WORKSHOP.model_copy(update={"friction_min": 0.0, "friction_max": 0.0}),
 )
 PRESETS = {"full": BenchmarkSpec(), "tiny": TINY}
 """The published set, and one of seconds for tests and first looks, all of it without slip."""
 TINY_BASELINES = BaselineSpec(
-    network=TrainSpec(epochs=3, repeats=1, layers=1, width=16),
+    network=TrainingSpec(epochs=3, repeats=1, layers=1, width=16),
     paper=paper_training(1, 16, 0.0).model_copy(update={"epochs": 2, "repeats": 1}),
     picture_px=64,
     picture_epochs=1,
-    twin=TwinPressSpec(cells=5, image_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
+    twin=TwinPressSpec(cells=5, depth_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
 )

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, IntArray, refuse_outside_links
+from palpate.core import FloatArray, IntArray, reject_external_links
 
 LABELS = ("rx_deg", "ry_deg", "depth_mm", "force_n", "shear_n", "friction")
 """Labels that are numbers; friction is the coefficient, infinite where nothing slips."""
@@ -62,5 +62,5 @@ def read_unit_images(path: Path) -> UnitImages:
         If the file refers to another one.
     """
     with h5py.File(path, "r") as file:
-        refuse_outside_links(file, path)
+        reject_external_links(file, path)
         return UnitImages(**{field.name: file[field.name][()] for field in fields(UnitImages)})

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from palpate.benchmark.draw_unit import draw_unit
+from palpate.benchmark.draw_unit import simulate_unit
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, TwinPressSpec
 from palpate.benchmark.unit_images import write_unit_images
 from palpate.core import ArtefactStore, Recipe, stage_version
 from palpate.mesh import MeshSpec
-from palpate.study import BuiltSpec, MaterialSpec, Task, TwinTask, find_made, plan_twin, study_of
+from palpate.study import AsBuiltSpec, MaterialSpec, Task, TwinTask, find_artefact, plan_twin, single_design_study
 from palpate.twin import read_twin
 
 _ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_units", "calibrate_units", "test_units"}
@@ -18,7 +18,7 @@ _ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_uni
 
 
 @dataclass(frozen=True)
-class DrawnUnitTask(Task):
+class BenchmarkUnitTask(Task):
     """Draw all images of one unit."""
 
     twin: TwinTask
@@ -42,7 +42,7 @@ class DrawnUnitTask(Task):
         return Recipe("benchmark", spec, (self.twin.recipe.key,), stage_version("benchmark_unit"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.twin,)
 
     @property
@@ -50,24 +50,24 @@ class DrawnUnitTask(Task):
         return 1e-3 * self.spec.presses * self.spec.images + 0.1 * self.spec.pictures
 
     def make(self, store: ArtefactStore) -> None:
-        twin = read_twin(find_made(store, self.twin))
-        found = draw_unit(self.spec, self.design, self.unit, twin)
+        twin = read_twin(find_artefact(store, self.twin))
+        found = simulate_unit(self.spec, self.design, self.unit, twin)
         store.write(self.recipe, lambda path: write_unit_images(path, found))
 
 
-def plan_units(spec: BenchmarkSpec) -> tuple[DrawnUnitTask, ...]:
+def plan_units(spec: BenchmarkSpec) -> tuple[BenchmarkUnitTask, ...]:
     """Every unit of every design."""
     tasks = []
     for design in spec.designs:
         twin = plan_design_twin(spec, design, spec.twin)
-        tasks += [DrawnUnitTask(twin, spec, design, unit) for unit in range(1, spec.units + 1)]
+        tasks += [BenchmarkUnitTask(twin, spec, design, unit) for unit in range(1, spec.units + 1)]
     return tuple(tasks)
 
 
 def plan_design_twin(spec: BenchmarkSpec, design: BenchmarkDesign, presses: TwinPressSpec) -> TwinTask:
     """The twin of one design, from these presses."""
-    study = study_of(design.skin, design.print, MaterialSpec(name=spec.material))
-    built = BuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
-    wall = study.wall.model_copy(update={"depth": spec.depth, "image_step": presses.image_step})
+    study = single_design_study(design.skin, design.marker_layout, MaterialSpec(name=spec.material))
+    built = AsBuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
+    wall = study.wall.model_copy(update={"depth": spec.depth, "depth_step": presses.depth_step})
     changed = {"mesh": MeshSpec(cells=presses.cells), "tilts_deg": presses.tilts_deg, "built": built, "wall": wall}
     return plan_twin(study.model_copy(update=changed), design.skin)

@@ -79,14 +79,14 @@ class SetCounts:
     ----------
     images, pictures, presses
         By split.
-    twin_off_mm
+    twin_error_mm
         By design, how far its twin is off presses between its own (root mean square, mm).
     """
 
     images: Mapping[str, int]
     pictures: Mapping[str, int]
     presses: Mapping[str, int]
-    twin_off_mm: Mapping[str, float]
+    twin_error_mm: Mapping[str, float]
 
 
 def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
@@ -101,11 +101,11 @@ def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
         tables="\n".join(_tables()),
         material=spec.material,
         tilt=spec.max_tilt_deg,
-        least=spec.least_depth,
+        least=spec.min_depth,
         most=spec.depth,
         inverted=spec.inverted_share,
         noise=spec.noise_px,
-        off=_off(counts.twin_off_mm),
+        off=_error_text(counts.twin_error_mm),
         licence=spec.licence,
         creator=spec.creator,
         url=spec.url,
@@ -120,7 +120,7 @@ def _tables() -> Iterator[str]:
         yield ""
 
 
-def _off(twins: Mapping[str, float]) -> str:
+def _error_text(twins: Mapping[str, float]) -> str:
     known = {name: value for name, value in twins.items() if value == value}
     if not known:
         return "How far the twins differ from presses between theirs was not measured."

@@ -28,7 +28,7 @@ class Deviation:
         Shares by which all constants of the law, and those of higher order over the first, are too large.
     friction
         Coefficient of friction; 0: contact as in the training.
-    dot, pad_x, pad_y
+    marker_position, print_shift_x, print_shift_y
         Greatest displacement of single dots, and that of the whole print, mm.
     missing
         Share of dots that are not there.
@@ -38,11 +38,11 @@ class Deviation:
         Of the lens, left over by its calibration: share, px, px, first coefficient.
     seating_x_deg, seating_y_deg, seating_turn_deg
         Turns of the dome against the robot.
-    touch
+    depth_zero
         Depth that the robot takes for first touch, mm.
     lateral, twist_deg
         Greatest sideways travel (mm) and turn (degrees) of the robot in a press.
-    bend
+    curvature
         Greatest curvature of a wall that it is pressed on, 1/m.
     seed
         Seed of which dots are off and missing.
@@ -54,9 +54,9 @@ class Deviation:
     modulus: float = 0.0
     stiffening: float = 0.0
     friction: float = 0.0
-    dot: float = 0.0
-    pad_x: float = 0.0
-    pad_y: float = 0.0
+    marker_position: float = 0.0
+    print_shift_x: float = 0.0
+    print_shift_y: float = 0.0
     missing: float = 0.0
     offset_x: float = 0.0
     offset_y: float = 0.0
@@ -71,10 +71,10 @@ class Deviation:
     seating_x_deg: float = 0.0
     seating_y_deg: float = 0.0
     seating_turn_deg: float = 0.0
-    touch: float = 0.0
+    depth_zero: float = 0.0
     lateral: float = 0.0
     twist_deg: float = 0.0
-    bend: float = 0.0
+    curvature: float = 0.0
     seed: int = 0
     unit: int = 0
 
@@ -113,7 +113,7 @@ class Imperfection:
     ----------
     name
         Field of `ToleranceSpec`.
-    words
+    label
         What a person reads.
     parts
         Fields of `Deviation` that it moves.
@@ -121,22 +121,25 @@ class Imperfection:
         Whether it goes either way.
     solved
         Whether presses must be solved for it.
+    stream
+        Name of its random stream; `name` if empty.
     """
 
     name: str
-    words: str
+    label: str
     parts: tuple[str, ...]
     signed: bool = True
     solved: bool = False
+    stream: str = ""
 
 
 IMPERFECTIONS = (
     Imperfection("thickness", "thickness of the wall", ("thickness",), solved=True),
     Imperfection("modulus", "stiffness", ("modulus",), solved=True),
     Imperfection("stiffening", "stiffening", ("stiffening",), solved=True),
-    Imperfection("friction", "friction", ("friction",), signed=False, solved=True),
-    Imperfection("dot", "place of each dot", ("dot",), signed=False),
-    Imperfection("pad", "place of the print", ("pad_x", "pad_y")),
+    Imperfection("friction_min", "friction", ("friction",), signed=False, solved=True, stream="friction"),
+    Imperfection("marker_position", "place of each dot", ("marker_position",), signed=False, stream="dot"),
+    Imperfection("print_shift", "place of the print", ("print_shift_x", "print_shift_y"), stream="pad"),
     Imperfection("missing", "missing dots", ("missing",), signed=False),
     Imperfection("camera_offset", "camera's offset", ("offset_x", "offset_y")),
     Imperfection("camera_distance", "camera's distance", ("distance",)),
@@ -147,35 +150,35 @@ IMPERFECTIONS = (
     Imperfection("distortion", "distortion", ("k1",)),
     Imperfection("seating_tilt_deg", "seating, tilt", ("seating_x_deg", "seating_y_deg")),
     Imperfection("seating_turn_deg", "seating, turn", ("seating_turn_deg",)),
-    Imperfection("touch", "touch zero", ("touch",)),
+    Imperfection("depth_zero", "touch zero", ("depth_zero",), stream="touch"),
     Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
     Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
-    Imperfection("bend", "curvature of the wall", ("bend",), signed=False, solved=True),
+    Imperfection("curvature", "curvature of the wall", ("curvature",), signed=False, solved=True, stream="bend"),
 )
 
 
-def draw_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
+def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
     """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and the greatest.
 
     Examples
     --------
-    >>> deviation = draw_deviation(ToleranceSpec(), seed=0, unit=1)
-    >>> abs(deviation.thickness) <= 0.05, deviation == draw_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> deviation = sample_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> abs(deviation.thickness) <= 0.05, deviation == sample_deviation(ToleranceSpec(), seed=0, unit=1)
     (True, True)
     """
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", unit), "unit": unit}
     for item in IMPERFECTIONS:
-        limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.name, unit)
+        limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, unit)
         for part in item.parts:
             values[part] = limit * float(rng.uniform(-1.0, 1.0)) if item.signed else limit
-        if item.name == "friction":
-            values["friction"] = tolerance.draw_friction(float(rng.uniform())) if limit else 0.0
+        if item.name == "friction_min":
+            values["friction"] = tolerance.friction_at(float(rng.uniform())) if limit else 0.0
     return Deviation(**values)
 
 
 def single_deviation(tolerance: ToleranceSpec, item: Imperfection, seed: int, draw: int) -> Deviation:
     """One imperfection alone at its tolerance; further draws change signs and the dots that are off."""
-    limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.name, "sign", draw // 2)
+    limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, "sign", draw // 2)
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", draw)}
     for part in item.parts:
         sign = 1.0 if rng.uniform() < 0.5 else -1.0

@@ -14,17 +14,17 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.built.force import Force, ForceScale, expect_scale, scale_force
+from palpate.built.force import Force, StiffnessScale, prior_stiffness_scale, scale_force
 from palpate.built.mounting import Mounting
-from palpate.built.noise import weigh_dots
-from palpate.built.pose_fit import TOUCH, BranchState, FitState, Linear, PoseFit
+from palpate.built.noise import robust_weights
+from palpate.built.pose_fit import CONTACT_STATE, BranchState, FitState, Linear, PoseFit
 from palpate.built.scale import model_px, size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import UNKNOWN, Look, UnitModel
+from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
 from palpate.core import FloatArray
 from palpate.design import Skin, wall_normal
 
-SLIP_MOST = 5.0
+MAX_INVERSE_FRICTION = 5.0
 """Greatest 1/µ; more has not been met."""
 TILT_SD_DEG = 20.0
 """Standard deviation of a tilt before its image is seen."""
@@ -44,11 +44,11 @@ _TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit, and traces lie about their dots, as before."""
-TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
+TWIN_ERROR_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
 
 This and the other numbers of a touch are of a skin of the size in `palpate.built.scale`."""
-_DRIFTING_SLIP_SD = 0.2
+_LATERAL_FRICTION_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
@@ -83,23 +83,24 @@ class PoseFitter:
     model: UnitModel
     noise_px: float
     mounting: Mounting | None = None
-    scale: ForceScale | None = None
+    scale: StiffnessScale | None = None
 
     def __post_init__(self) -> None:
-        self._sd = touch_sd(self.model.tolerance)
+        self._sd = contact_prior_sd(self.model.tolerance)
         skin = self.model.dots.twin.skin
         self._size, units = size_scale(skin), touch_scale(skin)
         self._near, self._trust, self._small = _NEAR * units, _TRUST * units, _SMALL * units
-        self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.belief.nominal) ** 2
-        self._mean = np.zeros(len(TOUCH))
-        self._mean[3] = self.model.tolerance.slip[0]
-        slips = self.model.dots.twin.slips
-        self._slips = float(slips[0]), min(float(slips[-1]), SLIP_MOST)
+        self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.posterior.nominal) ** 2
+        self._mean = np.zeros(len(CONTACT_STATE))
+        self._mean[3] = self.model.tolerance.inverse_friction_prior[0]
+        slips = self.model.dots.twin.inverse_frictions
+        self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
         self._free = np.flatnonzero(
-            (self._sd > 0) & ((len(slips) > 1) | (np.arange(len(TOUCH)) != TOUCH.index("slip")))
+            (self._sd > 0)
+            & ((len(slips) > 1) | (np.arange(len(CONTACT_STATE)) != CONTACT_STATE.index("inverse_friction")))
         )
         self._drifts = bool((self._sd[_DRIFT:] > 0).any())
-        self.scale = self.scale or expect_scale(self.model.tolerance)
+        self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
         self._tables()
         self.state = FitState()
 
@@ -107,7 +108,7 @@ class PoseFitter:
     def _other(self) -> PoseFitter | None:
         """The fitter of the skin's other state."""
         other = self.model.dots.twin.inverted
-        return None if other is None else replace(self, model=self.model.on(other))
+        return None if other is None else replace(self, model=self.model.on_branch(other))
 
     def _tables(self) -> None:
         """Images to begin from: a grid of poses."""
@@ -124,10 +125,10 @@ class PoseFitter:
                 for turn in (turns if tilt else turns[:1])
             ]
         )
-        slip = float(np.clip(self._mean[3], twin.slips[0], twin.slips[-1]))
-        first = self.model.look(self._starts[0], slip, unit=False)
-        self._shown = np.array([self.model.look(start, slip, near=first).pixels for start in self._starts])
-        covariance = self.mounting.covariance if self.mounting else self.model.belief.covariance
+        slip = float(np.clip(self._mean[3], twin.inverse_frictions[0], twin.inverse_frictions[-1]))
+        first = self.model.predict(self._starts[0], slip, unit=False)
+        self._shown = np.array([self.model.predict(start, slip, near=first).pixels for start in self._starts])
+        covariance = self.mounting.covariance if self.mounting else self.model.posterior.covariance
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
     def fit(self, seen_px: FloatArray) -> PoseFit:
@@ -159,7 +160,7 @@ class PoseFitter:
             The fit, and the state after this image.
         """
         inverted = self._other is not None and (state.inverted if near is None else near.inverted)
-        found, state = self._fit_branch(seen_px, state, inverted, None if near is None else near.theta)
+        found, state = self._fit_branch(seen_px, state, inverted, None if near is None else near.state)
         if found.misfit > _DOUBTED and self._other is not None:
             again, state = self._fit_branch(seen_px, state, not inverted)
             if again.cost < found.cost:
@@ -176,31 +177,31 @@ class PoseFitter:
         found, branch = self._fit_near(seen_px, state.flat, begin)
         return found, replace(state, flat=branch)
 
-    def places(self, found: PoseFit) -> FloatArray:
+    def positions(self, found: PoseFit) -> FloatArray:
         """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
         model = self._model_of(found)
-        drift = found.theta[_DRIFT:] if self._drifts else None
-        thicker = float(model.belief.mean[-1])
-        moved = model.dots.move(found.theta[:3], float(found.theta[3]), thicker, drift, float(found.theta[_BEND]))
-        return np.where(model.seen[:, None], moved.positions, np.nan)
+        drift = found.state[_DRIFT:] if self._drifts else None
+        thicker = float(model.posterior.mean[-1])
+        moved = model.dots.evaluate(found.state[:3], float(found.state[3]), thicker, drift, float(found.state[_BEND]))
+        return np.where(model.visible[:, None], moved.positions, np.nan)
 
     def _model_of(self, found: PoseFit) -> UnitModel:
         """The model of the state in which a fit has the skin."""
         return (self._other if found.inverted and self._other else self).model
 
-    def foresee(self, found: PoseFit) -> FloatArray:
+    def predict_pixels(self, found: PoseFit) -> FloatArray:
         """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
         model = self._model_of(found)
-        drift = found.theta[_DRIFT:] if self._drifts else None
-        looked = model.look(found.theta[:3], float(found.theta[3]), drift, float(found.theta[_BEND]))
-        assert looked.by_unit is not None
-        return looked.pixels + looked.by_unit @ found.unit
+        drift = found.state[_DRIFT:] if self._drifts else None
+        looked = model.predict(found.state[:3], float(found.state[3]), drift, float(found.state[_BEND]))
+        assert looked.unit_jacobian is not None
+        return looked.pixels + looked.unit_jacobian @ found.unit
 
     def _of_other(self, found: PoseFit) -> PoseFit:
         """What an image says that shows the other state, which is the same under every friction."""
         covariance = found.covariance.copy()
         covariance[3, 3] = self._sd[3] ** 2
-        return replace(found, inverted=True, slip=float(self._mean[3]), covariance=covariance)
+        return replace(found, inverted=True, inverse_friction=float(self._mean[3]), covariance=covariance)
 
     def _fit_near(
         self, seen_px: FloatArray, state: BranchState, begin: FloatArray | None = None
@@ -212,55 +213,55 @@ class PoseFitter:
         if state.last is not None and self._doubted(found, state.last):
             again, near = self._fit(seen_px, self._begin(seen_px), near)
             found = again if again.cost < found.cost else found
-        if self._at_limit(found.theta[3]):
-            usual = found.theta.copy()
+        if self._at_limit(found.state[3]):
+            usual = found.state.copy()
             usual[3] = self._mean[3]
             again, near = self._fit(seen_px, usual, near)
             found = again if again.cost < found.cost else found
-        return found, state.after(found.theta, near, self._near)
+        return found, state.after(found.state, near, self._near)
 
     def _go_on(self, seen_px: FloatArray, last: FloatArray, motion: FloatArray) -> FloatArray:
         """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
         onward = self._inside(last + motion)
         if last[2] > _SHALLOW_MM * self._size:
             return onward
-        shown = self.model.look(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
+        shown = self.model.predict(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
         away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
         return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
 
     def _doubted(self, found: PoseFit, last: FloatArray) -> bool:
         """Whether a fit that began from the last touch may have gone astray."""
-        return found.misfit > _DOUBTED or abs(found.bend - last[_BEND]) > _OTHER_WALL / self._size
+        return found.misfit > _DOUBTED or abs(found.curvature - last[_BEND]) > _OTHER_WALL / self._size
 
-    def _at_limit(self, slip: float) -> bool:
+    def _at_limit(self, inverse_friction: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
 
         The cost has a second minimum there: dots under µ = 1 look more like those without slip than those of µ = 3.
         """
-        return self._slips[0] < self._slips[1] and not self._slips[0] < slip < self._slips[1]
+        return self._slips[0] < self._slips[1] and not self._slips[0] < inverse_friction < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> FloatArray:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
         return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
 
-    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[Look, Linear]:
+    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[PredictedImage, Linear]:
         """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
         if known is not None and (np.abs(theta - known[0]) > self._near).any():
             known = None
         drift = theta[_DRIFT:] if self._drifts else None
         near = known[1] if known else None
-        looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
+        looked = self.model.predict(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
         if known is None:
-            assert looked.by_unit is not None
-            known = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
+            assert looked.unit_jacobian is not None
+            known = theta.copy(), looked, looked.unit_jacobian @ self._unit_spread[: len(UNIT_PARAMETERS)]
         return looked, known
 
     def _fit(self, seen_px: FloatArray, begin: FloatArray, near: Linear | None) -> tuple[PoseFit, Linear]:
         """Fit one image from a touch; the fit, and where it was last linearised."""
         free, known = self._free, len(self._free)
         theta = self._inside(begin.copy())
-        there = np.isfinite(seen_px).all(axis=1) & self.model.seen
+        there = np.isfinite(seen_px).all(axis=1) & self.model.visible
         z = np.zeros(self._unit_spread.shape[1])
         mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
         bent, most, moved = _BEND in free, 1.0, np.zeros(len(free) + len(z))
@@ -269,8 +270,8 @@ class PoseFitter:
             looked, near = self._look(theta, near)
             by_unit = near[2][there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
-            weight = weigh_dots(left, self._variance)
-            jacobian = np.hstack([looked.by_pose[there][..., free].reshape(-1, known), by_unit])
+            weight = robust_weights(left, self._variance)
+            jacobian = np.hstack([looked.pose_jacobian[there][..., free].reshape(-1, known), by_unit])
             weighted = jacobian * weight[:, None]
             normal = weighted.T @ jacobian
             normal[np.diag_indices(len(normal))] += np.concatenate([prior, np.ones(len(z))])
@@ -294,25 +295,25 @@ class PoseFitter:
         assert near is not None
         found = PoseFit(
             pose=pose,
-            slip=float(theta[3]),
+            inverse_friction=float(theta[3]),
             covariance=covariance,
-            bend=float(theta[_BEND]),
-            bend_sd=float(np.sqrt(np.diag(whole)[:known][free == _BEND].sum())),
-            drift=theta[_DRIFT:],
+            curvature=float(theta[_BEND]),
+            curvature_sd=float(np.sqrt(np.diag(whole)[:known][free == _BEND].sum())),
+            lateral=theta[_DRIFT:],
             force=self._force(looked, theta, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
             misfit=float(np.mean(left**2) / self._variance * len(left) / max(len(left) - len(normal), 1)),
             steps=step,
-            theta=theta,
+            state=theta,
             cost=float(0.5 * (np.minimum(left**2 / self._variance, _OUTLIER).sum() + z @ z)),
-            unit=(self._unit_spread @ z)[: len(UNKNOWN)],
+            unit=(self._unit_spread @ z)[: len(UNIT_PARAMETERS)],
         )
         return found, near
 
     def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
         """The Gauss-Newton step that leaves 1/µ within what was pressed."""
         change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
-        for column in np.flatnonzero(self._free == TOUCH.index("slip")):
+        for column in np.flatnonzero(self._free == CONTACT_STATE.index("inverse_friction")):
             slip = theta[3] + change[column]
             held = min(max(slip, self._slips[0]), self._slips[1]) - theta[3]
             if held != change[column]:
@@ -321,11 +322,11 @@ class PoseFitter:
                 change[others], change[column] = np.linalg.solve(normal[np.ix_(others, others)], pull), held
         return change
 
-    def _force(self, looked: Look, theta: FloatArray, whole: FloatArray) -> Force:
+    def _force(self, looked: PredictedImage, theta: FloatArray, whole: FloatArray) -> Force:
         """Force on the wall, and its covariance from that of all unknowns."""
         assert self.scale is not None
-        by_thickness = self._unit_spread[len(UNKNOWN) - 1]
-        by_all = np.hstack([looked.force_by[:, self._free], np.outer(looked.force_thicker, by_thickness)])
+        by_thickness = self._unit_spread[len(UNIT_PARAMETERS) - 1]
+        by_all = np.hstack([looked.force_jacobian[:, self._free], np.outer(looked.force_by_thickness, by_thickness)])
         vector, covariance = scale_force(looked.force, by_all @ whole @ by_all.T, self.scale)
         return Force(vector, covariance, wall_normal(*np.radians(theta[:2])))
 
@@ -337,12 +338,12 @@ class PoseFitter:
                 by[number, column] = 1.0
         pose = theta[:3]
         if self.mounting is not None:
-            mounting = self._unit_spread[len(UNKNOWN) :]
+            mounting = self._unit_spread[len(UNIT_PARAMETERS) :]
             by[:2, :2] = self.mounting.turn
-            by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
+            by[:3, free:] = self.mounting.jacobian(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
         off = twin_sd(self.model.dots.twin.skin)
-        off[3] = _DRIFTING_SLIP_SD if self._drifts else off[3]
+        off[3] = _LATERAL_FRICTION_SD if self._drifts else off[3]
         return pose, by @ whole @ by.T + np.diag(off**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:
@@ -358,9 +359,18 @@ class PoseFitter:
 
 def twin_sd(skin: Skin) -> FloatArray:
     """What the twin of a skin is off in pose (degrees, mm) and 1/µ (4,)."""
-    return TWIN_SD * touch_scale(skin)[:4]
+    return TWIN_ERROR_SD * touch_scale(skin)[:4]
 
 
-def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (8,) of `TOUCH` before an image is seen; 0 for what does not happen."""
-    return np.array([TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD, tolerance.slip[1], tolerance.bend_sd, *tolerance.drift_sd])
+def contact_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (8,) of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
+    return np.array(
+        [
+            TILT_SD_DEG,
+            TILT_SD_DEG,
+            _DEPTH_SD,
+            tolerance.inverse_friction_prior[1],
+            tolerance.curvature_sd,
+            *tolerance.lateral_sd,
+        ]
+    )

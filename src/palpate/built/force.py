@@ -19,7 +19,7 @@ _FAR = 6.0
 """Standard deviations of what is known beforehand beyond which a load cell is not believed."""
 
 
-class Estimated(NamedTuple):
+class ScalarEstimate(NamedTuple):
     """A number in N and its standard deviation."""
 
     value: float
@@ -32,7 +32,7 @@ class Estimated(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ForceScale:
+class StiffnessScale:
     """Stiffness of a unit over that of its design: mean and standard deviation."""
 
     mean: float
@@ -58,35 +58,35 @@ class Force:
     normal: FloatArray
 
     @property
-    def pressing(self) -> Estimated:
+    def normal_force(self) -> ScalarEstimate:
         """Along the wall's normal."""
         return self._along(self.normal)
 
     @property
-    def tangential(self) -> Estimated:
+    def tangential_force(self) -> ScalarEstimate:
         """In the wall's plane, without its direction."""
         across = self.vector - (self.vector @ self.normal) * self.normal
         size = float(np.linalg.norm(across))
         if size > 0:
-            return Estimated(size, self._along(across / size).sd)
-        return Estimated(0.0, float(np.sqrt(np.linalg.eigvalsh(self.covariance)[-1])))
+            return ScalarEstimate(size, self._along(across / size).sd)
+        return ScalarEstimate(0.0, float(np.sqrt(np.linalg.eigvalsh(self.covariance)[-1])))
 
-    def _along(self, way: FloatArray) -> Estimated:
-        return Estimated(float(self.vector @ way), float(np.sqrt(way @ self.covariance @ way)))
+    def _along(self, way: FloatArray) -> ScalarEstimate:
+        return ScalarEstimate(float(self.vector @ way), float(np.sqrt(way @ self.covariance @ way)))
 
 
-def expect_scale(tolerance: ToleranceSpec) -> ForceScale:
+def prior_stiffness_scale(tolerance: ToleranceSpec) -> StiffnessScale:
     """Stiffness before any load cell: as designed, within the tolerance of the mix."""
-    return ForceScale(1.0, tolerance.modulus / np.sqrt(3.0))
+    return StiffnessScale(1.0, tolerance.modulus / np.sqrt(3.0))
 
 
-def scale_force(vector: FloatArray, covariance: FloatArray, scale: ForceScale) -> tuple[FloatArray, FloatArray]:
+def scale_force(vector: FloatArray, covariance: FloatArray, scale: StiffnessScale) -> tuple[FloatArray, FloatArray]:
     """Force (3,) N and covariance (3, 3) N² of a unit from those of its design."""
     share = scale.sd**2 + (_TWIN_SHARE * scale.mean) ** 2
     return scale.mean * vector, scale.mean**2 * covariance + share * np.outer(vector, vector)
 
 
-def expect_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, tolerance: ToleranceSpec) -> Force:
+def predict_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, tolerance: ToleranceSpec) -> Force:
     """Force of a unit that no load cell has seen, from what its design would bear.
 
     Parameters
@@ -99,12 +99,12 @@ def expect_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, to
         How far the unit may be from its design.
     """
     spread = turn * (half_width / LEVEL_90)
-    return Force(*scale_force(turn @ parts, spread @ spread.T, expect_scale(tolerance)), turn[:, 2])
+    return Force(*scale_force(turn @ parts, spread @ spread.T, prior_stiffness_scale(tolerance)), turn[:, 2])
 
 
-def learn_scale(
-    before: ForceScale, expected: Sequence[Estimated], measured: Sequence[float], cell_sd: float
-) -> ForceScale:
+def update_stiffness_scale(
+    before: StiffnessScale, expected: Sequence[ScalarEstimate], measured: Sequence[float], cell_sd: float
+) -> StiffnessScale:
     """What load-cell readings tell about a unit's stiffness.
 
     Parameters
@@ -120,7 +120,7 @@ def learn_scale(
 
     Returns
     -------
-    ForceScale
+    StiffnessScale
         Mean and standard deviation after.
 
     Raises
@@ -142,7 +142,7 @@ def learn_scale(
         sd = np.hypot(cell_sd, force.sd * cell / force.value) / force.value
         weight, total = weight + sd**-2.0, total + cell / force.value * sd**-2.0
     # what the twin is off about a force is alike in all of them
-    found = ForceScale(total / weight, float(np.hypot(weight**-0.5, _TWIN_SHARE / np.sqrt(len(pairs)))))
+    found = StiffnessScale(total / weight, float(np.hypot(weight**-0.5, _TWIN_SHARE / np.sqrt(len(pairs)))))
     median = float(np.median([cell / force.value for force, cell in pairs]))
     far = abs(median - before.mean) / np.hypot(before.sd, _TWIN_SHARE)
     if far > _FAR:

@@ -6,8 +6,8 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
     error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + e + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
 
 with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
-of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
-cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
+of its own in each. Known presses take e for something of the unit (−T e, see `PredictedPosterior`), so that a part of
+it cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
 part of δq, as it is measured whole. How the unit sits on the robot is added, and what the twin itself is off: by
 presses that it lacks (`measure_twin_error`), or without them `twin_sd`, from the bench of one design.
 
@@ -23,15 +23,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import touch_sd, twin_sd
-from palpate.built.learn_presses import learn_presses
-from palpate.built.mounting import Mounting, mount_unit
+from palpate.built.fit_pose import contact_prior_sd, twin_sd
+from palpate.built.learn_presses import predict_posterior
+from palpate.built.mounting import Mounting, prior_mounting
 from palpate.built.noise import NOISE_PX, layout_noise
-from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
+from palpate.built.robot_press import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, CalibrationPress, RobotUncertainty
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.twin_error import TwinChecks, measure_twin_error
-from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
+from palpate.built.twin_error import ValidationPresses, measure_twin_error
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, build_unit_model, infer_from_rest
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
@@ -39,19 +39,19 @@ from palpate.twin import Twin
 
 
 @dataclass(frozen=True)
-class ForeseeSpec:
+class AccuracySpec:
     """What is foreseen.
 
     Attributes
     ----------
     units, poses
         Drawn units, and poses of each.
-    least_depth, max_tilt_deg
+    min_depth, max_tilt_deg
         Working range, mm and degrees.
-    noise_px, by_size
-        Standard deviation of a dot's coordinate; with `by_size`, that of a dot of `NOISE_DOT_PX`, of which those of
-        others follow by their size in the image (`size_noise`).
-    known
+    noise_px, scale_noise_by_diameter
+        Standard deviation of a dot's coordinate; with `scale_noise_by_diameter`, that of a dot of `NOISE_DOT_PX`, of
+        which those of others follow by their size in the image (`noise_by_diameter`).
+    calibration_presses
         Known presses of each unit.
     robot
         How well the robot knows its poses in them.
@@ -61,26 +61,26 @@ class ForeseeSpec:
 
     units: int = 200
     poses: int = 60
-    least_depth: float = 2.4
+    min_depth: float = 2.4
     max_tilt_deg: float = 12.0
     noise_px: float = NOISE_PX
-    by_size: bool = False
-    known: int = 0
-    robot: RobotSpec = field(default_factory=RobotSpec)
+    scale_noise_by_diameter: bool = False
+    calibration_presses: int = 0
+    robot: RobotUncertainty = field(default_factory=RobotUncertainty)
     seed: int = 0
 
 
 @dataclass(frozen=True)
-class BuiltFigure:
+class PredictedAccuracy:
     """How good units will be.
 
     Attributes
     ----------
-    known
+    calibration_presses
         Known presses of each unit.
     rmse_deg
         Over rx and ry of all poses of all units.
-    worst_deg
+    p95_deg
         Greatest error of rx or ry over the poses that 19 of 20 units stay below.
     depth_rmse
         Of the depth less its zero, mm.
@@ -88,9 +88,9 @@ class BuiltFigure:
         RMSE with the unit and its mounting known: what noise alone leaves.
     """
 
-    known: int
+    calibration_presses: int
     rmse_deg: float
-    worst_deg: float
+    p95_deg: float
     depth_rmse: float
     noise_deg: float
 
@@ -98,25 +98,25 @@ class BuiltFigure:
 class PoseGain(NamedTuple):
     """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation.
 
-    `by_dot` (3, 2 n) is the same by an error (px) of each coordinate of the dots seen at rest, `of_image` the
-    covariance (3, 3) of the error that each image has of its own, `alone` the standard deviation (3,) by noise where
-    all else is known.
+    `marker_gain` (3, 2 n) is the same by an error (px) of each coordinate of the dots seen at rest,
+    `image_covariance` the covariance (3, 3) of the error that each image has of its own, `noise_sd` the standard
+    deviation (3,) by noise where all else is known.
     """
 
-    by_unit: FloatArray
-    by_dot: FloatArray
-    of_image: FloatArray
-    alone: FloatArray
+    unit_gain: FloatArray
+    marker_gain: FloatArray
+    image_covariance: FloatArray
+    noise_sd: FloatArray
 
 
-def foresee(
+def predict_accuracy(
     twin: Twin,
     layout: MarkerLayout,
     camera: Camera,
     tolerance: ToleranceSpec,
-    spec: ForeseeSpec | None = None,
-    checks: Sequence[TwinChecks] = (),
-) -> BuiltFigure:
+    spec: AccuracySpec | None = None,
+    validation_presses: Sequence[ValidationPresses] = (),
+) -> PredictedAccuracy:
     """Foresee the errors of built units of a design.
 
     Parameters
@@ -127,52 +127,55 @@ def foresee(
         How far units may be from it.
     spec
         Working range, and what is known of a unit beforehand.
-    checks
+    validation_presses
         Presses on another mesh, between those of the twin, that tell what it is off; without any, `twin_sd`.
 
     Raises
     ------
     PalpateError
-        If the known presses among `checks` contradict the twin.
+        If the known presses among `validation_presses` contradict the twin.
     """
-    spec = spec or ForeseeSpec()
+    spec = spec or AccuracySpec()
     rest = camera.project(layout.positions)
-    belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
-    noise = dot_noise(twin, layout, camera, spec)
-    model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
-    mounting = mount_unit(belief, tolerance)
-    known = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
-    learnt = learn_presses(model, mounting, known, noise, spec.robot)
+    belief = infer_from_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
+    noise = marker_noise(twin, layout, camera, spec)
+    model = build_unit_model(twin, layout, replace(belief, mean=np.zeros(len(UNIT_PARAMETERS))), tolerance)
+    mounting = prior_mounting(belief, tolerance)
+    known = simulate_calibration_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    learnt = predict_posterior(model, mounting, known, noise, spec.robot)
     mounting = replace(mounting, covariance=learnt.covariance)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
-    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
+    places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
-    if checks:
-        off = measure_twin_error(model, checks, spec.known, spec.least_depth)
-        other = [np.diag(off.near(pose) ** 2 - twin_sd(twin.skin)[:3] ** 2) for pose, _ in places]
-        gains = [gain._replace(of_image=gain.of_image + each) for gain, each in zip(gains, other, strict=True)]
-    by_chance = np.linalg.cholesky(learnt.by_chance + 1e-15 * np.eye(len(spread)))
+    if validation_presses:
+        off = measure_twin_error(model, validation_presses, spec.calibration_presses, spec.min_depth)
+        other = [np.diag(off.at(pose) ** 2 - twin_sd(twin.skin)[:3] ** 2) for pose, _ in places]
+        gains = [
+            gain._replace(image_covariance=gain.image_covariance + each)
+            for gain, each in zip(gains, other, strict=True)
+        ]
+    by_chance = np.linalg.cholesky(learnt.exact_twin_covariance + 1e-15 * np.eye(len(spread)))
     unknown, taken = (
         np.linalg.solve(spread, by_chance),
-        np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)]),
+        np.linalg.solve(spread, learnt.rest_marker_gain[:, np.repeat(model.visible, 2)]),
     )
-    covariance = _over_images(gains, unknown, taken, np.repeat(noise[model.seen], 2))
+    covariance = _over_images(gains, unknown, taken, np.repeat(noise[model.visible], 2))
     drawn = generator(spec.seed, "foresee", "errors").standard_normal((spec.units, len(covariance)))
     errors = (drawn @ np.linalg.cholesky(covariance).T).reshape(spec.units, -1, 3)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
-    return BuiltFigure(
-        known=spec.known,
+    return PredictedAccuracy(
+        calibration_presses=spec.calibration_presses,
         rmse_deg=float(np.sqrt(np.mean(np.diag(covariance).reshape(-1, 3)[:, :2]))),
-        worst_deg=float(np.quantile(worst, 0.95)),
+        p95_deg=float(np.quantile(worst, 0.95)),
         depth_rmse=float(np.sqrt(np.mean(errors[..., 2] ** 2))),
-        noise_deg=float(np.sqrt(np.mean([gain.alone[:2] ** 2 for gain in gains]))),
+        noise_deg=float(np.sqrt(np.mean([gain.noise_sd[:2] ** 2 for gain in gains]))),
     )
 
 
-def dot_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: ForeseeSpec) -> FloatArray:
+def marker_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: AccuracySpec) -> FloatArray:
     """Standard deviations (m,) px of a coordinate of every dot of a layout."""
-    if spec.by_size:
+    if spec.scale_noise_by_diameter:
         return layout_noise(twin.skin, layout, camera, spec.noise_px)
     return np.full(len(layout), spec.noise_px)
 
@@ -191,80 +194,87 @@ def _over_images(gains: list[PoseGain], unknown: FloatArray, taken: FloatArray, 
     noise
         (2 n,) standard deviations of the dots' coordinates in one image, px.
     """
-    by_unit = np.concatenate([gain.by_unit for gain in gains])
-    by_dot = noise * np.concatenate([gain.by_dot for gain in gains])
+    by_unit = np.concatenate([gain.unit_gain for gain in gains])
+    by_dot = noise * np.concatenate([gain.marker_gain for gain in gains])
     cancelled = by_unit @ (noise * taken) @ by_dot.T
     by_chance = by_unit @ unknown
     found = by_chance @ by_chance.T + by_dot @ by_dot.T - cancelled - cancelled.T
     for k, gain in enumerate(gains):
-        found[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += gain.of_image
+        found[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += gain.image_covariance
     return np.asarray(found, float)
 
 
-def draw_places(
-    twin: Twin, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
+def sample_working_range(
+    twin: Twin, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[FloatArray, float]]:
     """Poses (3,) and 1/µ over the working range, as far as the twin reaches."""
     found: list[tuple[FloatArray, float]] = []
     most = min(spec.max_tilt_deg, float(twin.tilts_deg[-1]))
     while len(found) < spec.poses:
         tilt, turn = most * rng.uniform(), 2 * np.pi * rng.uniform()
-        slip = _draw_slip(twin, tolerance, rng)
-        deepest = twin.reach(tilt, slip)
-        depth = rng.uniform(min(spec.least_depth, 0.5 * deepest), deepest)
+        slip = _draw_inverse_friction(twin, tolerance, rng)
+        deepest = twin.max_depth(tilt, slip)
+        depth = rng.uniform(min(spec.min_depth, 0.5 * deepest), deepest)
         found.append((np.array([tilt * np.cos(turn), tilt * np.sin(turn), depth]), slip))
     return found
 
 
-def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
+def _draw_inverse_friction(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
     """1/µ of a wall."""
-    slip = 1.0 / tolerance.draw_friction(rng.uniform()) if tolerance.friction else float(twin.slips[0])
-    return float(np.clip(slip, twin.slips[0], twin.slips[-1]))
+    slip = 1.0 / tolerance.friction_at(rng.uniform()) if tolerance.friction_min else float(twin.inverse_frictions[0])
+    return float(np.clip(slip, twin.inverse_frictions[0], twin.inverse_frictions[-1]))
 
 
-def known_presses(
-    model: UnitModel, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
-) -> list[tuple[RobotPress, float]]:
+def simulate_calibration_presses(
+    model: UnitModel, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
+) -> list[tuple[CalibrationPress, float]]:
     """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
     twin, found = model.dots.twin, []
-    first, slip = 2 * np.pi * rng.uniform(), _draw_slip(twin, tolerance, rng)
-    for number in range(spec.known):
+    first, slip = 2 * np.pi * rng.uniform(), _draw_inverse_friction(twin, tolerance, rng)
+    for number in range(spec.calibration_presses):
         tilt, turn = (
-            KNOWN_TILTS[number % len(KNOWN_TILTS)] * spec.max_tilt_deg,
-            first + np.radians(KNOWN_TURN_DEG) * number,
+            CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * spec.max_tilt_deg,
+            first + np.radians(CALIBRATION_TURN_DEG) * number,
         )
-        depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), 8)
+        depths = np.linspace(spec.min_depth, twin.max_depth(tilt, slip), 8)
         poses = np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
-        pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
-        found.append((RobotPress(poses, pixels), slip))
+        pixels = np.array([model.predict(pose, slip, unit=False).pixels for pose in poses])
+        found.append((CalibrationPress(poses, pixels), slip))
     return found
 
 
 def pose_gain(
-    model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise: float | FloatArray
+    model: UnitModel,
+    mounting: Mounting,
+    spread: FloatArray,
+    pose: FloatArray,
+    inverse_friction: float,
+    noise: float | FloatArray,
 ) -> PoseGain:
     """How an image of a pose is read by a fit that does not know all of its unit.
 
     `noise` is the standard deviation of a dot's coordinate in px, or (m,) of each.
     """
-    sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
+    sd, slips = contact_prior_sd(model.tolerance), len(model.dots.twin.inverse_frictions) > 1
     which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
-    looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 4 else None), model.seen
-    assert looked.by_unit is not None
+    looked, seen = model.predict(pose, inverse_friction, np.zeros(3) if which[-1] > 4 else None), model.visible
+    assert looked.unit_jacobian is not None
     free = len(which)
-    by_pose = looked.by_pose[seen][..., which].reshape(-1, free)
-    by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
+    by_pose = looked.pose_jacobian[seen][..., which].reshape(-1, free)
+    by_unit = looked.unit_jacobian[seen].reshape(-1, len(UNIT_PARAMETERS)) @ spread[: len(UNIT_PARAMETERS)]
     own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
-    variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.belief.nominal) ** 2
+    variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.posterior.nominal) ** 2
     weighted = np.hstack([by_pose, by_unit]) / variance[:, None]
     jacobian = np.hstack([by_pose, by_unit])
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
     gain = np.linalg.solve(weighted.T @ jacobian + np.diag(prior), weighted.T)
     # a unit's numbers are fitted along, and move what the mounting is taken for
-    to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])
+    to_robot = np.hstack(
+        [np.eye(3), np.zeros((3, free - 3)), mounting.jacobian(pose) @ spread[len(UNIT_PARAMETERS) :]]
+    )
     by_noise = to_robot @ gain
     known = np.linalg.inv(weighted[:, :free].T @ by_pose + np.diag(prior[:free]))
-    truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
+    truth = mounting.jacobian(pose) @ spread[len(UNIT_PARAMETERS) :]
     alone = np.sqrt(np.diag(known)[:3] * np.mean(2.0 * own**2 / variance))
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
     drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]

@@ -12,19 +12,19 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.deviation import IMPERFECTIONS
-from palpate.built.foresee import ForeseeSpec, foresee
+from palpate.built.foresee import AccuracySpec, predict_accuracy
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-_KEPT = ("friction", "friction_most")
+_UNCHANGED = ("friction_min", "friction_max")
 """Fields that stay as they are: friction is fitted in each image."""
-_UNSEEN = ("modulus", "stiffening", "missing", "touch", "friction")
+_UNSEEN = ("modulus", "stiffening", "missing", "depth_zero", "friction_min")
 """Imperfections that cost no angle in the model of a twin's fit."""
 
 
-class ForeseenCost(NamedTuple):
+class PredictedCost(NamedTuple):
     """What one imperfection costs of angle.
 
     Attributes
@@ -46,9 +46,9 @@ class ForeseenCost(NamedTuple):
     saved_deg: float
 
 
-def foresee_budget(
-    twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: ForeseeSpec | None = None
-) -> tuple[ForeseenCost, ...]:
+def predict_budget(
+    twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: AccuracySpec | None = None
+) -> tuple[PredictedCost, ...]:
     """Costs of all imperfections, the greatest first.
 
     Parameters
@@ -58,23 +58,25 @@ def foresee_budget(
 
     Returns
     -------
-    tuple[ForeseenCost, ...]
+    tuple[PredictedCost, ...]
         One an imperfection that is not zero, after those named ``all`` and ``noise``.
     """
-    spec = replace(spec or ForeseeSpec(), known=0)
-    none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _KEPT})
-    every, noise = (foresee(twin, layout, camera, each, spec).rmse_deg for each in (tolerance, none))
+    spec = replace(spec or AccuracySpec(), calibration_presses=0)
+    none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _UNCHANGED})
+    every, noise = (predict_accuracy(twin, layout, camera, each, spec).rmse_deg for each in (tolerance, none))
     found = []
     for item in IMPERFECTIONS:
         size = float(getattr(tolerance, item.name))
         if size and item.name not in _UNSEEN:
-            alone = foresee(twin, layout, camera, none.model_copy(update={item.name: size}), spec).rmse_deg
-            without = foresee(twin, layout, camera, tolerance.model_copy(update={item.name: 0.0}), spec).rmse_deg
-            found.append(ForeseenCost(item.name, item.words, size, _beyond(alone, noise), _beyond(every, without)))
+            alone = predict_accuracy(twin, layout, camera, none.model_copy(update={item.name: size}), spec).rmse_deg
+            without = predict_accuracy(
+                twin, layout, camera, tolerance.model_copy(update={item.name: 0.0}), spec
+            ).rmse_deg
+            found.append(PredictedCost(item.name, item.label, size, _beyond(alone, noise), _beyond(every, without)))
     found.sort(key=lambda cost: -cost.saved_deg)
     return (
-        ForeseenCost("all", "everything together", 1.0, every, every),
-        ForeseenCost("noise", "noise of the dots, and the twin itself", spec.noise_px, noise, noise),
+        PredictedCost("all", "everything together", 1.0, every, every),
+        PredictedCost("noise", "noise of the dots, and the twin itself", spec.noise_px, noise, noise),
         *found,
     )
 

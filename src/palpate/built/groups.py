@@ -9,7 +9,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 
 
-def add_up(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:
+def sum_by_group(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:
     """Products (g, n, k) of the rows (m, 2, n) and (m, 2, k) of dots, added up by their group (m,), from 0.
 
     What is not known of a dot, NaN, adds nothing.

@@ -1,11 +1,9 @@
-"""Identify a built unit: what known presses tell about it, and how it sits on the robot.
+"""Identification of a built unit from calibration presses: its parameters, and how it sits on the robot.
 
-A known press is one whose pose the robot says. The dome sits on the robot a little tilted and turned, and its first
-touch is not where the robot believes (`palpate.built.mounting`).
-
-Unit, mounting, friction of every press, and the robot's own error of every press are fitted together to all dots of
-all images, each with what was known of it beforehand: a Gauss-Newton iteration to the maximum of the posterior, whose
-curvature is the covariance.
+The robot knows the pose of a calibration press. The dome sits on the robot a little tilted and turned, and depth 0 is
+not where the robot assumes it (`palpate.built.mounting`). Unit, mounting, friction of every press, and the robot's
+error of every press are fitted together to all markers of all images, each with its prior: a Gauss-Newton iteration
+to the maximum of the posterior, whose curvature is the covariance.
 """
 
 from __future__ import annotations
@@ -16,18 +14,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import SLIP_MOST, PoseFitter
-from palpate.built.force import ForceScale, expect_scale
-from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
-from palpate.built.noise import weigh_dots
-from palpate.built.robot_press import RobotPress, RobotSpec
+from palpate.built.fit_pose import MAX_INVERSE_FRICTION, PoseFitter
+from palpate.built.force import StiffnessScale, prior_stiffness_scale
+from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd, prior_mounting
+from palpate.built.noise import robust_weights
+from palpate.built.robot_press import CalibrationPress, RobotUncertainty
 from palpate.built.scale import model_px, pixel_scale, size_scale
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
 
-_TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
+_TWIN_SD = {"thickness": 0.011, "depth_zero": 0.011, "inverse_friction": 0.012}
 """What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
 
 The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images. These and the
@@ -48,75 +46,74 @@ _FAR = 5.0
 """Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
 
 
-class ToldUnit(NamedTuple):
-    """Mean (15,) and covariance (15, 15) of the numbers of `UNKNOWN` and `MOUNTING`."""
+class UnitEstimate(NamedTuple):
+    """Mean (15,) and covariance (15, 15) of the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`."""
 
     mean: FloatArray
     covariance: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class IdentificationResult:
     """What presses told about a unit.
 
     Attributes
     ----------
-    belief
+    posterior
         What is now known of the unit.
     mounting
         How it sits on the robot.
-    slips, slips_sd
+    inverse_frictions, inverse_frictions_sd
         (p,) 1/µ of every press.
     misfit
         Mean square of what is left over its expectation; about 1.
-    robot_off
+    robot_error
         (p, 3) fitted error of the robot's poses, over its standard deviation.
     scale
         Its stiffness over the design's.
-    told
-        The numbers of `UNKNOWN` and `MOUNTING` themselves. `belief` and `mounting` have those with which the twin
-        explains the images best, and reads others, whatever of them is the twin's own error.
+    estimate
+        The numbers themselves. `posterior` and `mounting` have those with which the twin explains the images best.
     """
 
-    belief: UnitBelief
+    posterior: UnitPosterior
     mounting: Mounting
-    slips: FloatArray
-    slips_sd: FloatArray
+    inverse_frictions: FloatArray
+    inverse_frictions_sd: FloatArray
     misfit: float
-    robot_off: FloatArray
-    scale: ForceScale
-    told: ToldUnit
+    robot_error: FloatArray
+    scale: StiffnessScale
+    estimate: UnitEstimate
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
-        before = [*prior_sd(tolerance), *mounting_sd(tolerance), expect_scale(tolerance).sd]
-        means, names = [*self.told.mean, self.scale.mean], (*UNKNOWN, *MOUNTING, "stiffness")
-        spread = [*np.sqrt(np.diag(self.told.covariance)), self.scale.sd]
+        before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
+        means, names = [*self.estimate.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
+        spread = [*np.sqrt(np.diag(self.estimate.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
         ]
-        slips = zip(self.slips, self.slips_sd, strict=True)
+        slips = zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True)
         return found + [
             {
                 "name": f"1/friction of press {k + 1}",
                 "mean": float(mean),
                 "sd": float(sd),
-                "before": tolerance.slip[1],
+                "before": tolerance.inverse_friction_prior[1],
             }
             for k, (mean, sd) in enumerate(slips)
         ]
 
 
 def identify(
-    model: UnitModel, presses: Sequence[RobotPress], noise_px: float, robot: RobotSpec | None = None
-) -> Identified:
+    model: UnitModel, presses: Sequence[CalibrationPress], noise_px: float, robot: RobotUncertainty | None = None
+) -> IdentificationResult:
     """Learn a unit and its mounting from known presses.
 
     Parameters
     ----------
     model
-        The unit, as the image at rest told it (`learn_rest`).
+        The unit, as the image at rest told it (`infer_from_rest`).
     presses
         At least one; three of different directions tell the mounting.
     noise_px
@@ -135,28 +132,28 @@ def identify(
             "Press at least once, better three times, at known poses.",
             code="calibration-press-missing",
         )
-    return UnitFit(model, presses, noise_px, robot or RobotSpec()).run(model)
+    return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).solve(model)
 
 
-def twin_off_sd(skin: Skin) -> FloatArray:
-    """What the twin is off (15,) in the numbers of `UNKNOWN` and `MOUNTING`, as presses tell them."""
-    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
+def twin_error_sd(skin: Skin) -> FloatArray:
+    """Twin error (15,) in the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as presses tell them."""
+    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)])
 
 
 def _lens_sd(skin: Skin) -> FloatArray:
-    """What the numbers of `UNKNOWN` (11,) are told wrong by besides."""
+    """What the numbers of `UNIT_PARAMETERS` (11,) are told wrong by besides."""
     sizes = {"distance": size_scale(skin)}
-    return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNKNOWN])
+    return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNIT_PARAMETERS])
 
 
-class UnitNormal(NamedTuple):
+class NormalEquations(NamedTuple):
     """What all dots say of the n unknowns.
 
     Attributes
     ----------
     normal, gradient
         (n, n) and (n,) of half the weighted squares, over the variance.
-    noise
+    gradient_noise
         (n, n) covariance of the gradient by the noise of images alone.
     common
         (n, 2 m) how the gradient changes with each coordinate (px) of the dots at rest.
@@ -166,7 +163,7 @@ class UnitNormal(NamedTuple):
 
     normal: FloatArray
     gradient: FloatArray
-    noise: FloatArray
+    gradient_noise: FloatArray
     common: FloatArray
     misfit: float
 
@@ -179,33 +176,42 @@ class UnitFit:
     """
 
     def __init__(
-        self, model: UnitModel, presses: Sequence[RobotPress], noise_px: float | FloatArray, robot: RobotSpec
+        self,
+        model: UnitModel,
+        presses: Sequence[CalibrationPress],
+        noise_px: float | FloatArray,
+        robot: RobotUncertainty,
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
-        self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
+        self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.visible))
         self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
-        self.drift_sd = np.array(model.tolerance.drift_sd)
+        self.drift_sd = np.array(model.tolerance.lateral_sd)
         self.drifts = bool(self.drift_sd.any())
-        skin, camera = model.dots.twin.skin, model.belief.nominal
+        skin, camera = model.dots.twin.skin, model.posterior.nominal
         drift_px = _DRIFT_PX * pixel_scale(skin, camera)
         self.shared_variance = noise**2 + model_px(skin, camera) ** 2 + self.drifts * drift_px**2
         self.variance = noise**2 + self.shared_variance
-        self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
+        self.shared, self.own = len(UNIT_PARAMETERS) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
-        self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
-        self.slips = slice(self.shared, None, self.own)
+        self.has_friction, self.slip_sd = (
+            len(self.twin.inverse_frictions) > 1,
+            model.tolerance.inverse_friction_prior[1],
+        )
+        self.friction_slice = slice(self.shared, None, self.own)
 
-    def run(self, model: UnitModel) -> Identified:
+    def solve(self, model: UnitModel) -> IdentificationResult:
         """Iterate to the maximum of the posterior."""
-        belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
+        belief, prior = model.posterior, prior_mounting(model.posterior, model.tolerance)
         information = self.information(prior)
         before = np.zeros(self.size)
-        before[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
+        before[self.friction_slice] = (
+            model.tolerance.inverse_friction_prior[0] if self.has_friction else self.twin.inverse_frictions[0]
+        )
         values, now = self._begin(model, before), belief
-        mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
+        mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
         for iteration in range(_ITERATIONS):
-            model = model.believing(now)
+            model = model.with_posterior(now)
             found = self.assemble(model, mounting, values)
             normal = found.normal + information
             gradient = found.gradient - information @ (values - before)
@@ -214,25 +220,29 @@ class UnitFit:
             change = np.zeros(self.size)
             change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
             values = values + change
-            values[self.slips] = np.clip(values[self.slips], self.twin.slips[0], min(self.twin.slips[-1], SLIP_MOST))
-            now = replace(belief, mean=belief.mean + values[: len(UNKNOWN)])
-            mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
+            values[self.friction_slice] = np.clip(
+                values[self.friction_slice],
+                self.twin.inverse_frictions[0],
+                min(self.twin.inverse_frictions[-1], MAX_INVERSE_FRICTION),
+            )
+            now = replace(belief, mean=belief.mean + values[: len(UNIT_PARAMETERS)])
+            mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
             if iteration > _FIRST and (np.abs(change) < _SMALL * spread).all():
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
-        believable = np.hypot(prior_sd(model.tolerance), _lens_sd(self.twin.skin))
+        believable = np.hypot(unit_prior_sd(model.tolerance), _lens_sd(self.twin.skin))
         _refuse(now.mean / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
-        return Identified(
-            belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),
+        return IdentificationResult(
+            posterior=replace(now, covariance=shared[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)]),
             mounting=replace(mounting, covariance=shared),
-            slips=values[self.slips],
-            slips_sd=np.sqrt(np.diag(covariance)[self.slips]),
+            inverse_frictions=values[self.friction_slice],
+            inverse_frictions_sd=np.sqrt(np.diag(covariance)[self.friction_slice]),
             misfit=found.misfit,
-            robot_off=off,
-            scale=expect_scale(model.tolerance),
-            told=self._tell(belief, found, information, values - before),
+            robot_error=off,
+            scale=prior_stiffness_scale(model.tolerance),
+            estimate=self._estimate(belief, found, information, values - before),
         )
 
     def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
@@ -243,10 +253,10 @@ class UnitFit:
             fits = [fitter.fit(pixels) for pixels in press.pixels]
             own = self.shared + self.own * k
             off += [pose - fit.pose for pose, fit in zip(press.poses, fits, strict=True)]
-            if self.slip:
-                values[own] = np.median([fit.slip for fit in fits])
+            if self.has_friction:
+                values[own] = np.median([fit.inverse_friction for fit in fits])
             if self.drifts:
-                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.drift for fit in fits]
+                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.lateral for fit in fits]
                 values[own + 4 : own + 7] = np.median(travels, axis=0)
         values[[self.shared - 4, self.shared - 3, self.shared - 1]] = np.median(off, axis=0)
         return values
@@ -255,7 +265,9 @@ class UnitFit:
         """Inverse covariance of all unknowns before the presses."""
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
-        spread = np.array([self.slip_sd if self.slip else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)])
+        spread = np.array(
+            [self.slip_sd if self.has_friction else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)]
+        )
         own = np.arange(self.shared, self.size)
         found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))
         return found
@@ -264,9 +276,9 @@ class UnitFit:
     def _mounted(self) -> IntArray:
         """Numbers of the unknowns that are the mounting's, of 1/µ and of drift."""
         every = np.arange(self.shared, self.size).reshape(-1, self.own)
-        return np.concatenate([np.arange(len(UNKNOWN), self.shared), every[:, 0], every[:, 4:].ravel()])
+        return np.concatenate([np.arange(len(UNIT_PARAMETERS), self.shared), every[:, 0], every[:, 4:].ravel()])
 
-    def covariance(self, found: UnitNormal, information: FloatArray) -> FloatArray:
+    def covariance(self, found: NormalEquations, information: FloatArray) -> FloatArray:
         """Covariance of all unknowns.
 
         What is wrong about a dot at rest, and about the twin, is so in every image: it does not average out.
@@ -274,12 +286,14 @@ class UnitFit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
-        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.slips] = _TWIN_SD["slip"]
+        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
+        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
-    def _tell(self, belief: UnitBelief, found: UnitNormal, information: FloatArray, moved: FloatArray) -> ToldUnit:
+    def _estimate(
+        self, posterior: UnitPosterior, found: NormalEquations, information: FloatArray, moved: FloatArray
+    ) -> UnitEstimate:
         """The unit's own numbers, by Bayes' rule from those (n,) that the fit found beyond what was known before.
 
         With the curvature N of all dots, the information Λ before the presses and the numbers q, the fit finds
@@ -294,12 +308,12 @@ class UnitFit:
         which no error of the twin makes wider than what was known before.
         """
         normal, whole = found.normal, found.normal + information
-        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.slips] = _TWIN_SD["slip"]
+        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
+        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
         lens = np.zeros(self.size)
-        lens[: len(UNKNOWN)] = _lens_sd(self.twin.skin)
+        lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
-        error = found.noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
+        error = found.gradient_noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
         # in standard deviations before the presses; what is not told at all has no error
         scale = np.sqrt(np.diag(np.linalg.inv(information)))
         normal, error = normal * np.outer(scale, scale), error * np.outer(scale, scale)
@@ -307,59 +321,61 @@ class UnitFit:
         covariance = np.linalg.inv(information * np.outer(scale, scale) + told @ normal)
         mean = scale * (covariance @ (told @ (scale * (whole @ moved))))
         shared = slice(self.shared)
-        before = np.concatenate([belief.mean, np.zeros(len(MOUNTING))])
-        return ToldUnit(before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared])
+        before = np.concatenate([posterior.mean, np.zeros(len(MOUNTING_PARAMETERS))])
+        return UnitEstimate(
+            before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared]
+        )
 
-    def look(
+    def predict(
         self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Pixels (m, 2) in one image of a press that has these own unknowns, and derivatives (m, 2, 15 + own)."""
         at = mounting.to_dome(pose + own[1:4])
         share = float(at[2] / self.twin.depths_mm[-1])
-        looked = model.look(at, float(own[0]), share * own[4:7] if self.drifts else None)
-        assert looked.by_unit is not None
+        looked = model.predict(at, float(own[0]), share * own[4:7] if self.drifts else None)
+        assert looked.unit_jacobian is not None
         turn = np.eye(3)
         turn[:2, :2] = mounting.turn.T
-        by_robot = looked.by_pose[..., :3] @ turn
+        by_robot = looked.pose_jacobian[..., :3] @ turn
         parts = (
-            looked.by_unit,
-            -by_robot @ mounting.by_mounting(at),
-            looked.by_pose[..., 3:4] * self.slip,
+            looked.unit_jacobian,
+            -by_robot @ mounting.jacobian(at),
+            looked.pose_jacobian[..., 3:4] * self.has_friction,
             by_robot,
-            share * looked.by_pose[..., 5:],
+            share * looked.pose_jacobian[..., 5:],
         )
         return looked.pixels, np.concatenate(parts, axis=-1)
 
-    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> UnitNormal:
+    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> NormalEquations:
         """What all dots say."""
         normal, noise = np.zeros((2, self.size, self.size))
         gradient = np.zeros(self.size)
-        common = np.zeros((self.size, 2 * len(model.seen)))
+        common = np.zeros((self.size, 2 * len(model.visible)))
         squares, count = 0.0, 0
         for k, press in enumerate(self.presses):
             own = self.shared + self.own * k
             columns = [*range(self.shared), *range(own, own + self.own)]
             for pose, seen in zip(press.poses, press.pixels, strict=True):
-                there = np.isfinite(seen).all(axis=1) & model.seen
-                pixels, slopes = self.look(model, mounting, pose, values[own : own + self.own])
+                there = np.isfinite(seen).all(axis=1) & model.visible
+                pixels, slopes = self.predict(model, mounting, pose, values[own : own + self.own])
                 left = (seen - pixels)[there].reshape(-1)
                 jacobian = slopes[there].reshape(len(left), -1)
                 variance = self.variance[there]
-                weight = weigh_dots(left, variance)
+                weight = robust_weights(left, variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian
                 noise[np.ix_(columns, columns)] += (weighted.T * np.repeat(self.noise[there], 2) ** 2) @ weighted
                 gradient[columns] += weighted.T @ left
                 common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
                 squares, count = squares + float(left @ (left / np.repeat(variance, 2))), count + len(left)
-        return UnitNormal(normal, gradient, noise, common, squares / max(count, 1))
+        return NormalEquations(normal, gradient, noise, common, squares / max(count, 1))
 
 
 class ContradictionError(PalpateError):
     """Presses that no unit of the design, read by its twin, can have made."""
 
 
-def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
+def _refuse(unit: FloatArray, misfit: float, deviations: FloatArray) -> None:
     """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
     if misfit > _WRONG:
         raise ContradictionError(
@@ -368,17 +384,17 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
             "Check that design, recording and poses belong together, and the order of the poses.",
             code="calibration-press-misfit",
         )
-    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
-    if abs(off[worst]) > _FAR:
+    worst = np.unravel_index(np.abs(deviations).argmax(), deviations.shape)
+    if abs(deviations[worst]) > _FAR:
         raise ContradictionError(
-            f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
+            f"The robot's pose of press {worst[0] + 1} would be {abs(deviations[worst]):.0f} sd off.",
             "Check the poses and their order, or say how well the robot knows them.",
             code="press-pose-far-off",
         )
     far = np.abs(unit)
     if far.max() > _FAR:
         raise ContradictionError(
-            f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
+            f"The unit's {UNIT_PARAMETERS[far.argmax()]} would be {far.max():.0f} standard deviations off.",
             "Check that the presses are of this unit, or widen the tolerance.",
             code="unit-far-off-design",
         )

@@ -7,34 +7,35 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.groups import add_up
+from palpate.built.groups import sum_by_group
 from palpate.built.identify import UnitFit
 from palpate.built.mounting import Mounting
-from palpate.built.robot_press import RobotPress, RobotSpec
+from palpate.built.robot_press import CalibrationPress, RobotUncertainty
 from palpate.built.unit_model import UnitModel
 from palpate.core import FloatArray, IntArray
 
 
-class TaughtUnit(NamedTuple):
+class PredictedPosterior(NamedTuple):
     """What presses would leave unknown of a unit.
 
-    `covariance` is (15, 15), of `UNKNOWN` and `MOUNTING`, as it would be believed; `by_chance` the same if the twin
-    were right, by noise, robot and what is not known beforehand alone; `by_dot` (15, 2 m) what an error (px) of each
-    coordinate of the dots at rest, which is in all images, is taken for.
+    `covariance` is (15, 15), of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as it would be believed;
+    `exact_twin_covariance` the same if the twin were right, by noise, robot and what is not known beforehand alone;
+    `rest_marker_gain` (15, 2 m) what an error (px) of each coordinate of the dots at rest, which is in all images, is
+    taken for.
     """
 
     covariance: FloatArray
-    by_chance: FloatArray
-    by_dot: FloatArray
+    exact_twin_covariance: FloatArray
+    rest_marker_gain: FloatArray
 
 
-def learn_presses(
+def predict_posterior(
     model: UnitModel,
     mounting: Mounting,
-    presses: Sequence[tuple[RobotPress, float]],
+    presses: Sequence[tuple[CalibrationPress, float]],
     noise_px: float | FloatArray,
-    robot: RobotSpec,
-) -> TaughtUnit:
+    robot: RobotUncertainty,
+) -> PredictedPosterior:
     """What presses of a unit that is as believed would leave unknown of it.
 
     Parameters
@@ -47,17 +48,19 @@ def learn_presses(
         As for `identify`; noise also (m,) of each dot.
     """
     if not presses:
-        none = np.zeros((len(mounting.covariance), 2 * len(model.seen)))
-        return TaughtUnit(mounting.covariance, mounting.covariance, none)
+        none = np.zeros((len(mounting.covariance), 2 * len(model.visible)))
+        return PredictedPosterior(mounting.covariance, mounting.covariance, none)
     fit = UnitFit(model, [press for press, _ in presses], noise_px, robot)
     values = np.zeros(fit.size)
-    values[fit.slips] = [slip for _, slip in presses]
+    values[fit.friction_slice] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
     information = fit.information(mounting)
     inverse: FloatArray = np.asarray(np.linalg.inv(found.normal + information), float)
     by_dot, kept = inverse @ found.common, slice(fit.shared)
-    by_chance = inverse @ (information + found.noise) @ inverse + by_dot * np.repeat(fit.noise**2, 2) @ by_dot.T
-    return TaughtUnit(fit.covariance(found, information)[kept, kept], by_chance[kept, kept], by_dot[kept])
+    by_chance = (
+        inverse @ (information + found.gradient_noise) @ inverse + by_dot * np.repeat(fit.noise**2, 2) @ by_dot.T
+    )
+    return PredictedPosterior(fit.covariance(found, information)[kept, kept], by_chance[kept, kept], by_dot[kept])
 
 
 class PressInformation(NamedTuple):
@@ -66,32 +69,32 @@ class PressInformation(NamedTuple):
     Attributes
     ----------
     normal
-        (g, n, n) information about `UNKNOWN`, `MOUNTING` and what is each press's own.
+        (g, n, n) information about `UNIT_PARAMETERS`, `MOUNTING_PARAMETERS` and what is each press's own.
     by_dot
         (m, 2, n) how an error of each coordinate that is alike in all of their images enters the gradient.
     own_prior
         (n - 15,) precision beforehand of what is each press's own.
-    alike_variance
+    common_variance
         (g,) of such an error, px².
     """
 
     normal: FloatArray
     by_dot: FloatArray
     own_prior: FloatArray
-    alike_variance: FloatArray
+    common_variance: FloatArray
 
 
 def press_information(
     model: UnitModel,
     mounting: Mounting,
-    presses: Sequence[tuple[RobotPress, float]],
+    presses: Sequence[tuple[CalibrationPress, float]],
     group: IntArray,
     noise_px: FloatArray,
-    robot: RobotSpec,
+    robot: RobotUncertainty,
 ) -> PressInformation:
     """Information of known presses of a unit that is as believed, apart for every group (m,) of its dots.
 
-    The other parameters are those of `learn_presses`, the noise (g,) that of every group.
+    The other parameters are those of `predict_posterior`, the noise (g,) that of every group.
     """
     fit, groups = UnitFit(model, [press for press, _ in presses], noise_px[group], robot), int(group.max()) + 1
     variance = fit.variance[:, None, None]
@@ -101,9 +104,9 @@ def press_information(
         own = fit.shared + fit.own * k
         columns = np.array([*range(fit.shared), *range(own, own + fit.own)])
         for pose in press.poses:
-            _, slopes = fit.look(model, mounting, pose, np.array([slip, *[0.0] * (fit.own - 1)]))
+            _, slopes = fit.predict(model, mounting, pose, np.array([slip, *[0.0] * (fit.own - 1)]))
             rows = np.nan_to_num(slopes)
-            normal[np.ix_(np.arange(groups), columns, columns)] += add_up(rows, rows / variance, group)
+            normal[np.ix_(np.arange(groups), columns, columns)] += sum_by_group(rows, rows / variance, group)
             alike[..., columns] += rows / variance
     prior = np.diag(fit.information(mounting))[fit.shared :]
     shared = np.zeros(groups)

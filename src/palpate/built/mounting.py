@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import UNKNOWN, UnitBelief
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.core import FloatArray
 
-MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
+MOUNTING_PARAMETERS = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "depth_zero")
 """Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
 
 
@@ -26,9 +26,9 @@ class Mounting:
     Attributes
     ----------
     mean
-        (4,) of `MOUNTING`.
+        (4,) of `MOUNTING_PARAMETERS`.
     covariance
-        (15, 15) of the numbers of `UNKNOWN` and of `MOUNTING` together.
+        (15, 15) of the numbers of `UNIT_PARAMETERS` and of `MOUNTING_PARAMETERS` together.
     """
 
     mean: FloatArray
@@ -48,7 +48,7 @@ class Mounting:
         mean = self.mean if correction is None else self.mean + correction
         return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
 
-    def by_mounting(self, pose: FloatArray) -> FloatArray:
+    def jacobian(self, pose: FloatArray) -> FloatArray:
         """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
         found = np.zeros((3, 4))
         found[0, 0] = found[1, 1] = found[2, 3] = 1.0
@@ -57,17 +57,19 @@ class Mounting:
         return found
 
 
-def mounting_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (4,) of `MOUNTING` before any press."""
-    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.touch]) / np.sqrt(3.0)
+def mounting_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (4,) of `MOUNTING_PARAMETERS` before any press."""
+    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.depth_zero]) / np.sqrt(
+        3.0
+    )
     return np.maximum(sd, 1e-6)
 
 
-def mount_unit(belief: UnitBelief, tolerance: ToleranceSpec) -> Mounting:
+def prior_mounting(posterior: UnitPosterior, tolerance: ToleranceSpec) -> Mounting:
     """How a unit sits on its robot before any press: within the tolerances."""
-    covariance = np.zeros((len(UNKNOWN) + 4, len(UNKNOWN) + 4))
-    covariance[: len(UNKNOWN), : len(UNKNOWN)] = belief.covariance
-    covariance[len(UNKNOWN) :, len(UNKNOWN) :] = np.diag(mounting_sd(tolerance) ** 2)
+    covariance = np.zeros((len(UNIT_PARAMETERS) + 4, len(UNIT_PARAMETERS) + 4))
+    covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)] = posterior.covariance
+    covariance[len(UNIT_PARAMETERS) :, len(UNIT_PARAMETERS) :] = np.diag(mounting_prior_sd(tolerance) ** 2)
     return Mounting(np.zeros(4), covariance)
 
 

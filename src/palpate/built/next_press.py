@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.foresee import ForeseeSpec, pose_gain
-from palpate.built.learn_presses import learn_presses
+from palpate.built.foresee import AccuracySpec, pose_gain
+from palpate.built.learn_presses import predict_posterior
 from palpate.built.mounting import Mounting
-from palpate.built.robot_press import RobotPress
+from palpate.built.robot_press import CalibrationPress
 from palpate.built.unit_model import UnitModel
 from palpate.core import FloatArray
 
@@ -37,8 +37,8 @@ class NextPress(NamedTuple):
     rmse_deg: float
 
 
-def rank_presses(
-    model: UnitModel, mounting: Mounting, slip: float, spec: ForeseeSpec
+def rank_next_presses(
+    model: UnitModel, mounting: Mounting, inverse_friction: float, spec: AccuracySpec
 ) -> tuple[float, tuple[NextPress, ...]]:
     """Expected errors now, and after each of some presses, the best first.
 
@@ -46,7 +46,7 @@ def rank_presses(
     ----------
     model, mounting
         What is known of the unit.
-    slip
+    inverse_friction
         1/µ of its presses.
     spec
         Working range, noise and robot.
@@ -57,20 +57,22 @@ def rank_presses(
         RMSE of rx and ry by what is not known of the unit, degrees, now and after each candidate.
     """
     places = _tilted(spec, model, (0.2, 0.6, 1.0), 90)
-    now, found = _rmse(model, mounting, slip, places, spec.noise_px), []
+    now, found = _rmse(model, mounting, inverse_friction, places, spec.noise_px), []
     for share in _TILTS:
         for turn_deg in _TURNS_DEG if share else (0,):
             tilt = share * spec.max_tilt_deg
-            poses = _deepening(model, spec, tilt, turn_deg, slip)
-            pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
-            known = [(RobotPress(poses, pixels), slip)]
-            learnt = learn_presses(model, mounting, known, spec.noise_px, spec.robot)
+            poses = _deepening(model, spec, tilt, turn_deg, inverse_friction)
+            pixels = np.array([model.predict(pose, inverse_friction, unit=False).pixels for pose in poses])
+            known = [(CalibrationPress(poses, pixels), inverse_friction)]
+            learnt = predict_posterior(model, mounting, known, spec.noise_px, spec.robot)
             after = replace(mounting, covariance=learnt.covariance)
-            found.append(NextPress(tilt, float(turn_deg), _rmse(model, after, slip, places, spec.noise_px)))
+            found.append(
+                NextPress(tilt, float(turn_deg), _rmse(model, after, inverse_friction, places, spec.noise_px))
+            )
     return now, tuple(sorted(found, key=lambda press: press.rmse_deg))
 
 
-def _tilted(spec: ForeseeSpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
+def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
     """Poses over the working range."""
     deepest = float(model.dots.twin.depths_mm[-1])
     turns = np.radians(np.arange(0, 360, turn_deg))
@@ -78,19 +80,24 @@ def _tilted(spec: ForeseeSpec, model: UnitModel, shares: Sequence[float], turn_d
         np.array([spec.max_tilt_deg * share * np.cos(turn), spec.max_tilt_deg * share * np.sin(turn), depth])
         for share in shares
         for turn in turns
-        for depth in (spec.least_depth, 0.9 * deepest)
+        for depth in (spec.min_depth, 0.9 * deepest)
     ]
 
 
-def _deepening(model: UnitModel, spec: ForeseeSpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
+def _deepening(
+    model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, inverse_friction: float
+) -> FloatArray:
     turn, twin = np.radians(turn_deg), model.dots.twin
-    depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), _IMAGES)
+    depths = np.linspace(spec.min_depth, twin.max_depth(tilt, inverse_friction), _IMAGES)
     return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
 
 
-def _rmse(model: UnitModel, mounting: Mounting, slip: float, places: Sequence[FloatArray], noise_px: float) -> float:
+def _rmse(
+    model: UnitModel, mounting: Mounting, inverse_friction: float, places: Sequence[FloatArray], noise_px: float
+) -> float:
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     squares = [
-        (pose_gain(model, mounting, spread, pose, slip, noise_px).by_unit[:2] ** 2).sum(axis=1) for pose in places
+        (pose_gain(model, mounting, spread, pose, inverse_friction, noise_px).unit_gain[:2] ** 2).sum(axis=1)
+        for pose in places
     ]
     return float(np.sqrt(np.mean(squares)))

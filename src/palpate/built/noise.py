@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.camera import Camera, dot_edges, trace_dots
+from palpate.camera import Camera, flat_marker_outlines, project_markers
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 
@@ -14,9 +14,10 @@ NOISE_DOT_PX = 4.4
 """Diameter in the image of the dot that has it: 1 mm on H20, 48 mm before the camera."""
 _GRAIN = 0.865
 """Share of its variance by the noise of pixels, over the root of the diameter as the Cramer-Rao bound says; the rest
-grows with the diameter, by light that is uneven across a dot. From `benchmarks/dot_noise.py`: 24 diameters of 3.2 to
+grows with the diameter, by light that is uneven across a dot. From `benchmarks/marker_noise.py`: 24 diameters of 3.2
+to
 15.5 px on degraded images of the bench, within 19 % of the law (docs/decisions/0074)."""
-MODEL_PX = 0.02
+MODEL_ERROR_PX = 0.02
 """What the twin itself may be off, px, of a skin and in an image of the sizes in `palpate.built.scale`."""
 FREEDOM = 30.0
 """Degrees of freedom of Student's distribution, of dots that are not where they should be."""
@@ -24,19 +25,19 @@ _MEDIAN = 2.0 * np.log(2.0)
 """Median square of two normal numbers together."""
 
 
-def size_noise(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArray:
+def noise_by_diameter(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArray:
     """Standard deviations of a coordinate of dots that are so wide in the image, px.
 
     Parameters
     ----------
     diameter_px
-        (m,) as from `palpate.camera.trace_dots`.
+        (m,) as from `palpate.camera.project_markers`.
     noise_px
         Of a dot of `NOISE_DOT_PX`.
 
     Examples
     --------
-    >>> size_noise(np.array([2.2, 4.4, 8.8])).round(4).tolist()
+    >>> noise_by_diameter(np.array([2.2, 4.4, 8.8])).round(4).tolist()
     [0.0266, 0.02, 0.0197]
     """
     share = diameter_px / NOISE_DOT_PX
@@ -45,11 +46,11 @@ def size_noise(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArra
 
 def layout_noise(skin: Skin, layout: MarkerLayout, camera: Camera, noise_px: float = NOISE_PX) -> FloatArray:
     """Standard deviations (m,) px of a coordinate of a layout's dots, by their size in the image at rest."""
-    edges = dot_edges(layout.positions, skin.normal(layout.positions), layout.diameter)
-    return size_noise(trace_dots(camera, edges).diameters, noise_px)
+    edges = flat_marker_outlines(layout.positions, skin.normal(layout.positions), layout.diameter)
+    return noise_by_diameter(project_markers(camera, edges).diameters, noise_px)
 
 
-def weigh_dots(left: FloatArray, variance: float | FloatArray) -> FloatArray:
+def robust_weights(left: FloatArray, variance: float | FloatArray) -> FloatArray:
     """Weights (2 n,) of coordinates over their variance, by Student's distribution: less for dots that fit badly.
 
     The variance, px², is that of all dots, or (n,) of each.

@@ -7,12 +7,21 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from palpate.built.force import LEVEL_90, Force
-from palpate.built.unit_model import Look
+from palpate.built.unit_model import PredictedImage
 from palpate.core import FloatArray
 
-TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
+CONTACT_STATE = (
+    "rx_deg",
+    "ry_deg",
+    "depth_mm",
+    "inverse_friction",
+    "curvature",
+    "lateral_x",
+    "lateral_y",
+    "twist_deg",
+)
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
-Linear = tuple[FloatArray, Look, FloatArray]
+Linear = tuple[FloatArray, PredictedImage, FloatArray]
 """A touch, what is seen there, and how it depends on the unit."""
 
 
@@ -24,13 +33,13 @@ class PoseFit:
     ----------
     pose
         (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
-    slip
+    inverse_friction
         1/µ.
     covariance
         (4, 4) of pose and slip, what is unknown of the unit included.
-    bend, bend_sd
+    curvature, curvature_sd
         Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
-    drift
+    lateral
         (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
     force
         On the wall.
@@ -40,8 +49,8 @@ class PoseFit:
         Mean weighted square of what is left, about 1 where the model is that of what is seen.
     steps
         Gauss–Newton steps taken.
-    theta
-        (8,) `TOUCH`, in the dome's frame.
+    state
+        (8,) `CONTACT_STATE`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
@@ -51,16 +60,16 @@ class PoseFit:
     """
 
     pose: FloatArray
-    slip: float
+    inverse_friction: float
     covariance: FloatArray
-    bend: float
-    bend_sd: float
-    drift: FloatArray
+    curvature: float
+    curvature_sd: float
+    lateral: FloatArray
     force: Force
     residual_px: float
     misfit: float
     steps: int
-    theta: FloatArray
+    state: FloatArray
     cost: float
     unit: FloatArray
     inverted: bool = False
@@ -86,8 +95,8 @@ class BranchState:
     """
 
     last: FloatArray | None = None
-    moved: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
-    motion: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
+    moved: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
+    motion: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
     near: Linear | None = None
 
     def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> BranchState:
@@ -95,9 +104,9 @@ class BranchState:
 
         `scale` (8,) is the change of a touch within which images are alike.
         """
-        moved = np.zeros(len(TOUCH)) if self.last is None else theta - self.last
+        moved = np.zeros(len(CONTACT_STATE)) if self.last is None else theta - self.last
         turned, far = (float(np.linalg.norm((each / scale)[:3])) for each in (moved - self.moved, moved))
-        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH)), near)
+        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(CONTACT_STATE)), near)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ With J the derivative of a dot's pixels by all that is unknown, every dot adds J
 of an image, of the image at rest, and of known presses. So the matrices of all rings that might be printed are made
 once, and the figure of any choice among them is a sum and an inverse. It is the figure of `foresee` with its draws
 replaced by their expectation. Dots of a group have one noise, so that those of another size weigh the same matrices
-otherwise (`RingInformation.printed`).
+otherwise (`RingInformation.with_markers`).
 """
 
 from __future__ import annotations
@@ -13,16 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
-from palpate.built.groups import add_up
-from palpate.built.identify import twin_off_sd
+from palpate.built.fit_pose import TWIN_ERROR_SD, contact_prior_sd
+from palpate.built.foresee import AccuracySpec, marker_noise, sample_working_range, simulate_calibration_presses
+from palpate.built.groups import sum_by_group
+from palpate.built.identify import twin_error_sd
 from palpate.built.learn_presses import PressInformation, press_information
-from palpate.built.mounting import Mounting, mounting_sd
+from palpate.built.mounting import Mounting, mounting_prior_sd
 from palpate.built.noise import layout_noise
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
+from palpate.built.unit_model import (
+    CAMERA_PARAMETERS,
+    UNIT_PARAMETERS,
+    UnitPosterior,
+    build_unit_model,
+    rest_jacobian,
+    unit_prior_sd,
+)
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, generator
 from palpate.design import MarkerLayout, Skin
@@ -30,7 +37,7 @@ from palpate.twin import Twin
 
 _MARGIN_PX = 5.0
 """Distance of a dot's centre from the edge of the image."""
-_UNIT = len(UNKNOWN)
+_UNIT = len(UNIT_PARAMETERS)
 _SHARED = _UNIT + 4
 
 
@@ -58,13 +65,13 @@ class RingInformation:
     inside
         (g,) whether the dots of a group are in the image at all of these poses.
     unit_sd, mounting_sd
-        (11,) and (4,) standard deviations of `UNKNOWN` and of the mounting beforehand.
+        (11,) and (4,) standard deviations of `UNIT_PARAMETERS` and of the mounting beforehand.
     noise_px
         (g,) standard deviation of a dot's coordinate in an image.
     model_px
         The same of what a fit takes the twin to be off.
-    twin_off
-        (15,) the same of what known presses take the twin to be off in `UNKNOWN` and `MOUNTING`.
+    twin_error
+        (15,) the same of what known presses take the twin to be off in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`.
     """
 
     rest: FloatArray
@@ -80,9 +87,9 @@ class RingInformation:
     mounting_sd: FloatArray
     noise_px: FloatArray
     model_px: float
-    twin_off: FloatArray
+    twin_error: FloatArray
 
-    def printed(
+    def with_markers(
         self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
     ) -> RingInformation:
         """The same of dots of another size, whose noise in an image follows from it.
@@ -103,12 +110,12 @@ class RingInformation:
         before, after = (2.0 * noise**2 + self.model_px**2 for noise in (self.noise_px, noise_px))
         reads, crossed, common, known = before / after, before / after, np.ones(len(before)), self.presses
         if known is not None:
-            alike = known.alike_variance + noise_px**2 - self.noise_px**2
-            share = (self.noise_px**2 + known.alike_variance) / (noise_px**2 + alike)
+            alike = known.common_variance + noise_px**2 - self.noise_px**2
+            share = (self.noise_px**2 + known.common_variance) / (noise_px**2 + alike)
             known = known._replace(
                 normal=known.normal * share[:, None, None],
                 by_dot=known.by_dot[:0],  # summed up already
-                alike_variance=alike,
+                common_variance=alike,
             )
             crossed, common = crossed * share, share**2
         return replace(
@@ -120,7 +127,7 @@ class RingInformation:
             noise_px=noise_px,
         )
 
-    def at_best(self) -> RingInformation:
+    def lower_bound(self) -> RingInformation:
         """The same for the best of estimators: its variance is convex, and no greater.
 
         Noise is all that it has to do with, and where presses are known, it knows what is alike in all images.
@@ -129,10 +136,10 @@ class RingInformation:
         assumed, presses = 2.0 * own + self.model_px**2, self.presses
         if presses is None:
             return replace(self, reads=self.reads * assumed / (2.0 * own), model_px=0.0)
-        normal = presses.normal * (own + presses.alike_variance[:, None, None]) / own
-        presses = presses._replace(normal=normal, alike_variance=0.0 * presses.alike_variance)
+        normal = presses.normal * (own + presses.common_variance[:, None, None]) / own
+        presses = presses._replace(normal=normal, common_variance=0.0 * presses.common_variance)
         same = replace(self, presses=presses, reads=self.reads * assumed / own, model_px=0.0)
-        return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_off=0.0 * self.twin_off)
+        return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_error=0.0 * self.twin_error)
 
     def variance(self, share: FloatArray) -> float:
         """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
@@ -163,14 +170,18 @@ class RingInformation:
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
             again = by_unit @ np.linalg.solve(spread, taken) @ crossed
             found = found - 2.0 * np.einsum("pai,pai->pa", again, gain)
-        return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
+        return float(found.mean() + np.mean(TWIN_ERROR_SD[:2] ** 2))
 
     def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray | None]:
         """Covariance (15, 15) of unit and mounting that is believed before an image is read, how much of it is not by
         chance, and what known presses make (15, n) of the gradient."""
         rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", part, self.rest[on]))
-        covariance = np.diag(np.concatenate([np.zeros(len(CAMERA)), self.unit_sd[-1:], self.mounting_sd]) ** 2)
-        covariance[: len(CAMERA), : len(CAMERA)] = rest[: len(CAMERA), : len(CAMERA)]
+        covariance = np.diag(
+            np.concatenate([np.zeros(len(CAMERA_PARAMETERS)), self.unit_sd[-1:], self.mounting_sd]) ** 2
+        )
+        covariance[: len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)] = rest[
+            : len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)
+        ]
         known = self.presses
         if known is None:
             return covariance, 0.0 * covariance, None
@@ -179,28 +190,28 @@ class RingInformation:
         before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
         before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
         normal, own = part[:, None, None] * known.normal[on], self.noise_px[on] ** 2
-        model = known.alike_variance[on] / (own + known.alike_variance[on])
+        model = known.common_variance[on] / (own + known.common_variance[on])
         inverse = np.linalg.inv(before + normal.sum(axis=0))
         alike, at_rest, averaged = (
             inverse @ np.einsum("g,gij->ij", share, each) @ inverse
             for share, each in (
-                (part * known.alike_variance[on], self.common[on]),
+                (part * known.common_variance[on], self.common[on]),
                 (part * own, self.common[on]),
                 (model, normal),
             )
         )
-        off = np.diag(self.twin_off**2)
+        off = np.diag(self.twin_error**2)
         learnt, excess = (inverse + alike)[:_SHARED, :_SHARED], (alike - at_rest + averaged)[:_SHARED, :_SHARED]
         return np.asarray(learnt + off, float), np.asarray(excess + off, float), inverse[:_SHARED]
 
 
-def measure_rings(
+def compute_ring_information(
     twin: Twin,
     layout: MarkerLayout,
     group: IntArray,
     camera: Camera,
     tolerance: ToleranceSpec,
-    spec: ForeseeSpec | None = None,
+    spec: AccuracySpec | None = None,
 ) -> RingInformation:
     """Information of every group of dots that might be printed.
 
@@ -213,52 +224,52 @@ def measure_rings(
     camera, tolerance, spec
         As for `foresee`; ``spec.units`` is not used.
     """
-    spec = spec or ForeseeSpec()
+    spec = spec or AccuracySpec()
     rest_px = camera.project(layout.positions)
-    sd = prior_sd(tolerance)
-    belief = UnitBelief(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
-    model = model_unit(twin, layout, belief, tolerance)
-    slopes, spread = rest_slopes(twin, layout, camera, tolerance, spec.noise_px)
-    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
-    touch = touch_sd(tolerance)
-    if len(twin.slips) == 1:
+    sd = unit_prior_sd(tolerance)
+    belief = UnitPosterior(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
+    model = build_unit_model(twin, layout, belief, tolerance)
+    slopes, spread = rest_jacobian(twin, layout, camera, tolerance, spec.noise_px)
+    places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
+    touch = contact_prior_sd(tolerance)
+    if len(twin.inverse_frictions) == 1:
         touch[3] = 0.0
-    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_sd(tolerance)]) ** 2))
+    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_prior_sd(tolerance)]) ** 2))
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
-    noise = _by_group(dot_noise(twin, layout, camera, spec), group)
+    noise = _by_group(marker_noise(twin, layout, camera, spec), group)
     variance = (2.0 * noise**2 + model_px(twin.skin, camera.spec) ** 2)[group, None, None]
-    presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    presses = simulate_calibration_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
     known = press_information(model, mounting, presses, group, noise, spec.robot) if presses else None
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
     reads, crossed = [], []
     for pose, slip in places:
-        looked = model.look(pose, slip, np.zeros(3) if touch[4:].any() else None)
-        assert looked.by_unit is not None
+        looked = model.predict(pose, slip, np.zeros(3) if touch[4:].any() else None)
+        assert looked.unit_jacobian is not None
         rows = np.zeros((len(group), 2, len(touch) + _UNIT))
-        rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
-        rows[..., len(touch) :] = looked.by_unit
+        rows[..., : looked.pose_jacobian.shape[-1]] = looked.pose_jacobian
+        rows[..., len(touch) :] = looked.unit_jacobian
         _leave(inside, group, camera, looked.pixels)
-        reads.append(add_up(rows, rows / variance, group))
-        crossed.append(add_up(alike, rows / variance, group))
+        reads.append(sum_by_group(rows, rows / variance, group))
+        crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch**-2.0
-    pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
+    pad = np.full(2, max(tolerance.print_shift, 1e-6) / np.sqrt(3.0))
     return RingInformation(
-        rest=add_up(slopes, slopes / spread**2, group),
-        rest_prior=np.concatenate([sd[: len(CAMERA)], pad]) ** -2.0,
+        rest=sum_by_group(slopes, slopes / spread**2, group),
+        rest_prior=np.concatenate([sd[: len(CAMERA_PARAMETERS)], pad]) ** -2.0,
         presses=known,
-        common=add_up(alike, alike, group),
+        common=sum_by_group(alike, alike, group),
         crossed=np.array(crossed),
         reads=np.array(reads),
         touch_prior=touch_prior,
-        by_mounting=np.array([mounting.by_mounting(pose) for pose, _ in places]),
+        by_mounting=np.array([mounting.jacobian(pose) for pose, _ in places]),
         inside=inside,
         unit_sd=sd,
-        mounting_sd=mounting_sd(tolerance),
+        mounting_sd=mounting_prior_sd(tolerance),
         noise_px=noise,
         model_px=model_px(twin.skin, camera.spec),
-        twin_off=twin_off_sd(twin.skin),
+        twin_error=twin_error_sd(twin.skin),
     )
 
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from palpate.core import FloatArray
 
-KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
+CALIBRATION_TILTS, CALIBRATION_TURN_DEG = (0.35, 0.8), 144.0
 """Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
 
 
 @dataclass(frozen=True)
-class RobotSpec:
+class RobotUncertainty:
     """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm).
 
     `force` is that of a reading of its load cell, N.
@@ -23,7 +23,7 @@ class RobotSpec:
 
 
 @dataclass(frozen=True, eq=False)
-class RobotPress:
+class CalibrationPress:
     """One press whose pose the robot says.
 
     Attributes

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.built.noise import MODEL_PX
+from palpate.built.noise import MODEL_ERROR_PX
 from palpate.camera import CameraSpec
 from palpate.core import FloatArray
 from palpate.design import Skin
@@ -25,7 +25,8 @@ def size_scale(skin: Skin) -> float:
 
 
 def touch_scale(skin: Skin) -> FloatArray:
-    """Factors (8,) for the numbers of `TOUCH`: depth and travel are lengths, the wall's curvature is 1 over one."""
+    """Factors (8,) for the numbers of `CONTACT_STATE`: depth and travel are lengths, the wall's curvature is 1 over
+    one."""
     size = size_scale(skin)
     return np.array([1.0, 1.0, size, 1.0, 1.0 / size, size, size, 1.0])
 
@@ -37,7 +38,7 @@ def pixel_scale(skin: Skin, camera: CameraSpec) -> float:
 
 def model_px(skin: Skin, camera: CameraSpec) -> float:
     """What the twin itself may be off in an image, px."""
-    return MODEL_PX * pixel_scale(skin, camera)
+    return MODEL_ERROR_PX * pixel_scale(skin, camera)
 
 
 def _magnify(camera: CameraSpec, size: float) -> float:

@@ -10,22 +10,23 @@ from palpate.camera import Camera
 from palpate.core import FloatArray
 
 
-class Shown(NamedTuple):
+class Projection(NamedTuple):
     """Pixels (m, 2) of points, and their derivatives (m, 2, 3) px/mm by those."""
 
     pixels: FloatArray
     by_point: FloatArray
 
 
-def show(camera: Camera, points: FloatArray, step: float = 1e-4) -> Shown:
+def project_with_jacobian(camera: Camera, points: FloatArray, step: float = 1e-4) -> Projection:
     """What a camera shows of points (m, 3) mm."""
     around = np.concatenate([points[None], points + step * np.eye(3)[:, None, :]])
     found = camera.project(around)
-    return Shown(found[0], np.moveaxis((found[1:] - found[0]) / step, 0, -1))
+    return Projection(found[0], np.moveaxis((found[1:] - found[0]) / step, 0, -1))
 
 
-class ShiftedCameras:
-    """Cameras a little beside one, in pairs, for derivatives by the numbers of `palpate.built.unit_model.CAMERA`.
+class CameraDerivatives:
+    """Cameras a little beside one, in pairs, for derivatives by the numbers of
+    `palpate.built.unit_model.CAMERA_PARAMETERS`.
 
     A camera that moves a little is dots that move the other way, so that only another lens is looked through, and a
     window, which stays with the dots.
@@ -56,7 +57,9 @@ class ShiftedCameras:
             self._scale[:, k] = (_scale(high) - _scale(low)) / twice
             self._middle[:, k] = (_middle(high) - _middle(low)) / twice
 
-    def slopes(self, points: FloatArray, shown: Shown | None = None, carried: FloatArray | None = None) -> FloatArray:
+    def jacobian(
+        self, points: FloatArray, shown: Projection | None = None, carried: FloatArray | None = None
+    ) -> FloatArray:
         """Derivatives (m, 2, 10) of the pixels of points.
 
         Parameters
@@ -68,7 +71,7 @@ class ShiftedCameras:
         carried
             (m, 3, 10) mm, how the points themselves move as the camera changes; not at all, if not given.
         """
-        pixels, by_point = shown or show(self._camera, points)
+        pixels, by_point = shown or project_with_jacobian(self._camera, points)
         against = (points @ self._turn.reshape(3, -1)).reshape(-1, *self._turn.shape[1:]) - self._offset
         found = by_point @ (against if carried is None else carried + against)
         found += ((pixels - _middle(self._camera)) / _scale(self._camera))[..., None] * self._scale + self._middle

@@ -27,18 +27,20 @@ class ToleranceSpec(Spec):
     stiffening: float = parameter(
         0.1, unit="1", meaning="constants of higher order, over the first of the law", ge=0, le=0.9
     )
-    friction: float = parameter(
+    friction_min: float = parameter(
         0.8,
         unit="1",
         meaning="least coefficient of friction on a clean wall; 0: as in the training",
         ge=0,
         le=5,
     )
-    friction_most: float = parameter(
+    friction_max: float = parameter(
         0.0, unit="1", meaning="greatest coefficient of friction; 0: twice the least", ge=0, le=10
     )
-    dot: float = parameter(0.1, unit="mm", meaning="place of each printed dot, in both directions", ge=0, le=2)
-    pad: float = parameter(0.2, unit="mm", meaning="place of the whole print, in both directions", ge=0, le=5)
+    marker_position: float = parameter(
+        0.1, unit="mm", meaning="place of each printed dot, in both directions", ge=0, le=2
+    )
+    print_shift: float = parameter(0.2, unit="mm", meaning="place of the whole print, in both directions", ge=0, le=5)
     missing: float = parameter(0.02, unit="1", meaning="share of dots that are not there", ge=0, le=0.4)
     camera_offset: float = parameter(0.5, unit="mm", meaning="camera off the axis, in both directions", ge=0, le=5)
     camera_distance: float = parameter(0.5, unit="mm", meaning="distance of the camera", ge=0, le=10)
@@ -57,7 +59,7 @@ class ToleranceSpec(Spec):
     seating_turn_deg: float = parameter(
         0.3, unit="deg", meaning="turn of the dome about its axis against the robot", ge=0, le=30
     )
-    touch: float = parameter(
+    depth_zero: float = parameter(
         1.0,
         unit="mm",
         meaning="depth that the robot takes for the first touch",
@@ -72,40 +74,40 @@ class ToleranceSpec(Spec):
         0.0, unit="deg", meaning="turn of the robot about the wall's normal in a press", ge=0, le=10
     )
 
-    bend: float = parameter(
+    curvature: float = parameter(
         0.0, unit="1/m", meaning="curvature of the walls that are pressed, either way; 0: they are flat", ge=0, le=20
     )
 
-    def draw_friction(self, share: float) -> float:
+    def friction_at(self, share: float) -> float:
         """Coefficient of friction at a share (0 to 1) of what is met: even in µ, with both ends given in 1/µ."""
-        if not self.friction_most:
-            return self.friction * (1.0 + share)
-        return 1.0 / (share / self.friction + (1.0 - share) / self.friction_most)
+        if not self.friction_max:
+            return self.friction_min * (1.0 + share)
+        return 1.0 / (share / self.friction_min + (1.0 - share) / self.friction_max)
 
     @model_validator(mode="after")
     def _least_is_least(self) -> ToleranceSpec:
-        if self.friction_most and not 0 < self.friction <= self.friction_most:
+        if self.friction_max and not 0 < self.friction_min <= self.friction_max:
             raise PydanticCustomError(
                 "frictions-not-rising",
                 "the least friction is {least} and the greatest {most}.",
-                {"least": f"{self.friction:g}", "most": f"{self.friction_most:g}"},
+                {"least": f"{self.friction_min:g}", "most": f"{self.friction_max:g}"},
             )
         return self
 
     @property
-    def slip(self) -> tuple[float, float]:
+    def inverse_friction_prior(self) -> tuple[float, float]:
         """Mean and standard deviation of 1/µ before any image: about silicone on metal, or what both ends say."""
-        if not self.friction_most:
+        if not self.friction_max:
             return _SLIP_MEAN, _SLIP_SD
-        least, most = 1.0 / self.friction_most, 1.0 / self.friction
+        least, most = 1.0 / self.friction_max, 1.0 / self.friction_min
         return 0.5 * (least + most), max(_SLIP_SD, (most - least) / math.sqrt(12.0))
 
     @property
-    def bend_sd(self) -> float:
+    def curvature_sd(self) -> float:
         """Standard deviation of a wall's curvature, 1/m."""
-        return self.bend / math.sqrt(3.0)
+        return self.curvature / math.sqrt(3.0)
 
     @property
-    def drift_sd(self) -> tuple[float, float, float]:
+    def lateral_sd(self) -> tuple[float, float, float]:
         """Standard deviations of a press's sideways travel in x and y (mm) and of its twist (degrees)."""
         return self.lateral / math.sqrt(3.0), self.lateral / math.sqrt(3.0), self.twist_deg / math.sqrt(3.0)

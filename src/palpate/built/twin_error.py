@@ -14,9 +14,9 @@ import numpy as np
 from palpate.built.fit_pose import PoseFitter
 from palpate.built.identify import identify
 from palpate.built.noise import NOISE_PX
-from palpate.built.robot_press import KNOWN_TURN_DEG, RobotPress
+from palpate.built.robot_press import CALIBRATION_TURN_DEG, CalibrationPress
 from palpate.built.unit_model import UnitModel
-from palpate.camera import trace_dots
+from palpate.camera import project_markers
 from palpate.core import FloatArray
 from palpate.fea import Branch, Press
 
@@ -29,7 +29,7 @@ _NEAR = np.array([0.25, 0.125])
 
 
 @dataclass(frozen=True, eq=False)
-class TwinChecks:
+class ValidationPresses:
     """Presses of one friction that a twin is held against, of half models in one direction.
 
     Attributes
@@ -50,13 +50,13 @@ class TwinError:
 
     Attributes
     ----------
-    places
+    poses
         (n, 2) tilts (degrees) and depths (mm) of the images that were read.
     squares
         (n, 2) mean square error of rx and ry (degrees²), and square error of the depth (mm²), of each.
     """
 
-    places: FloatArray
+    poses: FloatArray
     squares: FloatArray
 
     @property
@@ -64,18 +64,20 @@ class TwinError:
         """Over all images (3,): rx and ry (one figure for both, degrees) and depth (mm)."""
         return np.asarray(np.sqrt(self.squares.mean(axis=0)[[0, 0, 1]]))
 
-    def near(self, pose: FloatArray) -> FloatArray:
+    def at(self, pose: FloatArray) -> FloatArray:
         """The same (3,) about a pose (3,), rx, ry (degrees) and depth (mm), by Gaussian weights of images nearby.
 
         Twins are off most where a wall is tilted and hardly touches.
         """
-        widths = np.maximum(_NEAR * self.places.max(axis=0), 1e-9)
-        away = (((self.places - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
+        widths = np.maximum(_NEAR * self.poses.max(axis=0), 1e-9)
+        away = (((self.poses - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
         weight = np.exp(-0.5 * (away - away.min()))
         return np.asarray(np.sqrt(weight @ self.squares / weight.sum())[[0, 0, 1]])
 
 
-def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: int, least_depth: float) -> TwinError:
+def measure_twin_error(
+    model: UnitModel, checks: Sequence[ValidationPresses], count: int, min_depth: float
+) -> TwinError:
     """Errors of a unit as designed that its twin reads from presses which the twin lacks.
 
     Parameters
@@ -86,7 +88,7 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
         The presses, one for each friction.
     count
         How many presses are known beforehand; 0: none is.
-    least_depth
+    min_depth
         Of the images that count, mm.
 
     Raises
@@ -96,7 +98,7 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
     """
     poses, errors = (
         np.concatenate(each)
-        for each in zip(*(_read_checks(model, one, count, least_depth) for one in checks), strict=True)
+        for each in zip(*(_read_checks(model, one, count, min_depth) for one in checks), strict=True)
     )
     places = np.column_stack([np.hypot(poses[:, 0], poses[:, 1]), poses[:, 2]])
     squares = np.column_stack([np.mean(errors[:, :2] ** 2, axis=1), errors[:, 2] ** 2])
@@ -104,40 +106,44 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
 
 
 def _read_checks(
-    model: UnitModel, checks: TwinChecks, count: int, least_depth: float
+    model: UnitModel, checks: ValidationPresses, count: int, min_depth: float
 ) -> tuple[FloatArray, FloatArray]:
     """Poses and errors (n, 3) of the images of presses of one friction that are read."""
     told = [
-        see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
+        simulate_exact_markers(
+            model, checks.known[number % len(checks.known)], CALIBRATION_TURN_DEG * number, min_depth
+        )
         for number in range(count)
     ]
     fitter = PoseFitter(model, NOISE_PX)
     if told:
         unit = identify(model, told, NOISE_PX)
-        fitter = PoseFitter(model.believing(unit.belief), NOISE_PX, unit.mounting)
+        fitter = PoseFitter(model.with_posterior(unit.posterior), NOISE_PX, unit.mounting)
     poses, errors = [], []
     for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
-        seen = see_press(model, press, _READ_TURN_DEG * number)
+        seen = simulate_exact_markers(model, press, _READ_TURN_DEG * number)
         found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
-        counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)
+        counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], min_depth)
         poses.append(seen.poses[counts])
         errors.append((found - seen.poses)[counts])
     return np.concatenate(poses), np.concatenate(errors)
 
 
-def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0) -> RobotPress:
+def simulate_exact_markers(
+    model: UnitModel, press: Press, azimuth_deg: float, min_depth: float = 0.0
+) -> CalibrationPress:
     """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
-    turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
-    azimuth = np.radians(turned.wall.turn_deg)
+    turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
+    azimuth = np.radians(turned.obstacle.turn_deg)
     here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
-    here &= press.depth >= _least(press.depth[here], least_depth)
-    tilt = press.wall.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
+    here &= press.depth >= _least(press.depth[here], min_depth)
+    tilt = press.obstacle.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
-    edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.seen), -1, 3)
-    pixels = np.array([trace_dots(model.camera, each).centres for each in edges])
-    return RobotPress(poses, np.where(model.seen[:, None], pixels, np.nan))
+    edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.visible), -1, 3)
+    pixels = np.array([project_markers(model.camera, each).centres for each in edges])
+    return CalibrationPress(poses, np.where(model.visible[:, None], pixels, np.nan))
 
 
-def _least(depths: FloatArray, least_depth: float) -> float:
+def _least(depths: FloatArray, min_depth: float) -> float:
     """Depth in mm from which images count; where a press hardly gets there, its deeper half."""
-    return min(least_depth, 0.5 * float(depths.max(initial=0.0)))
+    return min(min_depth, 0.5 * float(depths.max(initial=0.0)))

@@ -9,27 +9,27 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built.force import ForceScale
-from palpate.built.mounting import MOUNTING, Mounting
-from palpate.built.unit_model import UNKNOWN, UnitBelief
+from palpate.built.force import StiffnessScale
+from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.camera import CameraSpec
-from palpate.core import FloatArray, PalpateError, provenance, written_whole
+from palpate.core import FloatArray, PalpateError, atomic_write, provenance
 from palpate.design import MarkerLayout, Skin
 
-UNIT_VERSION = "2"
+UNIT_VERSION = "3"
 _KIND = "palpate unit"
 _AGAIN = "Make it again with `palpate identify`."
 
 
 @dataclass(frozen=True, eq=False)
-class KnownUnit:
+class IdentifiedUnit:
     """An identified unit.
 
     Attributes
     ----------
     skin_data, markers_mm
         Its design: the skin's spec as plain data, and the layout (m, 3) mm.
-    belief, mounting
+    posterior, mounting
         What is known of it, and how it sits on its robot.
     scale
         Its stiffness over the design's.
@@ -37,9 +37,9 @@ class KnownUnit:
 
     skin_data: dict[str, Any]
     markers_mm: FloatArray
-    belief: UnitBelief
+    posterior: UnitPosterior
     mounting: Mounting
-    scale: ForceScale
+    scale: StiffnessScale
 
     def check(self, skin: Skin, layout: MarkerLayout) -> None:
         """Refuse another design, with a `PalpateError`."""
@@ -52,7 +52,7 @@ class KnownUnit:
             )
 
 
-def write_unit(path: Path, unit: KnownUnit) -> None:
+def write_unit(path: Path, unit: IdentifiedUnit) -> None:
     """Write an identified unit.
 
     Raises
@@ -60,7 +60,7 @@ def write_unit(path: Path, unit: KnownUnit) -> None:
     PalpateError
         If the file cannot be written.
     """
-    belief, mounting = unit.belief, unit.mounting
+    belief, mounting = unit.posterior, unit.mounting
     sd = np.sqrt(np.diag(mounting.covariance))
     values = np.concatenate([belief.mean, mounting.mean])
     content = {
@@ -70,19 +70,19 @@ def write_unit(path: Path, unit: KnownUnit) -> None:
         "markers_mm": unit.markers_mm.tolist(),
         "camera": belief.nominal.model_dump(mode="json"),
         "rest_px": [None if np.isnan(u) else [u, v] for u, v in belief.rest_px.tolist()],
-        "known": {
+        "parameters": {
             name: {"mean": float(mean), "sd": float(deviation)}
-            for name, mean, deviation in zip((*UNKNOWN, *MOUNTING), values, sd, strict=True)
+            for name, mean, deviation in zip((*UNIT_PARAMETERS, *MOUNTING_PARAMETERS), values, sd, strict=True)
         },
         "stiffness": {"mean": unit.scale.mean, "sd": unit.scale.sd},
         "covariance": mounting.covariance.tolist(),
         "made_by": provenance(),
     }
-    with written_whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
-def read_unit(path: Path) -> KnownUnit:
+def read_unit(path: Path) -> IdentifiedUnit:
     """Read an identified unit.
 
     Raises
@@ -94,28 +94,34 @@ def read_unit(path: Path) -> KnownUnit:
         content = json.loads(path.read_text(encoding="utf-8"))
         if content.get("kind") != _KIND or content.get("version") != UNIT_VERSION:
             raise PalpateError(f"{path} is not a unit of version {UNIT_VERSION}.", _AGAIN, code="unit-file-version")
-        values = np.array([content["known"][name]["mean"] for name in (*UNKNOWN, *MOUNTING)], float)
+        values = np.array(
+            [content["parameters"][name]["mean"] for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)], float
+        )
         covariance = np.array(content["covariance"], float)
         rest = np.array([[np.nan, np.nan] if dot is None else dot for dot in content["rest_px"]], float)
-        unit = KnownUnit(
+        unit = IdentifiedUnit(
             content["skin"],
             np.array(content["markers_mm"], float).reshape(-1, 3),
-            UnitBelief(
+            UnitPosterior(
                 CameraSpec.model_validate(content["camera"]),
                 rest.reshape(-1, 2),
-                values[: len(UNKNOWN)],
-                covariance[: len(UNKNOWN), : len(UNKNOWN)],
+                values[: len(UNIT_PARAMETERS)],
+                covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)],
             ),
-            Mounting(values[len(UNKNOWN) :], covariance),
-            ForceScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
+            Mounting(values[len(UNIT_PARAMETERS) :], covariance),
+            StiffnessScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise PalpateError(
             f"{path} cannot be read as a unit: {error}.", _AGAIN, code="unit-file-unreadable"
         ) from None
-    size = len(UNKNOWN) + len(MOUNTING)
+    size = len(UNIT_PARAMETERS) + len(MOUNTING_PARAMETERS)
     sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
     sound = sound and unit.scale.mean > 0 and unit.scale.sd >= 0
-    if not sound or len(unit.belief.rest_px) != len(unit.markers_mm) or np.linalg.eigvalsh(covariance).min() < -1e-9:
+    if (
+        not sound
+        or len(unit.posterior.rest_px) != len(unit.markers_mm)
+        or np.linalg.eigvalsh(covariance).min() < -1e-9
+    ):
         raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN, code="unit-file-damaged")
     return unit

@@ -1,10 +1,10 @@
 """A built unit under its camera: from pose and friction to the pixels of its dots, with all derivatives.
 
-What is not as designed about a unit is a vector of named numbers (`UNKNOWN`): where its camera is and what its lens
-is, and how thick its wall is. Each has the workshop's tolerance as its prior. Dots are where the image at rest shows
-them: a dot's place on the undeformed surface is where the ray of its pixel leaves that surface, whatever was
-misprinted, stretched or turned. So a change of the camera moves the dots with it, and what remains uncertain is what
-the rest image cannot tell: camera against print.
+What is not as designed about a unit is a vector of named numbers (`UNIT_PARAMETERS`): where its camera is and what
+its lens is, and how thick its wall is. Each has the workshop's tolerance as its prior. Dots are where the image at
+rest shows them: a dot's place on the undeformed surface is where the ray of its pixel leaves that surface, whatever
+was misprinted, stretched or turned. So a change of the camera moves the dots with it, and what remains uncertain is
+what the rest image cannot tell: camera against print.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from scipy.optimize import least_squares
 
 from palpate.built.deviation import Deviation
 from palpate.built.scale import size_scale
-from palpate.built.shifted_cameras import ShiftedCameras, Shown, show
+from palpate.built.shifted_cameras import CameraDerivatives, Projection, project_with_jacobian
 from palpate.built.tolerance import ToleranceSpec
-from palpate.camera import Camera, CameraSpec, build_camera, trace_dots, wrap_dots
+from palpate.camera import Camera, CameraSpec, build_camera, marker_outlines, project_markers
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
-from palpate.twin import MovedDots, PrintedTwin, Twin
+from palpate.twin import MarkerState, MarkerTwin, Twin
 
-CAMERA = (
+CAMERA_PARAMETERS = (
     "offset_x",
     "offset_y",
     "distance",
@@ -37,7 +37,7 @@ CAMERA = (
     "k1",
 )
 """Numbers of a `Deviation` that are the camera's."""
-UNKNOWN = (*CAMERA, "thickness")
+UNIT_PARAMETERS = (*CAMERA_PARAMETERS, "thickness")
 """Numbers of a `Deviation` that a unit's images depend on, and are not known of it beforehand."""
 _TOLERANCE = {
     "offset_x": "camera_offset",
@@ -63,14 +63,14 @@ _FORGIVEN = 3.0
 """Standard deviations beyond which a misprint no longer pulls with its square."""
 
 
-def prior_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (11,) of `UNKNOWN` before any image: even within the tolerances."""
-    found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNKNOWN]) / np.sqrt(3.0)
+def unit_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (11,) of `UNIT_PARAMETERS` before any image: even within the tolerances."""
+    found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNIT_PARAMETERS]) / np.sqrt(3.0)
     return np.maximum(found, _LEAST_SD)
 
 
 @dataclass(frozen=True, eq=False)
-class UnitBelief:
+class UnitPosterior:
     """What is known of a unit: the image at rest, and a normal distribution of what is not as designed.
 
     Attributes
@@ -80,7 +80,7 @@ class UnitBelief:
     rest_px
         (m, 2) dots in the image at rest; NaN where none was seen.
     mean, covariance
-        (11,) and (11, 11) of `UNKNOWN`.
+        (11,) and (11, 11) of `UNIT_PARAMETERS`.
     """
 
     nominal: CameraSpec
@@ -95,18 +95,18 @@ class UnitBelief:
 
 
 def _camera_of(nominal: CameraSpec, values: FloatArray) -> CameraSpec:
-    named: dict[str, Any] = dict(zip(CAMERA, (float(value) for value in values), strict=False))
+    named: dict[str, Any] = dict(zip(CAMERA_PARAMETERS, (float(value) for value in values), strict=False))
     return Deviation(**named).camera(nominal)
 
 
-def learn_rest(
+def infer_from_rest(
     twin: Twin,
     layout: MarkerLayout,
     nominal: CameraSpec,
     rest_px: FloatArray,
     tolerance: ToleranceSpec,
     noise_px: float,
-) -> UnitBelief:
+) -> UnitPosterior:
     """What the image at rest tells about a unit.
 
     Parameters
@@ -124,12 +124,14 @@ def learn_rest(
 
     Returns
     -------
-    UnitBelief
+    UnitPosterior
         Maximum of the posterior, and its covariance there.
     """
     seen = np.isfinite(rest_px).all(axis=1)
-    before = prior_sd(tolerance)
-    sd = np.concatenate([before[: len(CAMERA)], np.full(2, max(tolerance.pad, _LEAST_SD) / np.sqrt(3.0))])
+    before = unit_prior_sd(tolerance)
+    sd = np.concatenate(
+        [before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.print_shift, _LEAST_SD) / np.sqrt(3.0))]
+    )
     spread = _rest_spread(twin, nominal, tolerance, noise_px)
     printed = MarkerLayout(layout.positions[seen], layout.diameter)
 
@@ -138,13 +140,13 @@ def learn_rest(
         return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
 
     fit = least_squares(miss, np.zeros(len(sd)), x_scale=sd, loss="huber", f_scale=_FORGIVEN)
-    covariance = np.zeros((len(UNKNOWN), len(UNKNOWN)))
-    covariance[:-1, :-1] = np.linalg.inv(fit.jac.T @ fit.jac)[: len(CAMERA), : len(CAMERA)]
+    covariance = np.zeros((len(UNIT_PARAMETERS), len(UNIT_PARAMETERS)))
+    covariance[:-1, :-1] = np.linalg.inv(fit.jac.T @ fit.jac)[: len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)]
     covariance[-1, -1] = before[-1] ** 2
-    return UnitBelief(nominal, rest_px, np.append(fit.x[: len(CAMERA)], 0.0), covariance)
+    return UnitPosterior(nominal, rest_px, np.append(fit.x[: len(CAMERA_PARAMETERS)], 0.0), covariance)
 
 
-def rest_slopes(
+def rest_jacobian(
     twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, noise_px: float
 ) -> tuple[FloatArray, float]:
     """What the image at rest says of camera and print, dot by dot, where both are about as designed.
@@ -152,11 +154,11 @@ def rest_slopes(
     Returns
     -------
     slopes
-        (m, 2, 12) px over the numbers of `CAMERA`, and over the print's shift in x and y (mm).
+        (m, 2, 12) px over the numbers of `CAMERA_PARAMETERS`, and over the print's shift in x and y (mm).
     spread_px
         Standard deviation of a coordinate: noise and the misprint of single dots.
     """
-    steps = np.append(_STEP * prior_sd(tolerance)[: len(CAMERA)], [1e-3, 1e-3])
+    steps = np.append(_STEP * unit_prior_sd(tolerance)[: len(CAMERA_PARAMETERS)], [1e-3, 1e-3])
     found = np.empty((len(layout), 2, len(steps)))
     for k, step in enumerate(steps):
         high, low = (_at_rest(twin, layout, camera.spec, side * step * np.eye(len(steps))[k]) for side in (1, -1))
@@ -175,41 +177,41 @@ def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: Floa
 def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, noise_px: float) -> float:
     """Standard deviation of a coordinate at rest about its place in the layout, px."""
     scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
-    return float(np.hypot(noise_px, scale * tolerance.dot / np.sqrt(3.0)))
+    return float(np.hypot(noise_px, scale * tolerance.marker_position / np.sqrt(3.0)))
 
 
 def _traces(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
     """Centres (n, 2) px of the traces of dots that lie on the undeformed surface."""
-    return trace_dots(camera, wrap_dots(twin.skin, points, diameter, _CORNERS)).centres
+    return project_markers(camera, marker_outlines(twin.skin, points, diameter, _CORNERS)).centres
 
 
-class Look(NamedTuple):
+class PredictedImage(NamedTuple):
     """What a unit shows at one pose.
 
     Attributes
     ----------
     pixels
         (m, 2) px; NaN for a dot that was not seen at rest.
-    by_pose
+    pose_jacobian
         (m, 2, 5 or 8): px over a degree of rx, of ry, mm of depth, 1/µ, and 1/m of the wall's bend; where drift is
         given, over a mm of it in x and in y, and a degree of twist.
-    by_unit
-        (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
+    unit_jacobian
+        (m, 2, 11) px over `UNIT_PARAMETERS`; `None` where it was not asked for.
     bias
         (m, 2) px from the trace of a dot's centre to the centre of its trace.
-    force, force_by
+    force, force_jacobian
         (3,) N on the wall, and (3, 5 or 8) by the same.
-    force_thicker
+    force_by_thickness
         (3,) N over a mm of thickness.
     """
 
     pixels: FloatArray
-    by_pose: FloatArray
-    by_unit: FloatArray | None
+    pose_jacobian: FloatArray
+    unit_jacobian: FloatArray | None
     bias: FloatArray
     force: FloatArray
-    force_by: FloatArray
-    force_thicker: FloatArray
+    force_jacobian: FloatArray
+    force_by_thickness: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,20 +222,20 @@ class UnitModel:
     ----------
     layout, tolerance
         Its print as designed, and how far it may be from its design.
-    belief
+    posterior
         What is known of it.
     camera
         The camera believed in.
     dots
         The twin of its print; a dot that was not seen is at its place in the layout.
-    seen
+    visible
         (m,) whether a dot was seen at rest.
     outlines
         The twin of the edges of dots: what is seen is the centre of a trace, which is not the trace of the centre,
         above all where the skin bends.
     place_by
         (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
-    waves_beside
+    tangent_waves
         Derivative of the print's waves along two tangents, and the part of `place_by` along each (m, 10).
     shifted
         Cameras beside the one believed in.
@@ -241,104 +243,112 @@ class UnitModel:
 
     layout: MarkerLayout
     tolerance: ToleranceSpec
-    belief: UnitBelief
+    posterior: UnitPosterior
     camera: Camera
-    dots: PrintedTwin
-    seen: BoolArray
-    outlines: PrintedTwin
+    dots: MarkerTwin
+    visible: BoolArray
+    outlines: MarkerTwin
     place_by: FloatArray
-    waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
-    shifted: ShiftedCameras
+    tangent_waves: tuple[tuple[FloatArray, FloatArray], ...]
+    shifted: CameraDerivatives
 
-    def believing(self, belief: UnitBelief) -> UnitModel:
+    def with_posterior(self, posterior: UnitPosterior) -> UnitModel:
         """The model of the same unit, of which something else is known."""
-        return model_unit(self.dots.twin, self.layout, belief, self.tolerance)
+        return build_unit_model(self.dots.twin, self.layout, posterior, self.tolerance)
 
-    def on(self, twin: Twin) -> UnitModel:
+    def on_branch(self, twin: Twin) -> UnitModel:
         """The model of the same unit on another branch."""
-        return model_unit(twin, self.layout, self.belief, self.tolerance)
+        return build_unit_model(twin, self.layout, self.posterior, self.tolerance)
 
     @property
     def size(self) -> float:
         """How many times as great the skin is as that of the constants (`palpate.built.scale`)."""
         return size_scale(self.dots.twin.skin)
 
-    def look(
+    def predict(
         self,
         pose: FloatArray,
-        slip: float,
-        drift: FloatArray | None = None,
-        bend: float = 0.0,
+        inverse_friction: float,
+        lateral: FloatArray | None = None,
+        curvature: float = 0.0,
         *,
         unit: bool = True,
-        near: Look | None = None,
-    ) -> Look:
-        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
+        near: PredictedImage | None = None,
+    ) -> PredictedImage:
+        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `inverse_friction`.
 
-        `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and `bend` its
-        curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and the bias of
-        traces change little from pose to pose: they are those of a look at one that is `near`, where that is given.
+        `lateral` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and
+        `curvature` its curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and
+        the bias of traces change little from pose to pose: they are those of a look at one that is `near`, where that
+        is given.
         """
-        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift, bend)
-        pixels, slopes = shown = show(self.camera, moved.positions)
-        by_pose = slopes @ moved.by
+        moved = self.dots.evaluate(pose, inverse_friction, float(self.posterior.mean[-1]), lateral, curvature)
+        pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
+        by_pose = slopes @ moved.jacobian
         if near is not None:
-            by_unit, bias = near.by_unit, near.bias
+            by_unit, bias = near.unit_jacobian, near.bias
         else:
             by_unit = self._by_unit(moved, shown, by_pose[..., 4]) if unit else None
             bias = self._bias(moved.amplitudes, pixels)
-        pixels = np.where(self.seen[:, None], pixels + bias, np.nan)
+        pixels = np.where(self.visible[:, None], pixels + bias, np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
-        by_force = moved.force_by
-        return Look(pixels, by_pose[..., touch], by_unit, bias, moved.force, by_force[:, touch], by_force[:, 4])
+        by_force = moved.force_jacobian
+        return PredictedImage(
+            pixels, by_pose[..., touch], by_unit, bias, moved.force, by_force[:, touch], by_force[:, 4]
+        )
 
-    def _by_unit(self, moved: MovedDots, shown: Shown, by_thickness: FloatArray) -> FloatArray:
-        """Derivatives (m, 2, 11) px by `UNKNOWN`; a camera that changes takes the places of the dots along."""
+    def _by_unit(self, moved: MarkerState, shown: Projection, by_thickness: FloatArray) -> FloatArray:
+        """Derivatives (m, 2, 11) px by `UNIT_PARAMETERS`; a camera that changes takes the places of the dots
+        along."""
         carried = self.place_by.copy()
-        for waves, along in self.waves_beside:
+        for waves, along in self.tangent_waves:
             carried += (waves @ moved.amplitudes).reshape(-1, 3)[:, :, None] * along[:, None, :]
-        return np.dstack([self.shifted.slopes(moved.positions, shown, carried), by_thickness])
+        return np.dstack([self.shifted.jacobian(moved.positions, shown, carried), by_thickness])
 
     def _bias(self, amplitudes: FloatArray, pixels: FloatArray) -> FloatArray:
         """From the traces of centres (m, 2) px to the centres of traces, where the waves have amplitudes (2 r,)."""
-        edges = self.outlines.carry(amplitudes).reshape(len(pixels), -1, 3)
-        return np.asarray(trace_dots(self.camera, edges).centres - pixels)
+        edges = self.outlines.positions_at(amplitudes).reshape(len(pixels), -1, 3)
+        return np.asarray(project_markers(self.camera, edges).centres - pixels)
 
 
-def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: ToleranceSpec) -> UnitModel:
+def build_unit_model(
+    twin: Twin, layout: MarkerLayout, posterior: UnitPosterior, tolerance: ToleranceSpec
+) -> UnitModel:
     """Make the model of a unit from what is known of it."""
-    skin, camera = twin.skin, belief.camera()
-    steps = _STEP * prior_sd(tolerance)
-    seen: BoolArray = np.asarray(np.isfinite(belief.rest_px).all(axis=1), dtype=np.bool_)
-    about = np.where(seen[:, None], _places(camera, twin, belief.rest_px, np.zeros_like(belief.rest_px)), np.nan)
+    skin, camera = twin.skin, posterior.camera()
+    steps = _STEP * unit_prior_sd(tolerance)
+    seen: BoolArray = np.asarray(np.isfinite(posterior.rest_px).all(axis=1), dtype=np.bool_)
+    about = np.where(
+        seen[:, None], _places(camera, twin, posterior.rest_px, np.zeros_like(posterior.rest_px)), np.nan
+    )
     about = np.where(np.isfinite(about), about, layout.positions)
     bias = _traces(camera, twin, about, layout.diameter) - camera.project(about)
-    places = _places(camera, twin, belief.rest_px, bias)
+    places = _places(camera, twin, posterior.rest_px, bias)
     seen = np.logical_and(seen, np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, layout.positions)
-    rates, shifted = np.zeros((len(places), 3, len(CAMERA))), []
-    for k in range(len(CAMERA)):
-        change = steps[k] * np.eye(len(UNKNOWN))[k]
-        pair = belief.camera(change), belief.camera(-change)
-        high, low = (_places(each, twin, belief.rest_px, bias) for each in pair)
+    rates, shifted = np.zeros((len(places), 3, len(CAMERA_PARAMETERS))), []
+    for k in range(len(CAMERA_PARAMETERS)):
+        change = steps[k] * np.eye(len(UNIT_PARAMETERS))[k]
+        pair = posterior.camera(change), posterior.camera(-change)
+        high, low = (_places(each, twin, posterior.rest_px, bias) for each in pair)
         rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
         shifted.append(pair)
     _, along, around = skin.tangents(places)
     beside = []
     for tangent in (along, around):
-        high, low = (twin.print_dots(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
+        high, low = (twin.with_markers(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
         beside.append(((high - low) / (2 * _STEP_MM), np.einsum("mi,mik->mk", tangent, rates)))
     return UnitModel(
         layout,
         tolerance,
-        belief,
+        posterior,
         camera,
-        twin.print_dots(places),
+        twin.with_markers(places),
         seen,
-        twin.print_dots(wrap_dots(skin, places, layout.diameter, _CORNERS).reshape(-1, 3)),
+        twin.with_markers(marker_outlines(skin, places, layout.diameter, _CORNERS).reshape(-1, 3)),
         rates,
         tuple(beside),
-        ShiftedCameras(camera, shifted, steps),
+        CameraDerivatives(camera, shifted, steps),
     )
 
 
@@ -346,5 +356,5 @@ def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) ->
     """Where the rays of dots (m, 2) px leave the undeformed inner surface, (m, 3) mm; NaN where there is none."""
     known = np.isfinite(pixels).all(axis=1)
     places = np.full((len(pixels), 3), np.nan)
-    places[known] = twin.skin.hit(*camera.sight(pixels[known] - bias[known]))
+    places[known] = twin.skin.hit(*camera.sight_lines(pixels[known] - bias[known]))
     return places

@@ -2,20 +2,20 @@
 
 from palpate.camera.board import BoardSpec, read_board
 from palpate.camera.build_camera import build_camera
-from palpate.camera.calibrate import CalibrateSpec, calibrate_camera
+from palpate.camera.calibrate import CalibrationSpec, calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
 from palpate.camera.dot_traces import (
-    dot_edges,
+    flat_marker_outlines,
+    marker_outlines,
+    project_markers,
     tangent_pair,
-    trace_dots,
-    wrap_dots,
 )
 from palpate.camera.draw_board import write_board
 from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
-from palpate.camera.preset import list_presets, preset
+from palpate.camera.preset import camera_preset, list_presets
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
 from palpate.camera.read_image import decode_image, list_images, read_image
 from palpate.camera.render import RenderSpec, render
@@ -28,8 +28,8 @@ __all__ = [
     "LENSES",
     "SOURCES",
     "BoardSpec",
-    "CalibrateSpec",
     "Calibration",
+    "CalibrationSpec",
     "Camera",
     "CameraSpec",
     "EventSpec",
@@ -41,12 +41,14 @@ __all__ = [
     "WindowSpec",
     "build_camera",
     "calibrate_camera",
+    "camera_preset",
     "decode_image",
-    "dot_edges",
+    "flat_marker_outlines",
     "list_images",
     "list_presets",
+    "marker_outlines",
     "open_source",
-    "preset",
+    "project_markers",
     "read_board",
     "read_calibration",
     "read_image",
@@ -55,8 +57,6 @@ __all__ = [
     "render",
     "stream_events",
     "tangent_pair",
-    "trace_dots",
-    "wrap_dots",
     "write_board",
     "write_calibration",
 ]

@@ -25,7 +25,7 @@ _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
 
 
-class CalibrateSpec(Spec):
+class CalibrationSpec(Spec):
     """How a camera is calibrated."""
 
     board: BoardSpec = BoardSpec()
@@ -38,7 +38,7 @@ class CalibrateSpec(Spec):
     window_px: int | None = parameter(
         None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
     )
-    least_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
+    min_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class _Found:
 
 
 def calibrate_camera(
-    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec | None = None
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec | None = None
 ) -> Calibration:
     """Calibrate a camera.
 
@@ -73,7 +73,7 @@ def calibrate_camera(
     PalpateError
         If too few images show the board, or the fit fails.
     """
-    spec = spec or CalibrateSpec()
+    spec = spec or CalibrationSpec()
     views, rejected, size = _find_views(images, spec)
     _refuse_few(views, rejected, spec)
     lens = _fit(views, size, spec)
@@ -103,7 +103,7 @@ def calibrate_camera(
 
 
 def _find_views(
-    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec
 ) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int]]:
     points = board_points(spec.board)
     views: list[_View] = []
@@ -125,18 +125,17 @@ def _find_views(
     return views, rejected, size
 
 
-def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrateSpec) -> None:
-    if len(views) < spec.least_images:
+def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrationSpec) -> None:
+    if len(views) < spec.min_images:
         first = f" {rejected[0][0]}: {rejected[0][1]}." if rejected else ""
         raise PalpateError(
-            f"{len(views)} of {len(views) + len(rejected)} images can be used, "
-            f"{spec.least_images} are needed.{first}",
+            f"{len(views)} of {len(views) + len(rejected)} images can be used, {spec.min_images} are needed.{first}",
             "Check the board's kind, counts and focus; take ten or more images, tilted to all sides.",
             code="calibration-few-images",
         )
 
 
-def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Found:
+def _fit(views: list[_View], size: tuple[int, int], spec: CalibrationSpec) -> _Found:
     cv2 = load_opencv()
     points = [view.points.astype(np.float32).reshape(-1, 1, 3) for view in views]
     pixels = [view.pixels.astype(np.float32).reshape(-1, 1, 2) for view in views]

@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from palpate.camera.calibration import Calibration
-from palpate.camera.lens import LENSES, lens_of_model, make_lens
+from palpate.camera.lens import LENSES, lens_from_model, make_lens
 from palpate.core import FloatArray, PalpateError
 
 _CAMERA = re.compile(r"cam\d+")
@@ -116,11 +116,11 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
     distortion = _numbers(content["distortion_coefficients"], None)
     named = content.get("distortion_model", "plumb_bob" if len(distortion) == 5 else None)
-    kind = lens_of_model(str(named))
-    if kind is lens_of_model("plumb_bob") and len(distortion) == 4:
+    kind = lens_from_model(str(named))
+    if kind is lens_from_model("plumb_bob") and len(distortion) == 4:
         distortion = np.append(distortion, 0.0)
     if kind is None or len(distortion) != len(kind.parameters()):
-        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.loadable())
+        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.available())
         raise PalpateError(
             f"{name} has {len(distortion)} coefficients for the lens model {named}.",
             f"{'; '.join(known)}: one is no stand-in for the other.",

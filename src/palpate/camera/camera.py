@@ -97,13 +97,13 @@ class Camera:
         size = np.array([self.spec.width_px, self.spec.height_px])
         # pixel (0, 0) reaches from -0.5 to 0.5, as in OpenCV; NaN compares as not inside
         seen = np.all((pixels >= -0.5) & (pixels <= size - 0.5), axis=-1)
-        seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.lens.limit
+        seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.lens.max_radius
         if skin is not None:
             seen &= self._passes_opening(points, skin.base_radius)
         return np.asarray(seen)
 
     def back_project(self, pixels: ArrayLike) -> FloatArray:
-        """Directions in which pixels look, in air; `sight` follows them behind a window.
+        """Directions in which pixels look, in air; `sight_lines` follows them behind a window.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class Camera:
         directions = rays @ self.camera_from_dome
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
-    def sight(self, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def sight_lines(self, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Lines of sight of pixels in what lies between camera and markers.
 
         Parameters

@@ -25,7 +25,9 @@ def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
     return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
+def flat_marker_outlines(
+    centres: FloatArray, normals: FloatArray, diameter: float, corners: int = _EDGE_POINTS
+) -> FloatArray:
     """Edges of flat discs tangent to a surface.
 
     Parameters
@@ -44,7 +46,7 @@ def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float, corners
 
     Examples
     --------
-    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
+    >>> edges = flat_marker_outlines(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
     >>> float(np.linalg.norm(edges[0] - [0, 0, 20], axis=1).max().round(3))
     1.003
     """
@@ -54,7 +56,7 @@ def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float, corners
     return edges
 
 
-def wrap_dots(skin: Skin, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
+def marker_outlines(skin: Skin, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
     """Edges of round dots that lie on the inner surface of a skin.
 
     Parameters
@@ -64,14 +66,14 @@ def wrap_dots(skin: Skin, centres: FloatArray, diameter: float, corners: int = _
     centres
         (m, 3) mm, on its inner surface.
     diameter, corners
-        As for `dot_edges`.
+        As for `flat_marker_outlines`.
 
     Returns
     -------
     ndarray
         (m, k, 3) mm.
     """
-    return skin.nearest(dot_edges(centres, skin.normal(centres), diameter, corners))
+    return skin.nearest(flat_marker_outlines(centres, skin.normal(centres), diameter, corners))
 
 
 def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -89,18 +91,18 @@ def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     return first, np.cross(normals, first)
 
 
-class Traces(NamedTuple):
+class MarkerTraces(NamedTuple):
     """Centroids (m, 2) px of the traces of dots, and diameters (m,) px of discs as large as they are."""
 
     centres: FloatArray
     diameters: FloatArray
 
 
-def trace_dots(camera: Camera, edges: FloatArray) -> Traces:
+def project_markers(camera: Camera, edges: FloatArray) -> MarkerTraces:
     """What an image shows of dots with these edges (m, k, 3) mm."""
     x, y = np.moveaxis(camera.project(edges), -1, 0)
     nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     cross = x * ny - nx * y
     twice = cross.sum(axis=1)
     moments = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1)
-    return Traces(moments / (3.0 * twice[:, None]), np.sqrt(2.0 * np.abs(twice) / np.pi))
+    return MarkerTraces(moments / (3.0 * twice[:, None]), np.sqrt(2.0 * np.abs(twice) / np.pi))

@@ -42,7 +42,7 @@ class Lens(ABC):
 
     @property
     @abstractmethod
-    def limit(self) -> float:
+    def max_radius(self) -> float:
         """Greatest radius on the unit plane up to which the lens is valid, infinite for most; beyond it it folds."""
 
     @abstractmethod
@@ -108,10 +108,10 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
     return lens
 
 
-def lens_of_model(model: str) -> type[Lens] | None:
+def lens_from_model(model: str) -> type[Lens] | None:
     """The lens of a model's name in a calibration file; `None` where there is none."""
     wanted = _ALIASES.get(model, model)
-    return next((lens for _, lens in LENSES.loadable() if wanted == (lens.model or lens.name)), None)
+    return next((lens for _, lens in LENSES.available() if wanted == (lens.model or lens.name)), None)
 
 
 def fold_of(slopes: Sequence[float]) -> float:

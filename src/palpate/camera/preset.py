@@ -13,7 +13,7 @@ def list_presets() -> tuple[str, ...]:
     return tuple(_PRESETS)
 
 
-def preset(name: str) -> CameraSpec:
+def camera_preset(name: str) -> CameraSpec:
     """Spec of a camera by its name.
 
     Raises

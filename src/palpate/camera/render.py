@@ -57,8 +57,8 @@ def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) ->
 
     Examples
     --------
-    >>> from palpate.camera import build_camera, dot_edges
-    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
+    >>> from palpate.camera import build_camera, flat_marker_outlines
+    >>> edges = flat_marker_outlines(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
     >>> image = render(build_camera(), edges)
     >>> image.shape, image.dtype
     ((260, 346), dtype('uint8'))

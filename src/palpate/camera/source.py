@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from palpate.core import PalpateError, Registry
 
-Item = NDArray[Any] | PalpateError
+ImageOrError = NDArray[Any] | PalpateError
 
 
 class Source(ABC):
@@ -58,7 +58,7 @@ class Source(ABC):
         return time.monotonic if self.live else None
 
     @abstractmethod
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         """The images, (h, w) or (h, w, 3) blue, green, red; an error in the place of one that cannot be read."""
 
     def close(self) -> None:
@@ -107,7 +107,7 @@ def open_source(text: str) -> Source:
     name, colon, rest = text.partition(":")
     if colon and name in SOURCES:
         return _open(SOURCES.get(name), rest)
-    kind = next((kind for _, kind in SOURCES.loadable() if kind.accepts(text)), None)
+    kind = next((kind for _, kind in SOURCES.available() if kind.accepts(text)), None)
     if kind is None and Path(text).is_file():
         raise PalpateError(
             f"{Path(text).name} is no video that is known.",
@@ -119,7 +119,7 @@ def open_source(text: str) -> Source:
 
 def recording_suffixes() -> tuple[str, ...]:
     """Endings of all files that `open_source` knows, in small letters with the dot."""
-    return tuple(suffix for _, kind in SOURCES.loadable() for suffix in kind.suffixes)
+    return tuple(suffix for _, kind in SOURCES.available() for suffix in kind.suffixes)
 
 
 def _open(kind: Any, text: str) -> Source:

@@ -138,12 +138,12 @@ class Window:
         across = rays[..., :2] / up[..., None]
         slope = np.linalg.norm(across, axis=-1)
         air, window, _ = self.heights(float(origin[2]), np.zeros_like(slope))
-        carried = air + window * _bend(slope, self.index)
+        carried = air + window * _distort(slope, self.index)
         starts = np.zeros(rays.shape)
         starts[..., :2] = origin[:2] + across * carried[..., None]
         starts[..., 2] = np.where(np.isnan(up), np.nan, 0.0)
         behind = np.ones(rays.shape)
-        behind[..., :2] = across * _bend(slope, self.gel_index)[..., None]
+        behind[..., :2] = across * _distort(slope, self.gel_index)[..., None]
         return starts, behind / np.linalg.norm(behind, axis=-1, keepdims=True)
 
     def heights(self, origin_z: float, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -155,7 +155,7 @@ class Window:
 Layers = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def _bend(slope: FloatArray, index: float) -> FloatArray:
+def _distort(slope: FloatArray, index: float) -> FloatArray:
     """Slope in a layer over that in air."""
     return np.asarray(1.0 / np.sqrt(index**2 + (index**2 - 1.0) * slope**2))
 
@@ -169,7 +169,7 @@ def _solve(heights: Layers, indices: tuple[float, float, float], reach: FloatArr
     """Slopes in air of the lines of sight that reach so far (...) mm from the axis; NaN where none rises."""
     slope = reach / _apparent(heights, indices)
     for _ in range(_ITERATIONS):
-        ways = [(h, index**2, _bend(slope, index)) for h, index in zip(heights, indices, strict=True)]
+        ways = [(h, index**2, _distort(slope, index)) for h, index in zip(heights, indices, strict=True)]
         miss = reach - slope * sum(h * bend for h, _, bend in ways)
         step = miss / sum(h * square * bend**3 for h, square, bend in ways)
         slope = slope + step

@@ -14,7 +14,7 @@ class Verdict(StrEnum):
 
     HOLDS = "holds"
     FAILS = "does not hold"
-    OPEN = "not decided"
+    UNDECIDED = "not decided"
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class ClaimFinding:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ClaimAnswer:
     """A claim with the finding of one source.
 
     Attributes

@@ -10,8 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from palpate.core import PalpateError
-from palpate.grid import Cell, Row, SpecificationGrid, rows_of
+from palpate.core import PalpateError, rename_columns
+from palpate.grid import Cell, Row, SpecificationGrid, rows_for_design
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""
@@ -39,7 +39,7 @@ class MissingEvidenceError(Exception):
     def __init__(self, designs: Iterable[Design], reasons: Iterable[str] = ()) -> None:
         self.designs = tuple(dict.fromkeys(designs))
         self.reasons = tuple(dict.fromkeys(reason for reason in reasons if reason))
-        super().__init__(_say_missing(self.designs, self.reasons))
+        super().__init__(_missing_sentence(self.designs, self.reasons))
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Evidence:
     def branches(self, domes: Iterable[Dome]) -> dict[Dome, list[tuple[float, str]]]:
         """Tilt (degrees) and branch at full depth of every press of each dome; errors: see `figures`."""
         numbers = {id(row): number for number, row in enumerate(self.grid.designs)}
-        found = self._of_domes(lambda row: rows_of(self.grid.presses, numbers[id(row)]) or None, domes)
+        found = self._of_domes(lambda row: rows_for_design(self.grid.presses, numbers[id(row)]) or None, domes)
         return {
             dome: [(_number(row["tilt_deg"]), str(row["branch"])) for row in rows] for dome, rows in found.items()
         }
@@ -155,10 +155,10 @@ def read_built(path: Path) -> dict[Design, Row]:
     found: dict[Design, Row] = {}
     try:
         with path.open(encoding="utf-8", newline="") as lines:
-            for row in csv.DictReader(lines):
+            for row in map(rename_columns, csv.DictReader(lines)):
                 key = (float(row["height_mm"]), float(row["thickness_mm"]), int(row["markers"]))
-                when = "known" if int(row["known"]) else "built"
-                figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "worst_deg")}
+                when = "known" if int(row["calibration_presses"]) else "built"
+                figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "p95_deg")}
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise PalpateError(
@@ -167,7 +167,7 @@ def read_built(path: Path) -> dict[Design, Row]:
     return found
 
 
-def _say_missing(designs: Iterable[Design], reasons: Iterable[str]) -> str:
+def _missing_sentence(designs: Iterable[Design], reasons: Iterable[str]) -> str:
     """The missing designs by dome, in as few words as they need."""
     layouts: dict[tuple[float, float], list[int]] = {}
     for height, thickness, markers in designs:

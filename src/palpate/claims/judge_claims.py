@@ -6,39 +6,39 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.claims.claim import CLAIMS, Answer, ClaimFinding, Verdict
+from palpate.claims.claim import CLAIMS, ClaimAnswer, ClaimFinding, Verdict
 from palpate.claims.evidence import Evidence, MissingEvidenceError, read_built
-from palpate.claims.judge_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
-from palpate.claims.judge_material import CONVERGENCE, judge_law, judge_mesh
+from palpate.claims.judge_errors import assess_best, assess_height, assess_line, assess_markers, assess_thickness
+from palpate.claims.judge_material import CONVERGENCE, assess_law, assess_mesh
 from palpate.claims.judge_presses import (
-    judge_deformation,
-    judge_inversion,
-    judge_stress,
-    judge_travel_by_height,
-    judge_travel_by_markers,
-    judge_travel_by_thickness,
+    assess_deformation,
+    assess_inversion,
+    assess_stress,
+    assess_travel_by_height,
+    assess_travel_by_markers,
+    assess_travel_by_thickness,
 )
 from palpate.grid import read_grid
 
-JUDGES: dict[str, Callable[[Evidence], ClaimFinding]] = {
-    "C3": judge_stress,
-    "C4": judge_deformation,
-    "C5": judge_inversion,
-    "C6": judge_travel_by_markers,
-    "C7": judge_travel_by_height,
-    "C8": judge_travel_by_thickness,
-    "C9": judge_markers,
-    "C10": judge_best,
-    "C11": judge_height,
-    "C12": judge_thickness,
-    "C14": judge_line,
+ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
+    "C3": assess_stress,
+    "C4": assess_deformation,
+    "C5": assess_inversion,
+    "C6": assess_travel_by_markers,
+    "C7": assess_travel_by_height,
+    "C8": assess_travel_by_thickness,
+    "C9": assess_markers,
+    "C10": assess_best,
+    "C11": assess_height,
+    "C12": assess_thickness,
+    "C14": assess_line,
 }
 """Claims that one grid decides."""
 
 
 BUILT = Path("twins", "built.csv")
 """What `palpate twin` foresees of built units, in its result folder."""
-NO_MESHES = ClaimFinding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
+NO_MESHES = ClaimFinding(Verdict.UNDECIDED, "", "needs the folder of `palpate convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
@@ -61,7 +61,7 @@ def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[
     return grids, tuple(path for paths in meshes.values() for path in paths)
 
 
-def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[Answer, ...]:
+def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[ClaimAnswer, ...]:
     """Answer every claim.
 
     Parameters
@@ -77,16 +77,16 @@ def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tupl
         By claim, then in the order of the grids. A claim whose designs a grid does not have is not decided, and
         the answer names them.
     """
-    answers = [Answer(CLAIMS["C1"], "Table 2", judge_law())]
-    answers += [Answer(CLAIMS["C2"], _name_meshes(path), judge_mesh(path)) for path in meshes]
+    answers = [ClaimAnswer(CLAIMS["C1"], "Table 2", assess_law())]
+    answers += [ClaimAnswer(CLAIMS["C2"], _name_meshes(path), assess_mesh(path)) for path in meshes]
     if not meshes:
-        answers.append(Answer(CLAIMS["C2"], "no mesh study", NO_MESHES))
+        answers.append(ClaimAnswer(CLAIMS["C2"], "no mesh study", NO_MESHES))
     names = name_sources(grids)
-    for claim, judge in JUDGES.items():
+    for claim, judge in ASSESSMENTS.items():
         for evidence, name in zip(grids, names, strict=True):
-            answers.append(Answer(CLAIMS[claim], name, _judge(judge, evidence)))
+            answers.append(ClaimAnswer(CLAIMS[claim], name, _assess(judge, evidence)))
         if not grids:
-            answers.append(Answer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.OPEN, "", "needs a grid")))
+            answers.append(ClaimAnswer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.UNDECIDED, "", "needs a grid")))
     return tuple(answers)
 
 
@@ -101,8 +101,8 @@ def _name_meshes(path: Path) -> str:
     return ", ".join(["mesh study", *path.stem.split("_", 1)[1:]]).replace("_", " ")
 
 
-def _judge(judge: Callable[[Evidence], ClaimFinding], evidence: Evidence) -> ClaimFinding:
+def _assess(assess: Callable[[Evidence], ClaimFinding], evidence: Evidence) -> ClaimFinding:
     try:
-        return judge(evidence)
+        return assess(evidence)
     except MissingEvidenceError as missing:
-        return ClaimFinding(Verdict.OPEN, "", str(missing))
+        return ClaimFinding(Verdict.UNDECIDED, "", str(missing))

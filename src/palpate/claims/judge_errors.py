@@ -18,16 +18,20 @@ BEST: Design = (20.0, 2.0, 169)
 """The paper's best design."""
 PRINTED_RMSE_DEG, PRINTED_MAX_DEG = 0.3, 0.8
 OF_PRINTED = "which jittered images at full depth reproduce (docs/published/paper_protocol.md)"
-LINE_DEG = 2.0
+AEROSPACE_LIMIT_DEG = 2.0
 """The aerospace line."""
 
 CLEAN, JITTERED = "rmse_deg", "rmse_jitter_deg"
-BESIDE = {JITTERED: "with jitter", "built_rmse_deg": "as built", "known_rmse_deg": "built, after known presses"}
+NEIGHBOURS = {
+    JITTERED: "with jitter",
+    "built_rmse_deg": "as built",
+    "calibrated_rmse_deg": "built, after known presses",
+}
 """What else would decide, where a grid has it for every design; in words."""
 Errors = dict[Design, float]
 
 
-def judge_markers(evidence: Evidence) -> ClaimFinding:
+def assess_markers(evidence: Evidence) -> ClaimFinding:
     """C9: errors fall with the number of markers, little above 91."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -42,7 +46,7 @@ def judge_markers(evidence: Evidence) -> ClaimFinding:
     return _decide(evidence, test)
 
 
-def judge_best(evidence: Evidence) -> ClaimFinding:
+def assess_best(evidence: Evidence) -> ClaimFinding:
     """C10: the best design and its errors."""
     clean = evidence.figures(CLEAN)
     greatest = evidence.figures("max_error_deg", [BEST])[BEST]
@@ -51,7 +55,7 @@ def judge_best(evidence: Evidence) -> ClaimFinding:
         f"{name_design(BEST)}: RMSE {clean[BEST]:.3f}°, maximum {greatest:.2f}°, number {order.index(BEST) + 1} of "
         f"{len(order)}; best {name_design(order[0])}: {clean[order[0]]:.3f}°"
     )
-    for column, words in BESIDE.items():
+    for column, words in NEIGHBOURS.items():
         if evidence.has(column):
             errors = evidence.figures(column)
             first = min(errors, key=lambda design: errors[design])
@@ -61,7 +65,7 @@ def judge_best(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(order[0] == BEST and within, figures, why)
 
 
-def judge_height(evidence: Evidence) -> ClaimFinding:
+def assess_height(evidence: Evidence) -> ClaimFinding:
     """C11: H = 20 mm beats H = 10 and 30 mm."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -79,7 +83,7 @@ def judge_height(evidence: Evidence) -> ClaimFinding:
     return replace(finding, why="; ".join(part for part in (finding.why, note) if part))
 
 
-def judge_thickness(evidence: Evidence) -> ClaimFinding:
+def assess_thickness(evidence: Evidence) -> ClaimFinding:
     """C12: thinner is more precise."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -92,7 +96,7 @@ def judge_thickness(evidence: Evidence) -> ClaimFinding:
     return _decide(evidence, test)
 
 
-def judge_line(evidence: Evidence) -> ClaimFinding:
+def assess_line(evidence: Evidence) -> ClaimFinding:
     """C14: the maximum error against the aerospace line."""
     clean = evidence.figures("max_error_deg", [BEST])[BEST]
     jittered = evidence.figures("max_error_jitter_deg", [BEST])[BEST]
@@ -100,18 +104,18 @@ def judge_line(evidence: Evidence) -> ClaimFinding:
     counts = []
     for column in ("max_error_deg", "max_error_jitter_deg"):
         cells = [evidence.rows[design].get(column) for design in there]
-        counts.append(sum(isinstance(cell, int | float) and cell < LINE_DEG for cell in cells))
+        counts.append(sum(isinstance(cell, int | float) and cell < AEROSPACE_LIMIT_DEG for cell in cells))
     figures = (
         f"{name_design(BEST)}: {clean:.2f}° clean, {jittered:.2f}° with jitter; below 2°: {counts[0]} of "
         f"{len(there)} designs clean, {counts[1]} with jitter"
     )
-    for column, words in (("built_worst_deg", "as built"), ("known_worst_deg", "after known presses")):
+    for column, words in (("built_p95_deg", "as built"), ("calibrated_p95_deg", "after known presses")):
         if evidence.has(column):
             worst = evidence.figures(column)
             figures += f"; 19 of 20 units, {words}: {worst[BEST]:.2f}°, below 2°: "
-            figures += f"{sum(error < LINE_DEG for error in worst.values())}"
-    why = "" if jittered < LINE_DEG else "with the jitter of the training it is above the line"
-    return ClaimFinding.of(clean < LINE_DEG, figures, why)
+            figures += f"{sum(error < AEROSPACE_LIMIT_DEG for error in worst.values())}"
+    why = "" if jittered < AEROSPACE_LIMIT_DEG else "with the jitter of the training it is above the line"
+    return ClaimFinding.of(clean < AEROSPACE_LIMIT_DEG, figures, why)
 
 
 def name_design(design: Design) -> str:
@@ -123,7 +127,7 @@ def _decide(evidence: Evidence, test: Callable[[Errors], tuple[bool, str]]) -> C
     """Decide by the clean errors; say what the others would decide."""
     holds, text = test(evidence.figures(CLEAN))
     figures, why = [f"clean: {text}"], []
-    for column, words in BESIDE.items():
+    for column, words in NEIGHBOURS.items():
         if column == JITTERED or evidence.has(column):
             beside, text = test(evidence.figures(column))
             figures.append(f"{words}: {text}")

@@ -24,7 +24,7 @@ CONVERGENCE = "convergence*.csv"
 """What `palpate convergence --out` leaves, also where a contact law was added to the name."""
 
 
-def judge_law() -> ClaimFinding:
+def assess_law() -> ClaimFinding:
     """C1: the law of Table 2 against the paper's own two figures."""
     stretch = np.array(list(MEASURED_MPA))
     found = trace_curve(get_material(TABLE_2), Mode.UNIAXIAL, stretch).nominal
@@ -36,7 +36,7 @@ def judge_law() -> ClaimFinding:
     return ClaimFinding.of(max(map(abs, errors)) < WITHIN, figures)
 
 
-def judge_mesh(path: Path) -> ClaimFinding:
+def assess_mesh(path: Path) -> ClaimFinding:
     """C2: from how many elements of the whole dome on the greatest stress is within 5 % of the finest mesh.
 
     Parameters
@@ -51,7 +51,7 @@ def judge_mesh(path: Path) -> ClaimFinding:
     if first == len(meshes) - 1:  # the finest is compared with itself alone
         open_ended = meshes[-1][0] <= PRINTED_ELEMENTS
         return (
-            ClaimFinding(Verdict.OPEN, figures, "needs finer meshes")
+            ClaimFinding(Verdict.UNDECIDED, figures, "needs finer meshes")
             if open_ended
             else ClaimFinding.of(False, figures)
         )

@@ -19,7 +19,7 @@ THICK, THIN = [(height, 2.0) for height in HEIGHTS], [(height, 1.0) for height i
 """Domes (mm) of the paper's Fig. 10."""
 
 
-def judge_stress(evidence: Evidence) -> ClaimFinding:
+def assess_stress(evidence: Evidence) -> ClaimFinding:
     """C3: greatest stress at T = 2 mm falls with height."""
     straight = list(evidence.domes("peak_stress_straight_mpa", THICK).values())
     every = list(evidence.domes("peak_stress_mpa", THICK).values())
@@ -27,7 +27,7 @@ def judge_stress(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(straight[0] > straight[1] > straight[2], figures)
 
 
-def judge_deformation(evidence: Evidence) -> ClaimFinding:
+def assess_deformation(evidence: Evidence) -> ClaimFinding:
     """C4: the hemisphere deforms most."""
     greatest = evidence.domes("displacement_max_mm", THIN + THICK)
     mean = evidence.domes("displacement_mean_straight_mm", THIN + THICK)
@@ -43,7 +43,7 @@ def judge_deformation(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(all(wins), "; ".join(texts))
 
 
-def judge_inversion(evidence: Evidence) -> ClaimFinding:
+def assess_inversion(evidence: Evidence) -> ClaimFinding:
     """C5: T = 2 mm conforms, T = 1 mm inverts, more so at steeper angles."""
     branches = evidence.branches(THIN + THICK)
     gap = max(evidence.domes("apex_gap_mm", THICK).values())
@@ -65,7 +65,7 @@ def judge_inversion(evidence: Evidence) -> ClaimFinding:
         return ClaimFinding.of(conforms and steeper, figures)
     if conforms and "from" in both[0]:
         return ClaimFinding(
-            Verdict.OPEN,
+            Verdict.UNDECIDED,
             figures,
             "T = 1 mm keeps its flat state, while the inverted one exists beside it: under no slip by itself, "
             "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, "
@@ -74,7 +74,7 @@ def judge_inversion(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(False, figures)
 
 
-def judge_travel_by_markers(evidence: Evidence) -> ClaimFinding:
+def assess_travel_by_markers(evidence: Evidence) -> ClaimFinding:
     """C6: travel is lowest with 7 markers and highest with 169, and above 1 mm with more than 7."""
     domes = [dome for dome in DOMES if all((*dome, markers) in evidence.rows for markers in MARKERS)]
     travel = evidence.figures("travel_mm", [(*dome, markers) for dome in domes for markers in MARKERS])
@@ -92,7 +92,7 @@ def judge_travel_by_markers(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(holds, figures)
 
 
-def judge_travel_by_height(evidence: Evidence) -> ClaimFinding:
+def assess_travel_by_height(evidence: Evidence) -> ClaimFinding:
     """C7: travel is greatest at H = 20 mm."""
     travel = evidence.figures("travel_mm")
     cases = [(t, m) for t in THICKNESSES for m in MARKERS]
@@ -102,7 +102,7 @@ def judge_travel_by_height(evidence: Evidence) -> ClaimFinding:
     return ClaimFinding.of(wins >= MOSTLY * len(cases), figures)
 
 
-def judge_travel_by_thickness(evidence: Evidence) -> ClaimFinding:
+def assess_travel_by_thickness(evidence: Evidence) -> ClaimFinding:
     """C8: travel against thickness is flat at H = 10 mm, and rises fast, then slowly, at 20 and 30 mm."""
     travel = evidence.figures("travel_mm")
     mean = {h: [sum(travel[h, t, m] for m in MARKERS) / len(MARKERS) for t in THICKNESSES] for h in HEIGHTS}

@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from palpate.claims.claim import CLAIMS, Answer, Verdict
+from palpate.claims.claim import CLAIMS, ClaimAnswer, Verdict
 from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import name_sources
-from palpate.core import PAPER, PalpateError, writing, written_into, written_whole
-from palpate.grid import SpecificationGrid, draw_plot, name_plot, refuse_unknown
+from palpate.core import PAPER, PalpateError, atomic_write, atomic_write_into, wrap_write_errors
+from palpate.grid import SpecificationGrid, check_plot_request, draw_plot, plot_file_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +41,9 @@ Pictures = Mapping[tuple[str, str], str]
 """Path of a picture, relative to the page, by claim and source."""
 
 
-def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence], command: str) -> tuple[Path, ...]:
+def write_claims(
+    path: Path, answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str
+) -> tuple[Path, ...]:
     """Write a page of answers, and one picture a claim and grid into a folder of the page's name beside it.
 
     Parameters
@@ -72,17 +74,17 @@ def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence
             "Let the name end in .md or .html.",
             code="file-ending-unknown",
         )
-    with writing(path):
+    with wrap_write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     pictures = _write_pictures(path.parent / path.stem, grids)
     relative = {key: f"{path.stem}/{picture.name}" for key, picture in pictures.items()}
-    with written_whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text(form(answers, grids, command, relative), encoding="utf-8")
     return path, *pictures.values()
 
 
 def describe_claims(
-    answers: Sequence[Answer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
+    answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
 ) -> str:
     """The page as Markdown; for parameters see `write_claims`."""
     lines = ["# The paper's claims", "", *_intro(answers, grids), "", "```", command, "```", ""]
@@ -97,7 +99,9 @@ def describe_claims(
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _describe_in_html(answers: Sequence[Answer], grids: Sequence[Evidence], command: str, pictures: Pictures) -> str:
+def _describe_in_html(
+    answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures
+) -> str:
     body = []
     for answer, cells in zip(answers, _cells(answers), strict=True):
         picture = pictures.get((answer.claim.name, answer.source))
@@ -115,7 +119,7 @@ def _describe_in_html(answers: Sequence[Answer], grids: Sequence[Evidence], comm
     )
 
 
-def _intro(answers: Sequence[Answer], grids: Sequence[Evidence]) -> list[str]:
+def _intro(answers: Sequence[ClaimAnswer], grids: Sequence[Evidence]) -> list[str]:
     counts = Counter(answer.finding.verdict for answer in answers)
     tally = ", ".join(f"{counts[verdict]} {verdict}" for verdict in Verdict)
     designs = ", ".join(
@@ -130,7 +134,7 @@ def _intro(answers: Sequence[Answer], grids: Sequence[Evidence]) -> list[str]:
     ]
 
 
-def _cells(answers: Sequence[Answer]) -> list[list[str]]:
+def _cells(answers: Sequence[ClaimAnswer]) -> list[list[str]]:
     """Words of each row; a claim is named once."""
     rows, last = [], ""
     for answer in answers:
@@ -160,10 +164,10 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
         for claim, (kind, metric) in PICTURES.items():
             grid = _first_layout(evidence.grid) if claim in OF_DOMES else evidence.grid
             try:
-                refuse_unknown(grid, kind, metric)
+                check_plot_request(grid, kind, metric)
             except PalpateError:  # nothing to draw: the answer says what is missing
                 continue
-            path = folder / f"{name_plot(kind, metric)}_{_plain(name)}.svg"
+            path = folder / f"{plot_file_name(kind, metric)}_{_plain(name)}.svg"
             if path not in written.values():
                 _write_picture(path, draw_plot(grid, kind, metric))
             written[claim, name] = path
@@ -172,14 +176,14 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
 
 def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
     """The designs of the layout that comes first."""
-    return grid.keep([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
+    return grid.select([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
 
 
 def _write_picture(path: Path, figure: Figure) -> None:
     # imported here because a drawing library loads slowly
     from palpate.grid import write_picture
 
-    with written_into(path.parent) as folder:
+    with atomic_write_into(path.parent) as folder:
         write_picture(folder / path.name, figure)
 
 

@@ -15,15 +15,15 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 from palpate.recording import RecordedModel, is_recorded_model, read_model
-from palpate.sensor import AcceptSpec
+from palpate.sensor import AcceptanceSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from palpate.learn import Predictor
-    from palpate.sensor import Truth, Unit
+    from palpate.sensor import GroundTruth, Unit
     from palpate.twin import Twin
 
 OUTSIDE = 1
@@ -37,7 +37,7 @@ _NAME = "Name of the unit in the report."
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class JudgedFlags:
+class EstimatorFlags:
     """What read the images, or reads them now."""
 
     reads: ModelFlags = ModelFlags()
@@ -57,13 +57,13 @@ class ReportFlags:
 def accept(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
-    judged: JudgedFlags = JudgedFlags(),
+    judged: EstimatorFlags = EstimatorFlags(),
     built: UnitFlags = UnitFlags(),
-    wanted: Annotated[AcceptSpec, flags_of(AcceptSpec, group="Tolerances")] = AcceptSpec(),
+    wanted: Annotated[AcceptanceSpec, flags_of(AcceptanceSpec, group="Tolerances")] = AcceptanceSpec(),
     report: ReportFlags = ReportFlags(),
 ) -> int:
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
-    from palpate.sensor import accept_unit, open_model, read_readings, read_truth, write_acceptance
+    from palpate.sensor import accept_unit, open_model, read_ground_truth, read_readings, write_acceptance
 
     if judged.reads.model is not None and judged.readings is not None:
         raise PalpateError(
@@ -72,7 +72,7 @@ def accept(
             code="options-exclusive",
         )
     check_folder(report.out)
-    known = read_truth(truth)
+    known = read_ground_truth(truth)
     if judged.readings is not None:
         estimates, flagged = read_readings(judged.readings, known)
     else:
@@ -93,12 +93,12 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _read(folder: Path, known: Truth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
+def _read(folder: Path, known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import check_model, open_sensor, run_sensor
 
-    check_model(model, unit, TILT_DEPTH)
+    check_model(model, unit, TILT_SPACE)
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.",
@@ -111,19 +111,19 @@ def _read(folder: Path, known: Truth, model: Predictor | Twin, unit: Unit) -> tu
     return poses, np.array([bool(reading.flags) for reading in found])
 
 
-def _read_recorded(folder: Path, known: Truth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
+def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import run_sensor
 
-    if any(name not in model.space.names for name in TILT_DEPTH.names):
+    if any(name not in model.space.names for name in TILT_SPACE.names):
         raise PalpateError(
             f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
-            "Learn these by palpate learn --learn.",
+            "Learn these by palpate learn --targets.",
             code="model-outputs-missing",
         )
     found = list(run_sensor(model, _images(folder, known.images)))
-    poses = np.array([[reading[name] for name in TILT_DEPTH.names] for reading in found])
+    poses = np.array([[reading[name] for name in TILT_SPACE.names] for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 

@@ -15,11 +15,11 @@ from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers
 from palpate.robot import (
+    AlignmentScenario,
+    AlignmentTrial,
     AlignSpec,
-    Play,
-    PlayedUnit,
-    PlayedWall,
     SimulatedRobotSpec,
+    VirtualUnit,
     describe_wall,
     list_touches,
     write_alignments,
@@ -42,15 +42,16 @@ class AlignFlags:
 
     walls: Annotated[int, Parameter(help=_WALLS)] = 3
     unit_number: Annotated[int, Parameter(help=_NUMBER)] = 1
-    known: Annotated[int, Parameter(help=_KNOWN)] = 5
+    calibration_presses: Annotated[int, Parameter(help=_KNOWN)] = 5
     seed: Annotated[int, Parameter(help=_SEED)] = 0
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
 
     def check(self) -> None:
         """Refuse what cannot be played, with a `PalpateError`."""
-        if self.walls < 1 or self.unit_number < 1 or not 0 <= self.known <= 5 or self.seed < 0:
+        if self.walls < 1 or self.unit_number < 1 or not 0 <= self.calibration_presses <= 5 or self.seed < 0:
             raise PalpateError(
-                f"{self.walls} walls, unit {self.unit_number}, {self.known} known presses, seed {self.seed}.",
+                f"{self.walls} walls, unit {self.unit_number}, {self.calibration_presses} known presses, "
+                f"seed {self.seed}.",
                 "Give 1 wall or more, a unit from 1, 0 to 5 known presses, and a seed of 0 or more.",
                 code="option-out-of-bounds",
             )
@@ -83,17 +84,17 @@ def align(
             code="network-no-force",
         )
     check_model(twin, Unit(skin, layout))
-    play = Play(
+    play = AlignmentScenario(
         twin,
         layout,
         design.skin_spec(),
         reads.material.material(),
         align=spec,
         robot=robot,
-        known=run.known,
+        calibration_presses=run.calibration_presses,
         seed=run.seed,
     )
-    unit = PlayedUnit(play, run.unit_number)
+    unit = VirtualUnit(play, run.unit_number)
     print(
         f"Tool's offset told by {unit.offset_touches} touches; it is off by {unit.offset_error_deg:.3f}°.",
         file=sys.stderr,
@@ -103,7 +104,7 @@ def align(
         "align": spec.model_dump(mode="json"),
         "robot": robot.model_dump(mode="json"),
         "unit": unit.deviation.as_dict(),
-        "known": run.known,
+        "calibration_presses": run.calibration_presses,
         "seed": run.seed,
         "offset_error_deg": unit.offset_error_deg,
         "images_by": "the twin of the design",
@@ -118,7 +119,7 @@ def align(
     _print(walls)
 
 
-def _print(walls: list[PlayedWall]) -> None:
+def _print(walls: list[AlignmentTrial]) -> None:
     rows = [
         [str(number), *(_text(row[name]) for name in _SHOWN)]
         for number, wall in enumerate(walls, start=1)
@@ -128,8 +129,8 @@ def _print(walls: list[PlayedWall]) -> None:
     for number, wall in enumerate(walls, start=1):
         said = wall.alignment
         print(
-            f"Wall {number}: {said.ending}; {wall.final_deg:.3f}° is left in truth (said: {said.left_deg:.3f} ± "
-            f"{said.left_half_width_deg:.3f}), greatest force {wall.most_force_n:.3f} N."
+            f"Wall {number}: {said.outcome}; {wall.final_deg:.3f}° is left in truth (said: {said.residual_deg:.3f} ± "
+            f"{said.residual_half_width_deg:.3f}), greatest force {wall.max_force_n:.3f} N."
         )
 
 

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
-from palpate.built import ForeseeSpec, foresee_budget
+from palpate.built import AccuracySpec, predict_budget
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import RESULTS, check_folder, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.unit import DesignFlags, ModelFlags
-from palpate.core import ArtefactStore, PalpateError, written_whole
+from palpate.core import ArtefactStore, PalpateError, atomic_write
 from palpate.twin import Twin, twin_path
 
 if TYPE_CHECKING:
-    from palpate.bench import Bench
+    from palpate.bench import VirtualBench
 
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
@@ -58,31 +58,31 @@ def bench(
     json: JsonFlag = False,
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
-    from palpate.bench import Bench
+    from palpate.bench import VirtualBench
 
     check_folder(out)
     chosen, design, material = flags.chosen(), flags.design, flags.reads.material.material()
     model = _model(flags)
     store = ArtefactStore(out / "store")
-    played = Bench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
+    played = VirtualBench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()
-    if budget and isinstance(played.reads_with, Twin):
-        _foreseen(played, played.reads_with, out, json)
+    if budget and isinstance(played.opened_model, Twin):
+        _predicted(played, played.opened_model, out, json)
     else:
         (_budget if budget else _units)(played, out, json)
 
 
 def _model(flags: BenchFlags) -> Path:
     """What reads, as `palpate live` finds it; a bench presses anyway, so a twin that is not there is made first."""
-    from palpate.study import keep_twins, run_twins, study_of
+    from palpate.study import export_twins, run_twins, single_design_study
 
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
-        _say(f"{error.what} It is made first, in some 3 minutes of one core, and kept.")
+        _print_result(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
     skin = flags.design.skin_spec()
-    study = study_of(skin, flags.design.markers, flags.reads.material)
+    study = single_design_study(skin, flags.design.markers, flags.reads.material)
     made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
     if made.twin is None:
         raise PalpateError(
@@ -90,21 +90,21 @@ def _model(flags: BenchFlags) -> Path:
             "Give a network by --model.",
             code="twin-not-made",
         )
-    keep_twins(RESULTS / study.name, [(made.skin, made.twin)])
+    export_twins(RESULTS / study.name, [(made.skin, made.twin)])
     return twin_path(RESULTS / study.name, skin.build())
 
 
-def _units(played: Bench, out: Path, json: bool) -> None:
+def _units(trials: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_bench, run_bench, write_bench
 
     results = []
-    for result in run_bench(played):
+    for result in run_bench(trials):
         results.append(result)
         angles = " ".join(f"{s.component} {s.errors.rmse:.3f}/{s.errors.max:.2f}°" for s in result.scores[:2])
         name = f"unit {result.number}" if result.number else "nominal unit"
-        _say(f"[{len(results)}/{played.spec.units + 1}] {name}: {result.played.failure or angles}")
-        write_bench(out, played, results)
-    described = describe_bench(played, results)
+        _print_result(f"[{len(results)}/{trials.spec.units + 1}] {name}: {result.trial.failure or angles}")
+        write_bench(out, trials, results)
+    described = describe_bench(trials, results)
     if json:
         print_json(described)
         return
@@ -112,16 +112,14 @@ def _units(played: Bench, out: Path, json: bool) -> None:
     print(f"\nTables: {out}")
 
 
-def _foreseen(played: Bench, twin: Twin, out: Path, json: bool) -> None:
+def _predicted(trials: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
-    spec = ForeseeSpec(
-        least_depth=played.spec.least_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed
-    )
-    costs = foresee_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
+    spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
+    costs = predict_budget(twin, trials.layout, build_camera(trials.camera), trials.spec.tolerance, spec)
     rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
     names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
     out.mkdir(parents=True, exist_ok=True)
-    with written_whole(out / "budget.csv") as draft, draft.open("w", newline="") as file:
+    with atomic_write(out / "budget.csv") as draft, draft.open("w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([names, *rows])
     if json:
         print_json({"lines": [cost._asdict() for cost in costs]})
@@ -133,15 +131,15 @@ def _foreseen(played: Bench, twin: Twin, out: Path, json: bool) -> None:
     )
 
 
-def _budget(played: Bench, out: Path, json: bool) -> None:
+def _budget(trials: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_budget, run_budget, write_budget
 
     lines = []
-    for line in run_budget(played):
+    for line in run_budget(trials):
         lines.append(line)
-        _say(f"{line.words}: {line.angle_deg:.3f}°")
-        write_budget(out, played, lines)
-    described = describe_budget(played, lines)
+        _print_result(f"{line.label}: {line.angle_deg:.3f}°")
+        write_budget(out, trials, lines)
+    described = describe_budget(trials, lines)
     if json:
         print_json(described)
         return
@@ -170,5 +168,5 @@ def _read_pair(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _say(line: str) -> None:
+def _print_result(line: str) -> None:
     print(line, file=sys.stderr, flush=True)

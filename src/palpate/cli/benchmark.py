@@ -12,7 +12,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
-from palpate.core import written_whole
+from palpate.core import atomic_write
 
 app = App(name="benchmark", help="An open set of images of built units, the judge of predictions, and baselines.")
 
@@ -38,18 +38,18 @@ def make(
     ],
     seed: Annotated[int | None, Parameter(help="Seed of everything; without it, as the spec says.")] = None,
     hidden_seed: Annotated[int | None, Parameter(help=_HIDDEN)] = None,
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Write the open set into OUT/set, the same bytes from the same seed."""
     from palpate.benchmark import BenchmarkSpec, make_benchmark, read_benchmark_spec
 
     check_folder(out)
-    hands.check()
+    worker_flags.check()
     chosen = read_benchmark_spec(spec)
     given = {name: value for name, value in (("seed", seed), ("hidden_seed", hidden_seed)) if value is not None}
     chosen = BenchmarkSpec.model_validate({**chosen.model_dump(), **given})
-    made = make_benchmark(chosen, out, hands.workers, Lines())
+    made = make_benchmark(chosen, out, worker_flags.workers, Lines())
     counts = made.counts
     if json:
         told = {"images": counts.images, "pictures": counts.pictures, "presses": counts.presses}
@@ -83,7 +83,7 @@ def score(
     found = score_file(read_set(folder), predictions, track)
     rows = score_rows(found)
     if out is not None:
-        with written_whole(out) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        with atomic_write(out) as draft, draft.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([SCORE_COLUMNS, *rows])
     if json:
         print_json(found.as_dict())
@@ -91,7 +91,7 @@ def score(
     shown = [k for k, name in enumerate(SCORE_COLUMNS) if name.split(" ", 1)[-1] not in _MORE]
     table = [[row[k] for k in shown] for row in rows]
     print_table(f"{predictions.name}, {track}: degrees, mm and N", [SCORE_COLUMNS[k] for k in shown], table)
-    print(f"Of the worst unit 19 of 20 values of rx and ry are within {found.worst_unit_deg:.3f}°.")
+    print(f"Of the worst unit 19 of 20 values of rx and ry are within {found.worst_unit_p95_deg:.3f}°.")
 
 
 @app.command
@@ -103,21 +103,21 @@ def baselines(
     ],
     spec: Annotated[str | None, Parameter(help=_BASELINES)] = None,
     only: Annotated[tuple[str, ...], Parameter(help=_ONLY, negative="", consume_multiple=True)] = (),
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Run five baselines, judge each, and hold them against each other in a table."""
     from palpate.benchmark import read_baseline_spec, read_set, run_baselines
 
     check_folder(out)
-    hands.check()
+    worker_flags.check()
     chosen = read_baseline_spec(spec)
-    scores = run_baselines(read_set(folder), chosen, out, only, hands.workers, _say)
+    scores = run_baselines(read_set(folder), chosen, out, only, worker_flags.workers, _print_line)
     if json:
         print_json({name: [each.as_dict() for each in own] for name, own in scores.items()})
         return
     print((out / "baselines.md").read_text(encoding="utf-8").strip())
 
 
-def _say(text: str) -> None:
+def _print_line(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

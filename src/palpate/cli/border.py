@@ -25,12 +25,12 @@ def guarded(command: Callable[[], Any]) -> int:
     try:
         code = command()
     except PalpateError as error:
-        return _refuse(error.what, error.remedy, error.code)
+        return _refuse(error.problem, error.remedy, error.code)
     except ValidationError as error:
-        return _refuse(_say_all(error), "See --help for units and bounds.", _kind(error))
+        return _refuse(_describe_all(error), "See --help for units and bounds.", _kind(error))
     except CycloptsError as error:
         if isinstance(error.__cause__, ValidationError):
-            said = _say_all(error.__cause__, error.argument)
+            said = _describe_all(error.__cause__, error.argument)
             return _refuse(said, "See --help for units and bounds.", _kind(error.__cause__))
         return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
@@ -55,13 +55,13 @@ def _kind(error: ValidationError) -> str:
     return error.errors()[0]["type"]
 
 
-def _say_all(error: ValidationError, argument: Argument | None = None) -> str:
+def _describe_all(error: ValidationError, argument: Argument | None = None) -> str:
     """What is wrong with a spec, a line a field; the spec's argument knows the names of its flags."""
     transform = argument.parameter.name_transform if argument is not None else None
-    return "\n".join(_say(details, transform or default_name_transform) for details in error.errors())
+    return "\n".join(_describe(details, transform or default_name_transform) for details in error.errors())
 
 
-def _say(details: Any, transform: Callable[[str], str]) -> str:
+def _describe(details: Any, transform: Callable[[str], str]) -> str:
     flag = f"--{transform(str(details['loc'][0]))}: " if details["loc"] else ""
     given, message = details["input"], details["msg"].removeprefix("Value error, ").rstrip(".")
     shown = f" (given {given})" if isinstance(given, str | int | float) and str(given) not in message else ""

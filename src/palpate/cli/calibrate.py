@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.camera import (
-    CalibrateSpec,
     Calibration,
+    CalibrationSpec,
     calibrate_camera,
     list_images,
     read_board,
@@ -36,7 +36,7 @@ def calibrate(
     folder: Annotated[Path | None, Parameter(help=_FOLDER)] = None,
     *,
     board: Annotated[str, Parameter(help=_BOARD)] = "charuco",
-    spec: Annotated[CalibrateSpec, flags_of(CalibrateSpec, without="board")] = CalibrateSpec(),
+    spec: Annotated[CalibrationSpec, flags_of(CalibrationSpec, without="board")] = CalibrationSpec(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
     json: JsonFlag = False,
@@ -71,7 +71,7 @@ def _read(folder: Path) -> Iterator[tuple[str, NDArray[Any] | str]]:
         try:
             yield path.name, read_image(path)
         except PalpateError as error:
-            yield path.name, error.what
+            yield path.name, error.problem
 
 
 def _describe(found: Calibration) -> dict[str, Any]:

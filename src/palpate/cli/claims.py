@@ -13,7 +13,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from palpate.claims import Answer
+    from palpate.claims import ClaimAnswer
 
 _FOLDERS = "Result folders of studies of the paper's designs, of `palpate twin`, and of `palpate convergence --out`."
 
@@ -29,10 +29,10 @@ def claims(
 
     Give one result folder, or one a contact law. A claim whose designs are not there is not decided.
     """
-    from palpate.claims import judge_claims, read_evidence, write_claims
+    from palpate.claims import assess_claims, read_evidence, write_claims
 
     grids, meshes = read_evidence(results)
-    answers = judge_claims(grids, meshes)
+    answers = assess_claims(grids, meshes)
     if out is not None:
         words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
         write_claims(out, answers, grids, shlex.join(words))
@@ -44,7 +44,7 @@ def claims(
             print(f"Page: {out}")
 
 
-def _describe(answer: Answer) -> dict[str, Any]:
+def _describe(answer: ClaimAnswer) -> dict[str, Any]:
     return {
         "claim": answer.claim.name,
         "statement": answer.claim.statement,
@@ -56,7 +56,7 @@ def _describe(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _print(answers: Sequence[Answer]) -> None:
+def _print(answers: Sequence[ClaimAnswer]) -> None:
     rows = [
         [
             answer.claim.name,

@@ -44,7 +44,7 @@ def convergence(
     points = place_markers(flags.build(), MarkerSpec(count=markers)).positions
     check_folder(out)
     announce_compilation()
-    results = study_convergence(*flags.problem(), points, meshes, _tell)
+    results = study_convergence(*flags.problem(), points, meshes, _print_mesh)
     if out is not None:
         _write_results(out, results)
     if json:
@@ -53,7 +53,7 @@ def convergence(
         _print_results(results)
 
 
-def _tell(cells: int, press: Press) -> None:
+def _print_mesh(cells: int, press: Press) -> None:
     print(f"{cells} cells: {press.ended}, {press.cpu_s:.1f} CPU-seconds", file=sys.stderr)
 
 

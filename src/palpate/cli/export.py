@@ -21,7 +21,7 @@ from palpate.simulator import (
     AssetSpec,
     build_asset,
     check_asset,
-    check_wall,
+    check_force_curve_press,
     describe_asset,
     export_asset,
 )
@@ -41,7 +41,7 @@ class AssetFlags:
     skin: SkinFlag = "dome"
     material: MaterialFlags = MaterialSpec()
     mesh: Annotated[MeshSpec, flags_of(MeshSpec, only="cells", group="Mesh")] = MeshSpec()
-    wall: Annotated[WallSpec, flags_of(WallSpec, only="depth image_step contact", group="Wall")] = WallSpec()
+    wall: Annotated[WallSpec, flags_of(WallSpec, only="depth depth_step contact", group="Wall")] = WallSpec()
     spec: Annotated[AssetSpec, flags_of(AssetSpec, group="Asset")] = AssetSpec()
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
 
@@ -55,7 +55,7 @@ def export(
 ) -> None:
     """Write a sensor as an asset: its mesh, mass, camera and frames, and how far it yields by a press of it."""
     check_asset(out)
-    check_wall(flags.wall)
+    check_force_curve_press(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
     mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.material.mesh(flags.mesh))
     announce_compilation()

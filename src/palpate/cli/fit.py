@@ -23,8 +23,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 from palpate.material import (
-    DIFFERS,
-    BenchSpec,
+    SECANT_TOLERANCE,
     Fit,
     FitSpec,
     Loading,
@@ -32,14 +31,15 @@ from palpate.material import (
     Mode,
     PrepareSpec,
     Sample,
+    TestFileSpec,
     compare_secants,
     draw_fit,
+    extrapolate_modes,
     fit_material,
     list_models,
-    predict_unseen,
     prepare_sample,
     rank_models,
-    read_bench,
+    read_test_file,
     save_figure,
     write_material,
 )
@@ -82,7 +82,7 @@ class FilesByTest:
 class CurveFlags:
     """How the files are to be read and the curves prepared."""
 
-    bench: Annotated[BenchSpec, flags_of(BenchSpec, without="loading", group="Files")] = BenchSpec()
+    bench: Annotated[TestFileSpec, flags_of(TestFileSpec, without="loading", group="Files")] = TestFileSpec()
     prepare: Annotated[PrepareSpec, flags_of(PrepareSpec, group="Curves")] = PrepareSpec()
 
 
@@ -175,7 +175,7 @@ def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags
     return [
         prepare_sample(sample, flags.prepare)
         for path, loading in files
-        for sample in read_bench(path, flags.bench.model_copy(update={"loading": loading}))
+        for sample in read_test_file(path, flags.bench.model_copy(update={"loading": loading}))
     ]
 
 
@@ -214,11 +214,11 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
     if alone:
         return facts
     ranked = rank_models(samples, found.spec)
-    facts["unseen"] = [{**vars(item), "mode": str(item.mode)} for item in predict_unseen(found, ranked, samples)]
+    facts["unseen"] = [{**vars(item), "mode": str(item.mode)} for item in extrapolate_modes(found, ranked, samples)]
     facts["ranking"] = [
         {
             "model": item.name,
-            "behind": item.behind,
+            "behind": item.delta_aicc,
             "left_out": item.left_out,
             "relative": max(q.relative for q in item.fit.quality) if item.fit else math.nan,
             "condition": item.fit.condition if item.fit else math.nan,
@@ -277,12 +277,12 @@ def _warnings(found: Fit) -> Iterator[str]:
 
 def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
     """One sentence where the fit is far too stiff or too soft at small strain, with the flag that mends it."""
-    secants = [item for item in compare_secants(samples, found) if abs(item.excess) > DIFFERS]
+    secants = [item for item in compare_secants(samples, found) if abs(item.excess) > SECANT_TOLERANCE]
     if not secants:
         return
     worst = max(secants, key=lambda item: abs(item.excess))
     far = max(sample.stretch.max() for sample in samples)
-    flag = f"--greatest-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
+    flag = f"--max-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
     yield (
         f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of the "
         f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %), and small strain is what a sensor "

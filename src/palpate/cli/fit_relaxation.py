@@ -14,7 +14,7 @@ from cyclopts import Parameter
 
 from palpate.cli.output import print_table
 from palpate.core import PalpateError
-from palpate.material import BenchSpec, Material, get_material, read_relaxation
+from palpate.material import Material, TestFileSpec, get_material, read_relaxation
 from palpate.relaxation import Moduli, RelaxationFit, RelaxationTest, fit_relaxation
 
 _FILES = "Files of relaxation tests: time and stress under a strain that stays; also known by 'relax' in their names."
@@ -41,7 +41,7 @@ def is_relaxation(path: Path) -> bool:
 
 
 def fit_tests(
-    files: Sequence[Path], bench: BenchSpec, confidence: float, moduli: Moduli
+    files: Sequence[Path], bench: TestFileSpec, confidence: float, moduli: Moduli
 ) -> tuple[list[RelaxationTest], RelaxationFit] | None:
     """Read the tests and fit one series to them; `None` without files."""
     if not files:
@@ -86,7 +86,7 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
             {
                 "name": test.name,
                 "rows": len(test.time),
-                "came_s": test.came[1] - test.came[0],
+                "came_s": test.ramp_times[1] - test.ramp_times[0],
                 "notes": list(test.notes),
             }
             for test in tests
@@ -105,7 +105,7 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
         "first_s": found.first,
         "last_s": found.last,
         "left": [
-            {"time_s": time, "left": float(series.left(time)), "modulus": float(series.modulus(time))}
+            {"time_s": time, "left": float(series.relaxation_function(time)), "modulus": float(series.modulus(time))}
             for time in times
         ],
         "greatest": found.greatest,

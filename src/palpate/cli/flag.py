@@ -8,7 +8,7 @@ from typing import Annotated, get_args
 from cyclopts import Group, Parameter, default_name_transform
 from pydantic import BaseModel
 
-from palpate.core import flag_of
+from palpate.core import flag_name
 
 JsonFlag = Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")]
 """`--json` of every command."""
@@ -20,7 +20,7 @@ def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group:
     Parameters
     ----------
     spec
-        The spec; `palpate.core.flag_of` names its flags.
+        The spec; `palpate.core.flag_name` names its flags.
     only, without
         Names of fields, with spaces between, that alone become flags, or that do not.
     group
@@ -37,7 +37,7 @@ def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group:
     def transform(name: str) -> str:
         """Name of a field as its flag, of an enum's member as its value, which the spec reads."""
         if name in spec.model_fields:
-            return flag_of(spec, name)
+            return flag_name(spec, name)
         return choices.get(name) or default_name_transform(name)
 
     left_out = [name for name in spec.model_fields if name in without.split() or (only and name not in only.split())]

@@ -47,11 +47,11 @@ def plot(
     json: JsonFlag = False,
 ) -> None:
     """Draw one metric of a grid as PNG and SVG."""
-    from palpate.grid import first_metric, plot_grid
+    from palpate.grid import default_metric, plot_grid
 
     grid = _choose(directory, where, None)
     first = {"travel": "travel_mm", "depth": "rmse_deg", "tilt": "rmse_deg"}
-    paths = plot_grid(grid, kind, metric or first.get(kind) or first_metric(grid), out or directory)
+    paths = plot_grid(grid, kind, metric or first.get(kind) or default_metric(grid), out or directory)
     if json:
         print_json({"files": [str(path) for path in paths]})
     else:
@@ -130,7 +130,7 @@ def _choose(directory: Path, where: str | None, sort: str | None) -> Specificati
 
     grid = read_grid(directory)
     rows = grid.designs if where is None else filter_rows(grid.designs, where)
-    return grid.keep(rows if sort is None else sort_rows(rows, sort))
+    return grid.select(rows if sort is None else sort_rows(rows, sort))
 
 
 def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> None:

@@ -17,8 +17,8 @@ from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import FloatArray, PalpateError
 
 if TYPE_CHECKING:
-    from palpate.built import RobotSpec
-    from palpate.sensor import Truth
+    from palpate.built import RobotUncertainty
+    from palpate.sensor import GroundTruth
 
 _TRUTH = (
     "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
@@ -33,7 +33,7 @@ _FORCE = "Standard deviation of a load cell's reading, N."
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class IdentifiedFlags:
+class IdentificationFlags:
     """Where what was learnt goes."""
 
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
@@ -49,11 +49,11 @@ class RobotFlags:
     robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
     robot_force: Annotated[float, Parameter(help=_FORCE)] = 0.005
 
-    def spec(self) -> RobotSpec:
+    def spec(self) -> RobotUncertainty:
         """The robot of these flags."""
-        from palpate.built import RobotSpec
+        from palpate.built import RobotUncertainty
 
-        return RobotSpec(self.robot_tilt, self.robot_depth, self.robot_force)
+        return RobotUncertainty(self.robot_tilt, self.robot_depth, self.robot_force)
 
     def check(self) -> None:
         """Refuse what cannot be meant."""
@@ -69,19 +69,19 @@ def identify(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
     reads: ModelFlags = ModelFlags(),
-    files: IdentifiedFlags = IdentifiedFlags(),
+    files: IdentificationFlags = IdentificationFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
-    from palpate.built import KnownUnit, write_unit
-    from palpate.sensor import identify_unit, open_model, open_sensor, read_truth, write_identification
+    from palpate.built import IdentifiedUnit, write_unit
+    from palpate.sensor import identify_unit, open_model, open_sensor, read_ground_truth, write_identification
 
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_truth(truth), built.unit()
+    known, unit = read_ground_truth(truth), built.unit()
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.",
@@ -95,7 +95,7 @@ def identify(
     if files.out is not None:
         write_unit(
             files.out,
-            KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale),
+            IdentifiedUnit(unit.skin.spec_data, unit.layout.positions, found.posterior, found.mounting, found.scale),
         )
     if files.report is not None:
         write_identification(files.report, found, sensor, robot.spec())
@@ -121,7 +121,7 @@ def identify(
     )
 
 
-def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
+def _presses(folder: Path, known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
     """The presses of a recording; images whose depth is not known, or that do not touch, tell nothing."""
     import numpy as np
 

@@ -12,8 +12,8 @@ from palpate.camera import list_images, read_image
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.cli.unit import PrintFlags
-from palpate.core import writing
-from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
+from palpate.core import wrap_write_errors
+from palpate.sensor import Inspection, InspectionSpec, draw_inspection, inspect_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +30,7 @@ def inspect(
     image: Annotated[Path, Parameter(help=_IMAGE)],
     *,
     built: PrintFlags = PrintFlags(),
-    wanted: Annotated[InspectSpec, flags_of(InspectSpec)] = InspectSpec(),
+    wanted: Annotated[InspectionSpec, flags_of(InspectionSpec)] = InspectionSpec(),
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None,
     json: JsonFlag = False,
@@ -45,7 +45,7 @@ def inspect(
     if picture:
         _write_picture(picture, inspection)
     if json:
-        law = inspection.law
+        law = inspection.distortion
         shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
         print_json(shown | ({"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}))
     else:
@@ -95,7 +95,7 @@ def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> No
 
 def _rings(inspection: Inspection) -> list[dict[str, Any]]:
     """A row for each ring of a bent print: as designed, as found, and where."""
-    law = inspection.law
+    law = inspection.distortion
     if law is None:
         return []
     return [
@@ -116,7 +116,7 @@ def _rings(inspection: Inspection) -> list[dict[str, Any]]:
 
 
 def _print_law(inspection: Inspection) -> None:
-    rows, law = _rings(inspection), inspection.law
+    rows, law = _rings(inspection), inspection.distortion
     if law is None:
         return
     print_table("Rings", list(rows[0]), [[str(cell) for cell in row.values()] for row in rows])
@@ -127,12 +127,12 @@ def _print_law(inspection: Inspection) -> None:
 
 
 def _write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
+    with wrap_write_errors(path), path.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, list(rows[0]))
         table.writeheader()
         table.writerows(rows)
 
 
 def _write_picture(path: Path, inspection: Inspection) -> None:
-    with writing(path):
+    with wrap_write_errors(path):
         draw_inspection(inspection).savefig(path, dpi=150)

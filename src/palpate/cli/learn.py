@@ -11,11 +11,11 @@ from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
-from palpate.core import ArtefactStore, PalpateError, writing
-from palpate.recording import Choice, RecordingSpec
+from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
+from palpate.recording import ColumnMapping, RecordingSpec
 
 if TYPE_CHECKING:
-    from palpate.recording import Learnt
+    from palpate.recording import RecordingResult
 
 _RECORDING = (
     "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or "
@@ -43,7 +43,7 @@ _START = "Model to begin with: of another unit of the same make (model.h5), or o
 class TableFlags:
     """What the table's columns are, where their names do not tell, and an image at rest."""
 
-    learn: Annotated[str | None, Parameter(help=_LEARN)] = None
+    targets: Annotated[str | None, Parameter(help=_LEARN)] = None
     image: Annotated[str | None, Parameter(help=_IMAGE)] = None
     press: Annotated[str | None, Parameter(help=_PRESS)] = None
     angles: Annotated[Literal["deg", "rad"] | None, Parameter(help=_ANGLES)] = None
@@ -51,10 +51,10 @@ class TableFlags:
     euler: Annotated[str | None, Parameter(help=_EULER)] = None
     rest: Annotated[Path | None, Parameter(help=_REST)] = None
 
-    def choice(self) -> Choice:
+    def choice(self) -> ColumnMapping:
         """These flags as the reader takes them."""
-        names = tuple(name.strip() for name in (self.learn or "").split(",") if name.strip())
-        return Choice(
+        names = tuple(name.strip() for name in (self.targets or "").split(",") if name.strip())
+        return ColumnMapping(
             names, self.image or "", self.press or "", self.angles or "", self.lengths or "", self.euler or ""
         )
 
@@ -69,61 +69,67 @@ def learn(
     json: JsonFlag = False,
 ) -> None:
     """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
-    from palpate.recording import learn_recording, read_recording, read_start, recording_page, recording_report
+    from palpate.recording import (
+        read_pretrained,
+        read_recording,
+        recording_page,
+        recording_report,
+        train_on_recording,
+    )
 
     check_folder(out)
-    begin = read_start(start) if start is not None else None
-    found = read_recording(recording, table.choice(), table.rest, spec.most, spec.seed)
+    begin = read_pretrained(start) if start is not None else None
+    found = read_recording(recording, table.choice(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
-        _say(note)
+        _print_line(note)
     store, first = ArtefactStore(out / "store"), None
     if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
-        first = learn_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _say, begin)
+        first = train_on_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _print_line, begin)
         _write(out, first)
-    learnt = learn_recording(found, spec, store, _say, begin, first)
+    learnt = train_on_recording(found, spec, store, _print_line, begin, first)
     _write(out, learnt)
     print_json(recording_report(learnt)) if json else print(recording_page(learnt))
 
 
-def _write(out: Path, learnt: Learnt) -> None:
+def _write(out: Path, result: RecordingResult) -> None:
     import json
 
     from palpate.recording import draw_recording_report, recording_page, recording_report, write_model
 
-    write_model(out / "model.h5", learnt.model)
-    draw_recording_report(out, learnt)
-    with writing(out, "Choose another folder."):
-        (out / "report.md").write_text(recording_page(learnt), encoding="utf-8")
-        (out / "report.json").write_text(json.dumps(recording_report(learnt), indent=2) + "\n", encoding="utf-8")
-    _say(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
+    write_model(out / "model.h5", result.model)
+    draw_recording_report(out, result)
+    with wrap_write_errors(out, "Choose another folder."):
+        (out / "report.md").write_text(recording_page(result), encoding="utf-8")
+        (out / "report.json").write_text(json.dumps(recording_report(result), indent=2) + "\n", encoding="utf-8")
+    _print_line(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
     try:
-        _accept(out, learnt)
+        _accept(out, result)
     except PalpateError as error:
-        _say(f"No acceptance report: {error.what}")
+        _print_line(f"No acceptance report: {error.problem}")
 
 
-def _accept(out: Path, learnt: Learnt) -> None:
+def _accept(out: Path, result: RecordingResult) -> None:
     """Write the acceptance report of the presses that were held out, where rx, ry and depth were learnt."""
     import numpy as np
 
-    from palpate.design import TILT_DEPTH
-    from palpate.sensor import AcceptSpec, Truth, accept_unit, write_acceptance
+    from palpate.design import TILT_SPACE
+    from palpate.sensor import AcceptanceSpec, GroundTruth, accept_unit, write_acceptance
 
-    names = learnt.model.space.names
-    if any(name not in names for name in TILT_DEPTH.names):
+    names = result.model.space.names
+    if any(name not in names for name in TILT_SPACE.names):
         raise PalpateError(
             f"it judges rx, ry and depth; the model estimates {', '.join(names)}.", code="model-outputs-missing"
         )
-    columns = [names.index(name) for name in TILT_DEPTH.names]
-    seen = learnt.seen
-    judged = seen.split.judge
+    columns = [names.index(name) for name in TILT_SPACE.names]
+    seen = result.seen
+    judged = seen.split.test
     press = np.unique(seen.press[judged], return_inverse=True)[1].reshape(-1)
     images = tuple(seen.recording.names[row] for row in seen.rows[judged])
     poses = seen.targets[judged][:, columns]
-    truth = Truth((), images, press, poses, np.full(len(poses), np.nan))
-    accepted = accept_unit(truth, learnt.estimates[judged][:, columns], None, AcceptSpec(zero=False, least_depth=0))
+    truth = GroundTruth((), images, press, poses, np.full(len(poses), np.nan))
+    accepted = accept_unit(truth, result.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
     write_acceptance(out, accepted, f"{seen.recording.name}, presses held out")
 
 
-def _say(text: str) -> None:
+def _print_line(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

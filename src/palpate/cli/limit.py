@@ -17,7 +17,7 @@ from palpate.core import PalpateError
 
 if TYPE_CHECKING:
     from palpate.grid import Row
-    from palpate.study import DesignLimits
+    from palpate.study import DesignBounds
 
 _SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
 _COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
@@ -48,7 +48,7 @@ def limit(
 
 
 def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[str, Any]]:
-    from palpate.study import available_cores, read_study, run_limits
+    from palpate.study import available_cores, read_study, run_bounds
 
     study = read_study(source)
     if workers is not None and not 1 <= workers <= 1024:
@@ -57,20 +57,20 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
             f"Give 1 to 1024; this machine has {available_cores()} cores.",
             code="option-out-of-bounds",
         )
-    return [_describe(design) for design in run_limits(study, out or RESULTS / study.name, workers, Lines())]
+    return [_describe(design) for design in run_bounds(study, out or RESULTS / study.name, workers, Lines())]
 
 
-def _describe(design: DesignLimits) -> dict[str, Any]:
-    from palpate.learn import pool_limits
+def _describe(design: DesignBounds) -> dict[str, Any]:
+    from palpate.learn import pool_bounds
 
-    pooled = pool_limits(design.limits)
+    pooled = pool_bounds(design.limits)
     return {
         "height_mm": design.skin.height,
         "base_radius_mm": design.skin.base_radius,
         "thickness_mm": design.skin.thickness,
         "markers": design.markers.count,
-        "limit_deg": pooled.least_squares_deg if pooled else None,
-        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
+        "bound_deg": pooled.least_squares_deg if pooled else None,
+        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
         "by_depth": [asdict(bound) for bound in design.limits],
         "failure": design.failure,
     }
@@ -78,29 +78,29 @@ def _describe(design: DesignLimits) -> dict[str, Any]:
 
 def _read(folder: Path) -> list[dict[str, Any]]:
     """The limits that stand in the grid of a finished study."""
-    from palpate.grid import read_grid, rows_of
+    from palpate.grid import read_grid, rows_for_design
 
     grid = read_grid(folder)
-    if all(row["limit_deg"] is None for row in grid.by_depth):
+    if all(row["bound_deg"] is None for row in grid.by_depth):
         raise PalpateError(
             f"The grid of {folder} holds no limits.",
             "Give the study's YAML file, or run it again.",
             code="grid-no-limits",
         )
-    return [_describe_row(row, rows_of(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
+    return [_describe_row(row, rows_for_design(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
 
 
 def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:
-    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "limit_deg", "limit_pitman_deg")
+    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "bound_deg", "bound_pitman_deg")
     by_depth = [
         {
             "depth_mm": at["depth_mm"],
-            "least_squares_deg": at["limit_deg"],
-            "pitman_deg": at["limit_pitman_deg"],
-            "floor_deg": at["limit_floor_deg"],
+            "least_squares_deg": at["bound_deg"],
+            "pitman_deg": at["bound_pitman_deg"],
+            "floor_deg": at["bound_floor_deg"],
         }
         for at in depths
-        if at["limit_deg"] is not None
+        if at["bound_deg"] is not None
     ]
     return {
         **{name: row[name] for name in names},
@@ -116,6 +116,6 @@ def _print(title: str, designs: list[dict[str, Any]]) -> None:
         for bound in design["by_depth"]:
             bounds = (bound[name] for name in ("least_squares_deg", "pitman_deg", "floor_deg"))
             rows.append([*head, f"{bound['depth_mm']:g}", *(f"{value:.3f}" for value in bounds)])
-        if design["limit_deg"] is not None:
-            rows.append([*head, "all", f"{design['limit_deg']:.3f}", f"{design['limit_pitman_deg']:.3f}", ""])
+        if design["bound_deg"] is not None:
+            rows.append([*head, "all", f"{design['bound_deg']:.3f}", f"{design['bound_pitman_deg']:.3f}", ""])
     print_table(title, _COLUMNS, rows)

@@ -18,7 +18,7 @@ from palpate.core import PalpateError, load_extra
 if TYPE_CHECKING:
     from palpate.optimise import RequirementsSpec
 
-_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "worst_deg", "force_n")
+_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "p95_deg", "force_n")
 _PROVE = (
     "Play winner and rivals on the bench, read by their twins, or by trained networks as well; without it, as the "
     "requirements say."
@@ -34,10 +34,10 @@ class SearchFlags:
     sampler: Annotated[
         Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
     ] = "gp"
-    control: Annotated[
+    random_skins: Annotated[
         int | None, Parameter(help="Skins drawn by chance beside it, which the report holds it against.")
     ] = None
-    prove: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
+    validate: Annotated[Literal["none", "simulated", "trained"] | None, Parameter(help=_PROVE)] = None
     packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
         False
     )
@@ -46,15 +46,22 @@ class SearchFlags:
         """The requirements with what flags say of them."""
         if self.skins is not None and not 1 <= self.skins <= 100_000:
             raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.", code="option-out-of-bounds")
-        if self.control is not None and not 0 <= self.control <= 100_000:
-            raise PalpateError(f"--control is {self.control}.", "Give 0 to 100000.", code="option-out-of-bounds")
-        given = {"skins": self.skins, "proof": self.prove, "control": self.control}
+        if self.random_skins is not None and not 0 <= self.random_skins <= 100_000:
+            raise PalpateError(
+                f"--random-skins is {self.random_skins}.", "Give 0 to 100000.", code="option-out-of-bounds"
+            )
+        given = {"skins": self.skins, "validation": self.validate, "random_skins": self.random_skins}
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
     def words(self) -> list[str]:
         """The flags as they are typed."""
         sampler = None if self.sampler == "gp" else self.sampler
-        given = {"--skins": self.skins, "--sampler": sampler, "--control": self.control, "--prove": self.prove}
+        given = {
+            "--skins": self.skins,
+            "--sampler": sampler,
+            "--random-skins": self.random_skins,
+            "--validate": self.validate,
+        }
         words = [word for flag, value in given.items() if value is not None for word in (flag, str(value))]
         return [*words, "--packs"] if self.packs else words
 
@@ -66,35 +73,37 @@ def optimise(
         Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
     ] = None,
     search: SearchFlags = SearchFlags(),
-    hands: ClusterFlags = ClusterFlags(),
+    worker_flags: ClusterFlags = ClusterFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
 
     Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
-    chosen on each by exchange; what counts is the error of built units over the tolerances. With --prove the
+    chosen on each by exchange; what counts is the error of built units over the tolerances. With --validate the
     winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
     from palpate.optimise import (
         describe_front,
         optimise_design,
-        prove_front,
         read_requirements,
+        validate_front,
         write_front,
         write_packs,
     )
 
-    hands.check()
+    worker_flags.check()
     spec = search.change(read_requirements(requirements))
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours
     folder = out or RESULTS / spec.name
     command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
-    workers = hands.workers
-    front = optimise_design(spec, folder, workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
+    workers = worker_flags.workers
+    front = optimise_design(
+        spec, folder, workers, Lines(), sampler=search.sampler, cluster=worker_flags.cluster or ""
+    )
     write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
-    front = prove_front(front, folder, workers, Lines(), hands.cluster or "")
-    if front.proof is not None:
+    front = validate_front(front, folder, workers, Lines(), worker_flags.cluster or "")
+    if front.validation is not None:
         write_front(folder, front, command)
     if search.packs:
         write_packs(folder, front)

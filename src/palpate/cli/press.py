@@ -13,7 +13,7 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
 from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
-from palpate.core import FloatArray, PalpateError, flag_of
+from palpate.core import FloatArray, PalpateError, flag_name
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import (
     PRESS_SOLVERS,
@@ -60,13 +60,13 @@ class WallPressFlags:
         """The skin that is pressed."""
         return build_skin(read_skin(self.skin, self.dome))
 
-    def pressed_by(self) -> ObstacleSpec:
+    def obstacle_spec(self) -> ObstacleSpec:
         """The obstacle of these flags."""
         return self.wall
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
         """What is pressed: mesh, material and obstacle of these flags."""
-        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.pressed_by()
+        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.obstacle_spec()
 
 
 @Parameter(name="*")
@@ -76,7 +76,7 @@ class PressFlags(WallPressFlags):
 
     obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
 
-    def pressed_by(self) -> ObstacleSpec:
+    def obstacle_spec(self) -> ObstacleSpec:
         """The obstacle of these flags."""
         return read_obstacle(self.obstacle, self.wall)
 
@@ -103,7 +103,7 @@ class SolveFlags:
                 code="option-not-for-solver",
             )
         if self.advanced.model_fields_set:
-            chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
+            chosen = ", ".join(f"--{flag_name(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
             raise PalpateError(
                 f"{chosen} say how palpate solves, not {self.solver}.",
                 "Leave them out, or --solver.",
@@ -130,7 +130,7 @@ def press(
     json: JsonFlag = False,
 ) -> None:
     """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
-    how.chosen(flags.pressed_by())
+    how.chosen(flags.obstacle_spec())
     followed = None if points is None else _read_inner_points(points, flags.build())
     if export is not None:
         check_export(export)
@@ -165,7 +165,7 @@ def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, 
             "peak_stress_mpa": float(press.peak_stress[i]),
             "contact_area_mm2": float(press.contact_area[i]),
             "apex_gap_mm": float(press.apex_gap[i]),
-            "hold_tension_mpa": float(press.hold_tension[i]),
+            "hold_tension_mpa": float(press.stabilisation_tension[i]),
         }
         for i in range(len(press.depth))
     ]

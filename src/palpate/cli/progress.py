@@ -21,7 +21,7 @@ class Lines(Observer):
     def planned(self, tasks: int, reused: int, cost: float) -> None:
         """Say how much is to be done."""
         self._tasks, self._done = tasks, 0
-        _say(f"{tasks} artefacts to make, {reused} found")
+        _describe(f"{tasks} artefacts to make, {reused} found")
 
     def started(self, task: str) -> None:
         """Say nothing: lines are for what has ended."""
@@ -29,11 +29,11 @@ class Lines(Observer):
     def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
         """Say how a task ended."""
         self._done += 1
-        _say(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
+        _describe(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Say it."""
-        _say(sentence)
+        _describe(sentence)
 
 
 class Bars(Observer):
@@ -65,7 +65,7 @@ class Bars(Observer):
             self._progress.console.print(f"{task}: {reason}", style="red", markup=False)
         self._show()
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Print it above the bar."""
         self._progress.console.print(sentence, markup=False)
 
@@ -88,5 +88,5 @@ def make_progress() -> Progress:
     )
 
 
-def _say(line: str) -> None:
+def _describe(line: str) -> None:
     print(line, file=sys.stderr, flush=True)

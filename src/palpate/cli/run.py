@@ -18,7 +18,7 @@ from palpate.cli.output import RESULTS, print_json
 from palpate.cli.progress import Bars, Lines, make_progress
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, write_grid
-from palpate.study import Study, StudyResult, available_cores, check_place, read_study, run_study
+from palpate.study import Study, StudyResult, available_cores, check_cluster_address, read_study, run_study
 
 MOST_WORKERS = 1024
 
@@ -54,7 +54,7 @@ class ClusterFlags(WorkerFlags):
         """Refuse what cannot be meant."""
         super().check()
         if self.cluster is not None:
-            check_place(self.cluster)
+            check_cluster_address(self.cluster)
             if self.workers is not None:
                 raise PalpateError(
                     "--workers and --cluster exclude each other.", "Give one of them.", code="options-exclusive"
@@ -82,7 +82,7 @@ def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
-    hands: TaskFlags = TaskFlags(),
+    worker_flags: TaskFlags = TaskFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
@@ -95,10 +95,10 @@ def run(
     chosen = read_study(study)
     if device is not None:
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
-    hands.check()
+    worker_flags.check()
     folder = out or RESULTS / chosen.name
     try:
-        result = _run_watched(chosen, folder, hands, quiet=json)
+        result = _run_watched(chosen, folder, worker_flags, quiet=json)
     except KeyboardInterrupt:
         print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
         return INTERRUPTED

@@ -21,13 +21,13 @@ from palpate.core import PalpateError
 from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.recording import RecordedModel, is_recorded_model, read_model
-from palpate.sensor import RigSpec
+from palpate.sensor import SensorSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from palpate.material import Material
-    from palpate.sensor import KnownPress, Sensor, Unit
+    from palpate.sensor import ReferencePress, Sensor, Unit
 
 _FOLDER = "Folder of images."
 _SOURCE = (
@@ -54,7 +54,7 @@ def find(
             detector = prepare_detector(image, spec)
             blobs = detector.find(image)
         except PalpateError as error:
-            rows.append({"image": path.name, "dots": None, "reason": error.what})
+            rows.append({"image": path.name, "dots": None, "reason": error.problem})
             continue
         row = {"image": path.name, "dots": len(blobs), "polarity": "dark" if detector.dark else "bright"}
         row |= {"diameter_px": round(detector.diameter_px, 2), "noise": round(blobs.noise, 2), "reason": ""}
@@ -72,7 +72,7 @@ class LiveFlags:
     """The unit, when its readings count, and a press with a known pose."""
 
     built: UnitFlags = UnitFlags()
-    rig: Annotated[RigSpec, flags_of(RigSpec, group="Readings")] = RigSpec()
+    rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec()
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
     press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
@@ -105,7 +105,7 @@ def live(
     with _open(source, unit, material) as opened:
         images = opened.images()
         sensor = open_sensor(
-            _at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit, material)
+            _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit, material)
         )
         sensor.clock = opened.clock
         print(_describe_rest(sensor), file=sys.stderr)
@@ -115,11 +115,11 @@ def live(
                 f"{many} images at rest leave nothing to read.", "Record more.", code="rest-images-leave-none"
             )
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
-        written = write_readings(out, readings, sensor.reader.space) if out else readings
+        written = write_readings(out, readings, sensor.estimator.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
-        _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
+        _print_json(rows) if json else _print_lines(rows, sensor.estimator.space)
         if sensor.rest is not None:
-            print(sensor.rest.sentence(), file=sys.stderr)
+            print(sensor.rest.summary(), file=sys.stderr)
     return 0
 
 
@@ -152,7 +152,7 @@ def _open(source: str, unit: Unit, material: Material) -> Source:
 
 def _describe_rest(sensor: Sensor) -> str:
     where = sensor.registration
-    sentence = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    sentence = f"{sensor.assignment.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
     if not sensor.spec.refine_lens:
         return sentence + "."
     lens, (focal, column, row) = where.camera.spec, where.lens_sd
@@ -162,7 +162,7 @@ def _describe_rest(sensor: Sensor) -> str:
     )
 
 
-def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress | None:
+def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> ReferencePress | None:
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:
@@ -171,11 +171,11 @@ def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress
             "Give --press-image and --press-pose.",
             code="press-pose-incomplete",
         )
-    from palpate.sensor import KnownPress
+    from palpate.sensor import ReferencePress
 
     image = read_image(flags.press_image)
     announce_compilation()
-    return KnownPress.simulate(image, flags.press_pose, unit, material)
+    return ReferencePress.simulate(image, flags.press_pose, unit, material)
 
 
 def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:

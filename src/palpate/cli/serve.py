@@ -14,7 +14,7 @@ from palpate.camera import open_source
 from palpate.cli.flag import flags_of
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
-from palpate.sensor import RigSpec
+from palpate.sensor import SensorSpec
 
 _SOURCE = "Number of a camera, a video or a folder of images; the first images show the untouched dome."
 _HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
@@ -37,7 +37,7 @@ def serve(
     source: Annotated[str, Parameter(help=_SOURCE)],
     reads: ModelFlags = ModelFlags(),
     built: UnitFlags = UnitFlags(),
-    rig: Annotated[RigSpec, flags_of(RigSpec, group="Readings")] = RigSpec(),
+    rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec(),
     door: DoorFlags = DoorFlags(),
 ) -> None:
     """Read a sensor and send every reading to all who listen; other programs may send images as well."""

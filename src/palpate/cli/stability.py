@@ -44,7 +44,7 @@ def describe_stability(found: Stability) -> dict[str, Any]:
         "inverted_force_n": found.inverted_force,
     }
     return {
-        "tilt_deg": found.wall.radial,
+        "tilt_deg": found.obstacle.radial,
         "inverted_from_mm": found.inverted_from,
         "flat_to_mm": found.flat_to,
         "message": found.message,
@@ -58,7 +58,7 @@ def _print_stability(found: Stability) -> None:
         for row in describe_stability(found)["depths"]
     ]
     columns = ["depth mm", "flat mJ", "inverted mJ", "flat N", "inverted N"]
-    print_table(f"tilt {found.wall.radial:g}°", columns, rows)
+    print_table(f"tilt {found.obstacle.radial:g}°", columns, rows)
     print(found.message)
 
 

@@ -50,15 +50,15 @@ def _describe(found: StudyStatus, folder: Path) -> dict[str, Any]:
         "out": str(folder),
         "kinds": {kind: asdict(part) for kind, part in found.kinds.items()},
         "made": sum(part.made for part in found.kinds.values()),
-        "of": sum(part.of for part in found.kinds.values()),
-        "left_s": sum(part.left_s for part in found.kinds.values()),
+        "of": sum(part.total for part in found.kinds.values()),
+        "remaining_s": sum(part.remaining_s for part in found.kinds.values()),
         "failures": [asdict(failure) for failure in found.failures],
     }
 
 
 def _print(found: StudyStatus, name: str) -> None:
     rows = [
-        [kind, str(part.made), str(part.of), str(part.working), str(part.quarantined), f"{part.left_s:.0f}"]
+        [kind, str(part.made), str(part.total), str(part.working), str(part.quarantined), f"{part.remaining_s:.0f}"]
         for kind, part in found.kinds.items()
     ]
     print_table(name, COLUMNS, rows)

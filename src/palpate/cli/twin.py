@@ -17,11 +17,11 @@ from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
 from palpate.cli.unit import DesignFlags, MaterialFlags
-from palpate.core import PalpateError, written_whole
+from palpate.core import PalpateError, atomic_write
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
-    from palpate.study import BuiltDesign, Study
+    from palpate.study import DesignAccuracy, Study
 
 _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
@@ -31,9 +31,9 @@ _COLUMNS = (
     "height_mm",
     "thickness_mm",
     "markers",
-    "known",
+    "calibration_presses",
     "rmse_deg",
-    "worst_deg",
+    "p95_deg",
     "depth_rmse_mm",
     "noise_deg",
     "twin_off_mm",
@@ -50,14 +50,14 @@ class TwinFlags:
     design: DesignFlags = DesignFlags()
     material: MaterialFlags = MaterialSpec()
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
-    known: Annotated[int | None, Parameter(help=_KNOWN)] = None
+    calibration_presses: Annotated[int | None, Parameter(help=_KNOWN)] = None
 
     def study(self, source: str | None) -> Study:
         """The study that is named, or that of these flags, with what is asked of built units."""
-        from palpate.study import BuiltSpec, read_study, study_of
+        from palpate.study import AsBuiltSpec, read_study, single_design_study
 
         if source is None:
-            study = study_of(self.design.skin_spec(), self.design.markers, self.material)
+            study = single_design_study(self.design.skin_spec(), self.design.markers, self.material)
         elif TwinFlags(self.design, self.material) == TwinFlags():
             study = read_study(source)
         else:
@@ -66,9 +66,14 @@ class TwinFlags:
                 "Give a study, or flags of a design.",
                 code="options-exclusive",
             )
-        asked = study.built or BuiltSpec()
+        asked = study.built or AsBuiltSpec()
         tolerance = read_tolerance(self.tolerance) if self.tolerance else asked.tolerance
-        built = asked.model_copy(update={"known": self.known or asked.known, "tolerance": tolerance})
+        built = asked.model_copy(
+            update={
+                "calibration_presses": self.calibration_presses or asked.calibration_presses,
+                "tolerance": tolerance,
+            }
+        )
         return study.model_copy(update={"built": built})
 
 
@@ -76,7 +81,7 @@ def twin(
     source: Annotated[str | None, Parameter(help=_SOURCE)] = None,
     *,
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     flags: TwinFlags = TwinFlags(),
     json: JsonFlag = False,
 ) -> int:
@@ -87,12 +92,16 @@ def twin(
     """
     from palpate.study import run_twins
 
-    if flags.known is not None and not 1 <= flags.known <= 100:
-        raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.", code="option-out-of-bounds")
-    hands.check()
+    if flags.calibration_presses is not None and not 1 <= flags.calibration_presses <= 100:
+        raise PalpateError(
+            f"--calibration-presses is {flags.calibration_presses}.",
+            "Give 1 to 100 known presses.",
+            code="option-out-of-bounds",
+        )
+    worker_flags.check()
     study = flags.study(source)
     folder = out or RESULTS / study.name
-    found = run_twins(study, folder, hands.workers, Lines())
+    found = run_twins(study, folder, worker_flags.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)
     if json:
@@ -102,11 +111,11 @@ def twin(
             f"{study.name}: built units", list(_COLUMNS), [[_text(row[name]) for name in _COLUMNS] for row in rows]
         )
         print(
-            "rmse_deg: rx and ry of all units; worst_deg: greatest error that 19 of 20 units stay below; known: "
+            "rmse_deg: rx and ry of all units; p95_deg: greatest error that 19 of 20 units stay below; known: "
             "presses by which each unit was identified; twin_off_mm: root mean square by which the twin differs from "
             f"presses between its own. Twins: {folder / 'twins'}"
         )
-    for name, off in {design.skin.build().name: _off(design.twin) for design in found if design.twin}.items():
+    for name, off in {design.skin.build().name: _error_text(design.twin) for design in found if design.twin}.items():
         if off > _MUCH_MM:
             print(
                 f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
@@ -120,37 +129,37 @@ def twin(
 
 
 @cache
-def _off(path: Path) -> float:
+def _error_text(path: Path) -> float:
     """What a twin says of itself, mm; nan where it was not checked."""
     from palpate.twin import read_twin
 
-    return read_twin(path).off_mm
+    return read_twin(path).interpolation_error_mm
 
 
-def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
+def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
     return [
         {
             "height_mm": design.skin.height,
             "thickness_mm": design.skin.thickness,
             "markers": design.markers.count,
-            "known": figure.known,
+            "calibration_presses": figure.calibration_presses,
             "rmse_deg": round(figure.rmse_deg, 4),
-            "worst_deg": round(figure.worst_deg, 4),
+            "p95_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
-            "twin_off_mm": round(_off(design.twin), 4) if design.twin else None,
+            "twin_off_mm": round(_error_text(design.twin), 4) if design.twin else None,
         }
-        for figure in design.figures
+        for figure in design.accuracies
     ]
 
 
-def _keep(folder: Path, designs: tuple[BuiltDesign, ...], rows: list[dict[str, Any]]) -> None:
+def _keep(folder: Path, designs: tuple[DesignAccuracy, ...], rows: list[dict[str, Any]]) -> None:
     """The twins under names that people read, and the table."""
-    from palpate.study import keep_twins
+    from palpate.study import export_twins
 
     folder.mkdir(parents=True, exist_ok=True)
-    keep_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
-    with written_whole(folder / "built.csv") as draft, draft.open("w", newline="") as file:
+    export_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
+    with atomic_write(folder / "built.csv") as draft, draft.open("w", newline="") as file:
         table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
         table.writeheader()
         table.writerows(rows)

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
 from palpate.cli.output import RESULTS
-from palpate.core import PalpateError, Spec, flag_of
+from palpate.core import PalpateError, Spec, flag_name
 from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
 from palpate.study import MaterialSpec
 from palpate.twin import find_twin
@@ -75,7 +75,7 @@ class PrintFlags(DesignFlags):
             lens = CameraSpec.model_validate(
                 (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
             )
-        return Unit(skin, layout, marked=self.mark, lens=lens)
+        return Unit(skin, layout, has_orientation_mark=self.mark, lens=lens)
 
 
 @Parameter(name="*")
@@ -90,7 +90,7 @@ class UnitFlags(PrintFlags):
         from palpate.built import read_unit
 
         known = read_unit(self.unit_file) if self.unit_file else None
-        return replace(super().unit(), known=known)
+        return replace(super().unit(), identified=known)
 
 
 @Parameter(name="*")
@@ -129,7 +129,7 @@ class ModelFlags:
 
 
 def _pass_over(error: PalpateError) -> None:
-    print(f"Passed over: {error.what}", file=sys.stderr)
+    print(f"Passed over: {error.problem}", file=sys.stderr)
 
 
 def _words(spec: Spec, always: str = "") -> str:
@@ -139,7 +139,7 @@ def _words(spec: Spec, always: str = "") -> str:
         value = getattr(spec, name)
         if value != field.default or name in always.split():
             each = value if isinstance(value, tuple) else (value,)
-            said[flag_of(type(spec), name)] = " ".join(
+            said[flag_name(type(spec), name)] = " ".join(
                 f"{one:g}" if isinstance(one, float) else shlex.quote(str(one)) for one in each
             )
     return "".join(f"--{flag} {value} " for flag, value in said.items())

@@ -4,18 +4,19 @@ from palpate.core.arrays import BoolArray, FloatArray, IntArray, TextArray
 from palpate.core.behaviour import stage_version
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
-from palpate.core.files import new_folder, writing, written_into, written_whole
+from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, wrap_write_errors
 from palpate.core.kernel import kernel
-from palpate.core.kinds import spec_of_kind, words_of_kind
-from palpate.core.outside_links import refuse_outside_links
+from palpate.core.kinds import data_from_text, spec_from_data
+from palpate.core.outside_links import reject_external_links
 from palpate.core.paper import PAPER
-from palpate.core.parameter import Spec, flag_of, parameter, parameters
+from palpate.core.parameter import Spec, flag_name, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
-from palpate.core.renamed import renamed
+from palpate.core.renamed import deprecated_names
+from palpate.core.renamed_keys import new_column, rename_columns
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
-from palpate.core.store_care import Stored, check_store, clean_store, list_store
+from palpate.core.store_care import StoreContents, check_store, clean_store, list_store
 from palpate.core.version import __version__
 
 __all__ = [
@@ -29,30 +30,32 @@ __all__ = [
     "Recipe",
     "Registry",
     "Spec",
+    "StoreContents",
     "StoreError",
-    "Stored",
     "TextArray",
     "__version__",
+    "atomic_folder",
+    "atomic_write",
+    "atomic_write_into",
     "check_store",
     "child_seed",
     "clean_store",
-    "flag_of",
+    "data_from_text",
+    "deprecated_names",
+    "flag_name",
     "generator",
     "installed_version",
     "kernel",
     "list_store",
     "load_extra",
     "load_opencv",
-    "new_folder",
+    "new_column",
     "parameter",
     "parameters",
     "provenance",
-    "refuse_outside_links",
-    "renamed",
-    "spec_of_kind",
+    "reject_external_links",
+    "rename_columns",
+    "spec_from_data",
     "stage_version",
-    "words_of_kind",
-    "writing",
-    "written_into",
-    "written_whole",
+    "wrap_write_errors",
 ]

@@ -10,7 +10,7 @@ class PalpateError(Exception):
 
     Parameters
     ----------
-    what
+    problem
         One sentence that says what is wrong, with the offending number and its unit.
     remedy
         What to do about it, in one sentence; empty where the sentence already says so.
@@ -18,9 +18,9 @@ class PalpateError(Exception):
         Short name of the kind of error that does not change, e.g. ``"column-missing"``.
     """
 
-    def __init__(self, what: str, remedy: str = "", *, code: str) -> None:
-        super().__init__(f"{what} {remedy}".strip())
-        self.what = what
+    def __init__(self, problem: str, remedy: str = "", *, code: str) -> None:
+        super().__init__(f"{problem} {remedy}".strip())
+        self.problem = problem
         self.remedy = remedy
         self.code = code
 

@@ -16,7 +16,7 @@ DRAFT = ".writing-"
 
 
 @contextmanager
-def writing(what: Path | str, remedy: str = "Choose another file.") -> Iterator[None]:
+def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") -> Iterator[None]:
     """Let every `OSError` of the block be a `PalpateError` that names what cannot be written, why, and the remedy."""
     try:
         yield
@@ -27,7 +27,7 @@ def writing(what: Path | str, remedy: str = "Choose another file.") -> Iterator[
 
 
 @contextmanager
-def written_whole(path: Path, remedy: str = "Choose another file.") -> Iterator[Path]:
+def atomic_write(path: Path, remedy: str = "Choose another file.") -> Iterator[Path]:
     """A path of the same name in a folder beside; what is written there takes its place when the block ends well.
 
     Raises
@@ -35,12 +35,12 @@ def written_whole(path: Path, remedy: str = "Choose another file.") -> Iterator[
     PalpateError
         If the file cannot be written.
     """
-    with writing(path, remedy), _drafts(path.parent) as folder:
+    with wrap_write_errors(path, remedy), _drafts(path.parent) as folder:
         yield folder / path.name
 
 
 @contextmanager
-def written_into(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
+def atomic_write_into(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     """An empty folder inside `folder`, which is made; its files move up by name when the block ends well.
 
     Raises
@@ -48,14 +48,14 @@ def written_into(folder: Path, remedy: str = "Choose another folder.") -> Iterat
     PalpateError
         If the folder cannot be written.
     """
-    with writing(folder, remedy):
+    with wrap_write_errors(folder, remedy):
         folder.mkdir(parents=True, exist_ok=True)
         with _drafts(folder) as drafts:
             yield drafts
 
 
 @contextmanager
-def new_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
+def atomic_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     """A folder beside the one asked for, which takes its place when the block ends well and vanishes when not.
 
     Raises
@@ -67,7 +67,7 @@ def new_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator
         raise PalpateError(
             f"{folder} exists and is not an empty folder.", "Choose another, or remove it.", code="folder-exists"
         )
-    with writing(folder, remedy):
+    with wrap_write_errors(folder, remedy):
         folder.parent.mkdir(parents=True, exist_ok=True)
         draft = Path(tempfile.mkdtemp(prefix=DRAFT, dir=folder.parent))
         try:

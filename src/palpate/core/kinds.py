@@ -14,7 +14,7 @@ from palpate.core.registry import Registry
 S = TypeVar("S", bound=Spec)
 
 
-def spec_of_kind(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str) -> S:
+def spec_from_data(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str) -> S:
     """Read a spec from plain values.
 
     Parameters
@@ -45,7 +45,7 @@ def spec_of_kind(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str)
         ) from None
 
 
-def words_of_kind(noun: str, text: str) -> dict[str, Any]:
+def data_from_text(noun: str, text: str) -> dict[str, Any]:
     """Plain values of words ``KIND`` or ``KIND:NAME=VALUE,…``.
 
     Raises
@@ -55,7 +55,7 @@ def words_of_kind(noun: str, text: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> words_of_kind("obstacle", "ball:radius=8,offset=2")
+    >>> data_from_text("obstacle", "ball:radius=8,offset=2")
     {'kind': 'ball', 'radius': '8', 'offset': '2'}
     """
     kind, _, rest = text.partition(":")

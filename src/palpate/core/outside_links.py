@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import h5py
 
 
-def refuse_outside_links(file: h5py.File, path: Path) -> None:
+def reject_external_links(file: h5py.File, path: Path) -> None:
     """Refuse an HDF5 file of which a part lies in another: external and virtual members, and raw data outside.
 
     Parameters

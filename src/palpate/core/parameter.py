@@ -12,11 +12,14 @@ command-line help and the tables of the documentation are all read from that one
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
+
+from palpate.core.renamed_keys import RENAMED_KEYS
 
 _QUANTITY = re.compile(r"^\s*((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*([^\d\s].*?)\s*$")
 """A number that is read to its end, then a unit: a number alone is none."""
@@ -44,7 +47,7 @@ def parameter(
     source
         Where the default comes from, if it is not our own choice.
     flag
-        Name on the command line without its dashes, where it is not the field's own (`flag_of`).
+        Name on the command line without its dashes, where it is not the field's own (`flag_name`).
     **bounds
         Any of `gt`, `ge`, `lt`, `le`, in the same unit.
     """
@@ -68,6 +71,16 @@ class Spec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_old_keys(cls, data: Any) -> Any:
+        for name in data if isinstance(data, Mapping) else ():
+            for kind in cls.__mro__:
+                new = RENAMED_KEYS.get(kind.__name__, {}).get(name)
+                if new is not None and name not in cls.model_fields:
+                    raise PydanticCustomError("yaml-key-renamed", "{old} is {new} now", {"old": name, "new": new})
+        return data
+
     @field_validator("*", mode="before")
     @classmethod
     def _strip_unit(cls, value: Any, info: ValidationInfo) -> Any:
@@ -78,7 +91,7 @@ class Spec(BaseModel):
 
 
 @dataclass(frozen=True)
-class ParameterNote:
+class ParameterDoc:
     """One row of a table of parameters, read from the field that declares it.
 
     Attributes
@@ -102,7 +115,7 @@ class ParameterNote:
     help: str
 
 
-def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
+def parameters(spec: type[BaseModel]) -> tuple[ParameterDoc, ...]:
     """Describe every field of `spec`, in the order of declaration.
 
     Examples
@@ -122,7 +135,7 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
             if getattr(item, bound, None) is not None
         ]
         notes.append(
-            ParameterNote(
+            ParameterDoc(
                 name=name,
                 meaning=str(extra.get("meaning", "")),
                 unit=str(extra.get("unit", "")),
@@ -135,14 +148,14 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
     return tuple(notes)
 
 
-def flag_of(spec: type[BaseModel], name: str) -> str:
+def flag_name(spec: type[BaseModel], name: str) -> str:
     """Name of a field on the command line, without dashes: its declared flag, or its name without the unit.
 
     Examples
     --------
     >>> class HoleSpec(Spec):
     ...     depth_deg: float = parameter(30.0, unit="deg", meaning="slope")
-    >>> flag_of(HoleSpec, "depth_deg")
+    >>> flag_name(HoleSpec, "depth_deg")
     'depth'
     """
     declared = str(_declared(spec, name).get("flag", ""))

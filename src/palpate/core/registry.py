@@ -92,7 +92,7 @@ class Registry(Generic[T]):
             self._loaded[name] = self._load(name)
         return self._loaded[name]
 
-    def loadable(self) -> Iterator[tuple[str, T]]:
+    def available(self) -> Iterator[tuple[str, T]]:
         """Names with their implementations; what cannot be loaded is left out, and `get` says why."""
         for name in self.names:
             with suppress(PalpateError):

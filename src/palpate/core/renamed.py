@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 
-def renamed(module: str, names: Mapping[str, tuple[str, str]]) -> Callable[[str], Any]:
+def deprecated_names(module: str, names: Mapping[str, tuple[str, str]]) -> Callable[[str], Any]:
     """A module's `__getattr__` (PEP 562) that finds old names under their new ones and warns.
 
     Parameters
@@ -20,7 +20,7 @@ def renamed(module: str, names: Mapping[str, tuple[str, str]]) -> Callable[[str]
 
     Examples
     --------
-    >>> find = renamed("math", {"ceiling": ("ceil", "9.0")})
+    >>> find = deprecated_names("math", {"ceiling": ("ceil", "9.0")})
     >>> with warnings.catch_warnings(record=True) as seen:
     ...     warnings.simplefilter("always")
     ...     find("ceiling")(1.2), str(seen[0].message)

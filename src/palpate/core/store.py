@@ -26,7 +26,7 @@ from typing import Any
 from palpate.core.errors import PalpateError
 from palpate.core.files import DRAFT
 from palpate.core.provenance import provenance
-from palpate.core.store_lock import hold_folder, take_lock
+from palpate.core.store_lock import lock_folder, take_lock
 
 KEY_LENGTH = 32
 """Hexadecimal digits of a key: 128 bits."""
@@ -129,13 +129,13 @@ class ArtefactStore:
         path = self.path(recipe, suffix)
         if not path.is_file():
             return None
-        fault = find_fault(path)
+        fault = find_corruption(path)
         if not fault:
             return path
-        set_aside(path, fault)
+        quarantine(path, fault)
         return None
 
-    def holds(self, recipe: Recipe, suffix: str = ".h5") -> bool:
+    def has(self, recipe: Recipe, suffix: str = ".h5") -> bool:
         """Whether there is an artefact that is whole as far as its size can tell; nothing of it is read.
 
         One whose size is wrong is set aside. A changed bit is noticed when the artefact is read, see `find`.
@@ -208,7 +208,7 @@ class ArtefactStore:
             path.parent.mkdir(parents=True, exist_ok=True)
             with (
                 tempfile.TemporaryDirectory(prefix=DRAFT, dir=path.parent, ignore_cleanup_errors=True) as folder,
-                hold_folder(Path(folder)),
+                lock_folder(Path(folder)),
             ):
                 draft = Path(folder) / path.name
                 writer(draft)
@@ -239,7 +239,7 @@ def manifest_path(path: Path) -> Path:
     return path.with_suffix(MANIFEST)
 
 
-def find_fault(path: Path) -> str:
+def find_corruption(path: Path) -> str:
     """Say in one sentence why the artefact at `path` cannot be trusted; empty where it can."""
     try:
         manifest = json.loads(manifest_path(path).read_bytes())
@@ -261,7 +261,7 @@ def find_fault(path: Path) -> str:
     return ""
 
 
-def set_aside(path: Path, reason: str) -> None:
+def quarantine(path: Path, reason: str) -> None:
     """Take a broken artefact out of the way, with the reason beside it; one in a read-only folder stays."""
     try:
         os.replace(path, path.with_name(path.name + BROKEN))

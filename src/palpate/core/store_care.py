@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.core.files import DRAFT
-from palpate.core.store import BROKEN, LOCK, MANIFEST, REASON, StoreError, find_fault, set_aside
+from palpate.core.store import BROKEN, LOCK, MANIFEST, REASON, StoreError, find_corruption, quarantine
 from palpate.core.store_lock import can_lock, is_locked, take_lock
 
 UNLOCKED_DRAFT_S = 86_400.0
@@ -19,7 +19,7 @@ system cannot say whether somebody holds it, s."""
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoreContents:
     """What lies in a store, by the names of its files alone.
 
     Attributes
@@ -38,7 +38,7 @@ class Stored:
 
 
 @dataclass(frozen=True)
-class Broken:
+class CorruptArtefact:
     """An artefact that cannot be trusted: its path, and the reason in one sentence."""
 
     path: Path
@@ -54,7 +54,7 @@ class Removal:
     reason: str
 
 
-def list_store(root: Path) -> Stored:
+def list_store(root: Path) -> StoreContents:
     """List a store by its folders; no file is opened but the locks, of which there is one a running task."""
     artefacts, manifests, quarantined, working = set(), set(), set(), set()
     for kind, entry in _entries(root):
@@ -69,10 +69,10 @@ def list_store(root: Path) -> Stored:
         elif _is_artefact(name):
             artefacts.add((kind, name))
     whole = {(kind, name) for kind, name in artefacts if (kind, _key(name)) in manifests}
-    return Stored(frozenset(whole), frozenset(quarantined), frozenset(working))
+    return StoreContents(frozenset(whole), frozenset(quarantined), frozenset(working))
 
 
-def check_store(root: Path) -> tuple[int, tuple[Broken, ...]]:
+def check_store(root: Path) -> tuple[int, tuple[CorruptArtefact, ...]]:
     """Read every artefact of a store and set aside the broken ones.
 
     Returns
@@ -88,8 +88,8 @@ def check_store(root: Path) -> tuple[int, tuple[Broken, ...]]:
         path = Path(entry.path)
         reason = _fault(path)
         if reason:
-            set_aside(path, reason)
-            broken.append(Broken(path, reason))
+            quarantine(path, reason)
+            broken.append(CorruptArtefact(path, reason))
     return read, tuple(broken)
 
 
@@ -116,14 +116,14 @@ def clean_store(root: Path, needed: Collection[str], *, dry_run: bool = False) -
         If something cannot be removed.
     """
     keys = frozenset(needed)
-    found = tuple(removal for _, entry in _entries(root) if (removal := _judge(entry, keys)) is not None)
+    found = tuple(removal for _, entry in _entries(root) if (removal := _classify(entry, keys)) is not None)
     if not dry_run:
         for removal in found:
             _remove(removal.path)
     return found
 
 
-def _judge(entry: os.DirEntry[str], needed: frozenset[str]) -> Removal | None:
+def _classify(entry: os.DirEntry[str], needed: frozenset[str]) -> Removal | None:
     name, path = entry.name, Path(entry.path)
     if entry.is_dir(follow_symlinks=False):
         if name.startswith(DRAFT) and _is_left_behind(path):
@@ -169,7 +169,7 @@ def _remove(path: Path) -> None:
 
 def _fault(path: Path) -> str:
     try:
-        return find_fault(path)
+        return find_corruption(path)
     except FileNotFoundError:  # another process set it aside while we looked
         return ""
     except OSError as error:

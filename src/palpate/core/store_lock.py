@@ -69,7 +69,7 @@ def is_locked(path: Path) -> bool:
 
 
 @contextmanager
-def hold_folder(folder: Path) -> Iterator[None]:
+def lock_folder(folder: Path) -> Iterator[None]:
     """Hold the lock of a folder, so that nobody takes it for left behind."""
     if not HAS_LOCKS:
         yield
@@ -86,7 +86,7 @@ def can_lock(folder: Path) -> bool:
     """Whether this file system refuses a lock on `folder` that somebody holds."""
     if not HAS_LOCKS:
         return False
-    with hold_folder(folder):
+    with lock_folder(folder):
         return is_locked(folder)
 
 

@@ -39,7 +39,7 @@ def single_threaded() -> Iterator[None]:
                     os.environ[name] = value
 
 
-def serve_parent(parent: int) -> None:
+def attach_to_parent(parent: int) -> None:
     """Prepare this new process, which works for the one with the process id `parent`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, args=(parent,), daemon=True).start()

@@ -5,23 +5,23 @@ from palpate.dataset.generate_dataset import generate_dataset
 from palpate.dataset.io import dataset_version, read_dataset, write_dataset
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
-from palpate.dataset.spec import DatasetSpec, RandomiseSpec
-from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
-from palpate.dataset.vary import VariedPresses
+from palpate.dataset.spec import DatasetSpec, RandomisationSpec
+from palpate.dataset.split import LeakageError, check_leakage, hold_out
+from palpate.dataset.vary import PerturbedPresses
 
 __all__ = [
     "Dataset",
     "DatasetSpec",
     "LeakageError",
     "Normalisation",
-    "RandomiseSpec",
-    "VariedPresses",
+    "PerturbedPresses",
+    "RandomisationSpec",
+    "check_leakage",
     "dataset_version",
     "draw_jitter",
     "generate_dataset",
     "hold_out",
     "read_dataset",
-    "refuse_leakage",
     "sample_poses",
     "write_dataset",
 ]

@@ -11,8 +11,8 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.dataset.normalise import Normalisation
 from palpate.dataset.spec import DatasetSpec
-from palpate.dataset.split import refuse_leakage
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.dataset.split import check_leakage
+from palpate.design import TILT_SPACE, PoseSpace
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Dataset:
     image_size_px: tuple[int, int]
     solved_presses: int
     dropped: Mapping[str, int]
-    space: PoseSpace = TILT_DEPTH
+    space: PoseSpace = TILT_SPACE
     forces: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -80,7 +80,7 @@ class Dataset:
                 "Make the dataset again.",
                 code="dataset-not-finite",
             )
-        refuse_leakage(self.press, self.poses, self.validation, self.space)
+        check_leakage(self.press, self.poses, self.validation, self.space)
 
     @property
     def normalisation(self) -> Normalisation:
@@ -102,11 +102,11 @@ class Dataset:
         deepest = self.poses[:, 2].max()
         return float(self.travel_mm[np.isclose(self.poses[:, 2], deepest)].mean())
 
-    def part(self, *, validation: bool) -> Self:
+    def subset(self, *, validation: bool) -> Self:
         """The held-out images, or those for training, as a dataset of their own."""
-        return self.choose(self.validation == validation, validation=validation)
+        return self.select(self.validation == validation, validation=validation)
 
-    def choose(self, rows: BoolArray, *, validation: bool) -> Self:
+    def select(self, rows: BoolArray, *, validation: bool) -> Self:
         """Images (n,), all for training or all held out, as a dataset of their own."""
         return replace(
             self,

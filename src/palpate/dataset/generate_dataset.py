@@ -15,8 +15,8 @@ from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
-from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
-from palpate.dataset.vary_forces import vary_forces
+from palpate.dataset.vary import PerturbedPresses, RandomisedField, randomise_camera, randomise_field
+from palpate.dataset.vary_forces import randomise_forces
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
 
@@ -28,7 +28,7 @@ def generate_dataset(
     markers: MarkerLayout,
     camera: Camera,
     spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
-    relatives: VariedPresses = VariedPresses(),  # noqa: B008  (frozen as well)
+    perturbed_presses: PerturbedPresses = PerturbedPresses(),  # noqa: B008  (frozen as well)
     forces: bool = False,
 ) -> Dataset:
     """Make the images of one design.
@@ -44,7 +44,7 @@ def generate_dataset(
         Looks at the markers from below.
     spec
         Poses, images left out, jitter, normalisation, split and what varies from unit to unit.
-    relatives
+    perturbed_presses
         Presses of units that differ from the design, as `spec.randomise` asks for.
     forces
         Whether the images have the force on the wall as well.
@@ -75,9 +75,9 @@ def generate_dataset(
     >>> dataset.images_px.shape, dataset.virtual_presses, int(dataset.validation.sum())
     ((50, 7, 2), 50, 10)
     """
-    field = vary_field(presses, markers, relatives, spec)
+    field = randomise_field(presses, markers, perturbed_presses, spec)
     base = field.base
-    rotations = sample_poses(spec, base.offset, lies=base.space.lies, least=base.least)
+    rotations = sample_poses(spec, base.max_offset, lies=base.space.is_line, least=base.min_tilt_deg)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
@@ -85,7 +85,7 @@ def generate_dataset(
     images = range(spec.dropped_images, len(base.depths_mm))
     columns = [_images_at(field, image, rotations, view, dropped) for image in images]
     if forces:
-        pushes = vary_forces(presses, relatives, field.weights)
+        pushes = randomise_forces(presses, perturbed_presses, field.weights)
         for column, image in zip(columns, images, strict=True):
             column["forces"] = pushes.forces(rotations, np.asarray(column["row"], np.intp), image)
     if not columns or not sum(len(column["row"]) for column in columns):
@@ -107,7 +107,7 @@ def generate_dataset(
         travel_mm=joined["travel_mm"],
         rest_px=camera.project(base.rest),
         image_size_px=(camera.width_px, camera.height_px),
-        solved_presses=len(presses) + relatives.count,
+        solved_presses=len(presses) + perturbed_presses.count,
         dropped=dict(dropped),
         space=base.space,
         forces=joined.get("forces"),
@@ -126,19 +126,21 @@ class _View:
     def project(self, points: FloatArray, rest: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
         """(k, m, 2) px of markers (k, m, 3) of the virtual presses `rows`, as if each rest looked as designed."""
         varied = self.spec.randomise
-        if varied is None or not (varied.of_the_camera or varied.dot):
+        if varied is None or not (varied.varies_camera or varied.dot):
             return self.camera.project(points)
         moved = np.empty((*points.shape[:2], 2))
         for k, row in enumerate(rows):
             camera = (
-                vary_camera(self.camera, varied, self.spec.seed, int(row)) if varied.of_the_camera else self.camera
+                randomise_camera(self.camera, varied, self.spec.seed, int(row))
+                if varied.varies_camera
+                else self.camera
             )
             moved[k] = camera.project(points[k]) - camera.project(rest[k])
         return self.camera.project(self.rest) + moved
 
 
 def _images_at(
-    field: VariedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
+    field: RandomisedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
     """Columns of the images at one depth; `dropped` counts the others."""
     branch, reason = field.labels(rotations, image)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Camera
-from palpate.core import PalpateError, refuse_outside_links, stage_version
+from palpate.core import PalpateError, reject_external_links, stage_version
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.spec import DatasetSpec
 from palpate.design import PoseSpace
@@ -48,9 +48,9 @@ def write_dataset(path: Path, dataset: Dataset) -> None:
             _write_dimension(file, name, np.array(labels, dtype=h5py.string_dtype()))
         for name, (dimensions, unit, meaning) in _COLUMNS.items():
             column = file.create_dataset(name, data=_storable(getattr(dataset, name)), track_times=False)
-            if name == "poses" and not dataset.space.tilts:
+            if name == "poses" and not dataset.space.is_tilt:
                 unit = ", ".join(item.unit for item in dataset.space.components)
-                meaning = "place of the obstacle and depth" + (", direction" if dataset.space.lies else "")
+                meaning = "place of the obstacle and depth" + (", direction" if dataset.space.is_line else "")
             column.attrs["units"] = unit
             column.attrs["long_name"] = meaning
             for axis, dimension in enumerate(dimensions):
@@ -67,7 +67,7 @@ def read_dataset(path: Path) -> Dataset:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             version = file.attrs.get("palpate_dataset_version")
             if version != DATASET_FORMAT:
                 raise PalpateError(
@@ -96,7 +96,7 @@ def _read(file: h5py.File) -> Dataset:
         image_size_px=(width, height),
         solved_presses=int(file.attrs["solved_presses"]),
         dropped=json.loads(file.attrs["dropped"]),
-        space=PoseSpace.named(file["pose_axis"].asstr()[...]),
+        space=PoseSpace.from_names(file["pose_axis"].asstr()[...]),
     )
 
 

@@ -11,7 +11,7 @@ from palpate.core import Spec, parameter
 from palpate.fea import check_contact
 
 
-class RandomiseSpec(Spec):
+class RandomisationSpec(Spec):
     """How the units behind the training images differ from the design, each virtual press another one.
 
     What is off is off as the sensor sees it: at rest it looks as designed, for the sensor reads how far the markers
@@ -52,7 +52,7 @@ class RandomiseSpec(Spec):
         return tuple(sorted(frictions, reverse=True))
 
     @property
-    def of_the_camera(self) -> bool:
+    def varies_camera(self) -> bool:
         """Whether the camera varies."""
         return any((self.camera_offset, self.camera_distance, self.camera_tilt_deg, self.focal))
 
@@ -94,11 +94,11 @@ class DatasetSpec(Spec):
         0.2, unit="1", meaning="share of the presses held out for validation", gt=0, lt=1
     )
     seed: int = parameter(0, unit="1", meaning="seed of poses and split", ge=0)
-    randomise: RandomiseSpec | None = None
+    randomise: RandomisationSpec | None = None
     """How the units behind the images differ from the design; nothing, if not given."""
 
     @model_serializer(mode="wrap")
-    def _leave_out_what_is_off(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _leave_out_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Without randomisation a spec is written as before there was any, so that old artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         if self.randomise is None:

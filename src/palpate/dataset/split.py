@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, generator
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.design import TILT_SPACE, PoseSpace
 
 SAME_POSE = 1e-6
 """Poses nearer than this are one, degrees or mm."""
@@ -16,14 +16,14 @@ class LeakageError(PalpateError):
 
     Parameters
     ----------
-    what
+    problem
         Which press or pose stands on both sides.
     code
         Whether it is a press or a pose.
     """
 
-    def __init__(self, what: str, *, code: str) -> None:
-        super().__init__(what, "Split by press: hold out all images of a press, or none.", code=code)
+    def __init__(self, problem: str, *, code: str) -> None:
+        super().__init__(problem, "Split by press: hold out all images of a press, or none.", code=code)
 
 
 def number_presses(places: FloatArray) -> IntArray:
@@ -65,7 +65,7 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     return np.isin(press, chosen)
 
 
-def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_DEPTH) -> None:
+def check_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_SPACE) -> None:
     """Check that no press and no pose has images on both sides.
 
     Parameters
@@ -95,5 +95,5 @@ def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, sp
     for pose in rounded[~validation]:
         if tuple(pose) in held_out:
             parts = zip(space.components, pose * SAME_POSE, strict=False)
-            shown = ", ".join(f"{item.axis} {value:.3f}{item.sign}" for item, value in parts)
+            shown = ", ".join(f"{item.axis} {value:.3f}{item.unit_symbol}" for item, value in parts)
             raise LeakageError(f"The pose {shown} is in training and in validation.", code="split-shares-pose")

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from palpate.camera import Camera, build_camera
 from palpate.core import FloatArray, PalpateError, TextArray, generator
 from palpate.dataset.poses import sample_poses
-from palpate.dataset.spec import DatasetSpec, RandomiseSpec
+from palpate.dataset.spec import DatasetSpec, RandomisationSpec
 from palpate.design import MarkerLayout
 from palpate.fea import Press
 from palpate.twin import MarkerField, build_field
@@ -31,13 +31,13 @@ _STEP = 0.2
 
 
 @dataclass(frozen=True)
-class VariedPresses:
+class PerturbedPresses:
     """Presses of units that differ from the design.
 
     Attributes
     ----------
     frictions
-        Presses of the design with each of `RandomiseSpec.frictions`, in that order.
+        Presses of the design with each of `RandomisationSpec.frictions`, in that order.
     thicknesses
         Presses of a thinner and of a thicker wall, or none.
     """
@@ -52,7 +52,7 @@ class VariedPresses:
 
 
 @dataclass(frozen=True, eq=False)
-class VariedField:
+class RandomisedField:
     """Positions of the markers of another unit for every virtual press.
 
     Attributes
@@ -63,29 +63,29 @@ class VariedField:
         Frictions by falling coefficient, then thicknesses.
     weights
         (n presses, len(others)) share of each other's difference from the base.
-    beside
+    tangent_fields
         Fields of dots displaced along two tangents by `_STEP`; empty where the print is exact.
-    off
+    tangent_offsets
         (n presses, m, 2) displacement of each dot along them, mm.
     """
 
     base: MarkerField
     others: tuple[MarkerField, ...]
     weights: FloatArray
-    beside: tuple[MarkerField, ...]
-    off: FloatArray
+    tangent_fields: tuple[MarkerField, ...]
+    tangent_offsets: FloatArray
 
     @property
     def rest(self) -> FloatArray:
         """(m, 3) markers of the undeformed design, mm."""
         return self.base.rest
 
-    def labels(self, rotations: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, rotations: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
         """Branch of every virtual press at one depth, or why there is none; see `MarkerField.labels`."""
         tilt = np.hypot(rotations[:, 0], rotations[:, 1])
-        branch, reason = self.base.labels(tilt, image)
+        branch, reason = self.base.labels(tilt, depth_index)
         for weight, other in zip(self.weights.T, self.others, strict=True):
-            its_branch, its_reason = other.labels(tilt, image)
+            its_branch, its_reason = other.labels(tilt, depth_index)
             apart = (weight > 0) & (its_branch != branch) & (branch != "")
             reason[apart] = np.where(its_reason[apart] != "", its_reason[apart], "units on different branches")
             branch[apart] = ""
@@ -93,30 +93,30 @@ class VariedField:
 
     def rest_of(self, rows: NDArray[np.intp]) -> FloatArray:
         """(k, m, 3) markers at rest of the virtual presses `rows`, mm."""
-        if not self.beside:
+        if not self.tangent_fields:
             return np.broadcast_to(self.rest, (len(rows), *self.rest.shape))
-        return self.rest + self._aside(rows, [field.rest for field in self.beside], self.rest)
+        return self.rest + self._aside(rows, [field.rest for field in self.tangent_fields], self.rest)
 
-    def positions(self, rotations: FloatArray, rows: NDArray[np.intp], image: int) -> FloatArray:
+    def positions(self, rotations: FloatArray, rows: NDArray[np.intp], depth_index: int) -> FloatArray:
         """(k, m, 3) deformed markers of the virtual presses `rows` at one depth, mm."""
         rx, ry = rotations[rows].T
-        base = self.base.positions(rx, ry, image)
+        base = self.base.positions(rx, ry, depth_index)
         moved = base.copy()
         for weight, other in zip(self.weights[rows].T, self.others, strict=True):
             used = np.flatnonzero(weight)
-            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], image) - base[used])
-        if self.beside:
-            moved += self._aside(rows, [field.positions(rx, ry, image) for field in self.beside], base)
+            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], depth_index) - base[used])
+        if self.tangent_fields:
+            moved += self._aside(rows, [field.positions(rx, ry, depth_index) for field in self.tangent_fields], base)
         return moved
 
-    def _aside(self, rows: NDArray[np.intp], beside: Sequence[FloatArray], base: FloatArray) -> FloatArray:
-        steps = zip(np.moveaxis(self.off[rows], -1, 0), beside, strict=True)
+    def _aside(self, rows: NDArray[np.intp], tangent_fields: Sequence[FloatArray], base: FloatArray) -> FloatArray:
+        steps = zip(np.moveaxis(self.tangent_offsets[rows], -1, 0), tangent_fields, strict=True)
         return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
 
 
-def vary_field(
-    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec
-) -> VariedField:
+def randomise_field(
+    presses: Sequence[Press], layout: MarkerLayout, relatives: PerturbedPresses, spec: DatasetSpec
+) -> RandomisedField:
     """Draw a unit for each virtual press.
 
     Parameters
@@ -133,7 +133,7 @@ def vary_field(
     PalpateError
         If the presses for a friction or thickness are missing, or have other depths than the design's.
     """
-    chosen, base = spec.randomise or RandomiseSpec(), build_field(presses, layout)
+    chosen, base = spec.randomise or RandomisationSpec(), build_field(presses, layout)
     _refuse_missing(chosen, relatives)
     others = tuple(build_field(group, layout) for group in (*relatives.frictions, *relatives.thicknesses))
     for other in others:
@@ -144,13 +144,15 @@ def vary_field(
                 "Press less deep, or vary less.",
                 code="dataset-variation-short",
             )
-    count = len(sample_poses(spec, base.offset))
+    count = len(sample_poses(spec, base.max_offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
-    return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)
+    return RandomisedField(
+        base, others, _draw_weights(chosen, spec.seed, count), _tangent_fields(layout, presses, chosen), off
+    )
 
 
-def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
+def _draw_weights(spec: RandomisationSpec, seed: int, count: int) -> FloatArray:
     """(count, frictions and thicknesses) shares of the others in every virtual press."""
     frictions = len(spec.frictions)
     weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
@@ -165,7 +167,7 @@ def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
     return weights
 
 
-def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> Camera:
+def randomise_camera(camera: Camera, spec: RandomisationSpec, seed: int, press: int) -> Camera:
     """The camera under the unit of one virtual press."""
     rng, nominal = generator(seed, "camera", press), camera.spec
     ways = dict(zip(("offset_x", "offset_y", "tilt_x_deg", "tilt_y_deg"), rng.uniform(-1.0, 1.0, 4), strict=True))
@@ -177,7 +179,7 @@ def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> C
     return build_camera(nominal.model_copy(update=values))
 
 
-def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
+def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> None:
     wanted: Mapping[str, tuple[int, int]] = {
         "friction": (len(spec.frictions), len(relatives.frictions)),
         "thickness": (2 if spec.thickness else 0, len(relatives.thicknesses)),
@@ -191,7 +193,9 @@ def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
             )
 
 
-def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec) -> tuple[MarkerField, ...]:
+def _tangent_fields(
+    layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec
+) -> tuple[MarkerField, ...]:
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()

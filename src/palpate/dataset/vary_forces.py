@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray
-from palpate.dataset.vary import VariedPresses
+from palpate.dataset.vary import PerturbedPresses
 from palpate.fea import Press
 from palpate.twin import ForceField, build_force_field
 
 
 @dataclass(frozen=True, eq=False)
-class VariedForces:
+class RandomisedForces:
     """Force on the wall in every virtual press.
 
     Attributes
@@ -30,18 +30,18 @@ class VariedForces:
     others: tuple[ForceField, ...]
     weights: FloatArray
 
-    def forces(self, rotations: FloatArray, rows: NDArray[np.intp], image: int) -> FloatArray:
+    def forces(self, rotations: FloatArray, rows: NDArray[np.intp], depth_index: int) -> FloatArray:
         """(k, 3) N, dome's frame, in the virtual presses `rows` at one depth."""
         rx, ry = rotations[rows].T
-        base = self.base.forces(rx, ry, image)
+        base = self.base.forces(rx, ry, depth_index)
         found = base.copy()
         for weight, other in zip(self.weights[rows].T, self.others, strict=True):
             used = np.flatnonzero(weight)
-            found[used] += weight[used, None] * (other.forces(rx[used], ry[used], image) - base[used])
+            found[used] += weight[used, None] * (other.forces(rx[used], ry[used], depth_index) - base[used])
         return found
 
 
-def vary_forces(presses: Sequence[Press], relatives: VariedPresses, weights: FloatArray) -> VariedForces:
+def randomise_forces(presses: Sequence[Press], relatives: PerturbedPresses, weights: FloatArray) -> RandomisedForces:
     """The forces of units with these shares (n, k) of the differences that `relatives` have from the design."""
     others = (build_force_field(group) for group in (*relatives.frictions, *relatives.thicknesses))
-    return VariedForces(build_force_field(presses), tuple(others), weights)
+    return RandomisedForces(build_force_field(presses), tuple(others), weights)

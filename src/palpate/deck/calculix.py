@@ -26,7 +26,7 @@ from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
 from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, OuterSurface, SolverSpec, fill_nodes
+from palpate.mechanics import EndReason, OuterSurface, SolverSpec, fill_nodes
 from palpate.mesh import Mesh, gauss_points, shape_hexahedron
 
 PROGRAM = "ccx"
@@ -60,13 +60,13 @@ def find_ccx() -> str:
 
 
 def solve_press_calculix(
-    mesh: Mesh, material: Material, wall: ObstacleSpec | None = None, spec: CalculixSpec | None = None
+    mesh: Mesh, material: Material, obstacle: ObstacleSpec | None = None, spec: CalculixSpec | None = None
 ) -> Press:
     """Solve one press by CalculiX.
 
     Parameters
     ----------
-    mesh, material, wall
+    mesh, material, obstacle
         As in `palpate.fea.solve_press`; the bricks are those of the mesh without its face and centre nodes.
     spec
         Deck and time limit.
@@ -75,17 +75,17 @@ def solve_press_calculix(
     -------
     Press
         At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
-        `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left the
-        wall. Its `solved_by` says ``calculix``.
+        `stabilisation_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left
+        the wall. Its `solved_by` says ``calculix``.
 
     Raises
     ------
     PalpateError
         If ``ccx`` is missing, takes too long, or leaves no increment; the last two name the folder with its log.
     """
-    wall, spec = wall or WallSpec(), spec or CalculixSpec()
+    obstacle, spec = obstacle or WallSpec(), spec or CalculixSpec()
     program = find_ccx()
-    text = deck_text(mesh, material, wall, spec.deck)
+    text = deck_text(mesh, material, obstacle, spec.deck)
     folder = Path(tempfile.mkdtemp(prefix="palpate-ccx-"))
     (folder / "press.inp").write_text(text)
     cpu_s, code = _run(program, folder, spec.timeout)
@@ -97,15 +97,15 @@ def solve_press_calculix(
             code="solver-no-increment",
         )
     unknowns, iterations = read_counts(folder / "press.log", folder / "press.cvg")
-    ended, message = _reason(found, mesh, wall, folder)
-    if ended is not Ended.NOT_CONVERGED:
+    ended, message = _reason(found, mesh, obstacle, folder)
+    if ended is not EndReason.NOT_CONVERGED:
         shutil.rmtree(folder)
-    fields = _fields(found, mesh, material, wall)
+    fields = _fields(found, mesh, material, obstacle)
     inverted = fields["branch"] == str(Branch.INVERTED)
     return Press(
         mesh=mesh,
         material=material,
-        wall=wall,
+        obstacle=obstacle,
         solver=SolverSpec(),
         solved_by="calculix",
         **fields,
@@ -132,8 +132,8 @@ class CalculixSolver(PressSolver):
 
     spec: CalculixSpec = field(default_factory=CalculixSpec)
 
-    def check(self, wall: ObstacleSpec) -> None:
-        if wall.unload:
+    def check(self, obstacle: ObstacleSpec) -> None:
+        if obstacle.unload:
             raise PalpateError(
                 "CalculiX presses from rest to full depth.",
                 "Leave out --unload, or --solver.",
@@ -141,8 +141,8 @@ class CalculixSolver(PressSolver):
             )
         find_ccx()
 
-    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
-        return solve_press_calculix(mesh, material, wall, self.spec)
+    def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
+        return solve_press_calculix(mesh, material, obstacle, self.spec)
 
 
 def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
@@ -178,15 +178,21 @@ def _last_error(log: Path) -> str:
     return errors[-1].removeprefix("*ERROR").strip() if errors else "it says no reason"
 
 
-def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[Ended, str]:
+def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[EndReason, str]:
     goals = deck_depths(mesh, wall)
     last = float(found.depth[-1])
     if last < goals[-1] - 1e-4 * goals[-1]:
         why = _last_error(folder / "press.log")
-        return Ended.NOT_CONVERGED, f"CalculiX stopped after {last:.4g} mm: {why} Its deck and log are in {folder}."
+        return (
+            EndReason.NOT_CONVERGED,
+            f"CalculiX stopped after {last:.4g} mm: {why} Its deck and log are in {folder}.",
+        )
     if goals[-1] < wall.depth:
-        return Ended.WALL_AT_CLAMP, f"The wall reached the clamped rim at {goals[-1]:.3f} mm of {wall.depth:g} mm."
-    return Ended.DEPTH_REACHED, ""
+        return (
+            EndReason.WALL_AT_CLAMP,
+            f"The wall reached the clamped rim at {goals[-1]:.3f} mm of {wall.depth:g} mm.",
+        )
+    return EndReason.DEPTH_REACHED, ""
 
 
 def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:
@@ -207,12 +213,12 @@ def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: Obs
         "energy": parts * np.array([stored_energy(mesh, material, u) for u in displacement]),
         "contact_energy": nothing,
         "dissipation": nothing,
-        "work": PchipInterpolator(depth, force @ wall.way(mesh)).antiderivative()(depth),
+        "work": PchipInterpolator(depth, force @ wall.approach_axis(mesh)).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], found.peak_stress]),
         "contact_area": parts * area,
         "apex_gap": gap,
-        "hold_tension": nothing,
+        "stabilisation_tension": nothing,
         "negative_pivots": np.full(len(depth), -1),
     }
 
@@ -223,11 +229,11 @@ def _contact(
     """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every increment."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    path, touched = wall.path(mesh), wall.at_touch(mesh)[1]
+    path, touched = wall.path(mesh), wall.at_first_contact(mesh)[1]
     probe = np.argmin(np.linalg.norm(surface.points - touched, axis=1))
     gap, area = [], []
     for d, u in zip(depth, displacement, strict=True):
-        reach = path(d).reach(surface.interpolate(mesh.nodes + u))
+        reach = path(d).penetration(surface.interpolate(mesh.nodes + u))
         gap.append(-reach[probe])
         area.append(surface.current_area(mesh.nodes + u, reach > 0))
     return np.array(gap), np.array(area)

@@ -14,7 +14,7 @@ _NOTHING = 1e-12
 """Share of a direction below which it is rounding."""
 
 
-def image_lines(depths: list[float]) -> Iterator[str]:
+def time_point_lines(depths: list[float]) -> Iterator[str]:
     """Lines of the time points IMAGES, which both dialects define before the steps."""
     yield "** Images: travel of the wall in mm"
     yield "*TIME POINTS, NAME=IMAGES"

@@ -42,32 +42,35 @@ class DeckWall:
     element: int
 
 
-def ascii_words(wall: ObstacleSpec) -> str:
+def ascii_label(wall: ObstacleSpec) -> str:
     """The obstacle in words that every program reads."""
-    return wall.words.replace("°", " deg")
+    return wall.label.replace("°", " deg")
 
 
-def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
+def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """The obstacle over a mesh; `elements` are already numbered."""
-    if wall.drifts:
+    if obstacle_spec.moves_laterally:
         raise PalpateError(
-            f"A deck's obstacle moves along one way, and this one drifts or turns besides: {wall.words}.",
+            f"A deck's obstacle moves along one way, and this one drifts or turns besides: {obstacle_spec.label}.",
             "Leave out drift and twist, or press with a wall instead of a route.",
             code="deck-wall-drifts",
         )
-    if isinstance(wall, WallSpec) and wall.bend:
+    if isinstance(obstacle_spec, WallSpec) and obstacle_spec.curvature:
         raise PalpateError(
             "A deck has no wall that is nearly flat.",
             "Leave the bend out, or press with a ball.",
             code="deck-wall-bent",
         )
-    obstacle, touched = wall.at_touch(mesh)
-    half = max(2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness), _farthest(mesh, touched, wall.way(mesh)))
+    obstacle, touched = obstacle_spec.at_first_contact(mesh)
+    half = max(
+        2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness),
+        _farthest(mesh, touched, obstacle_spec.approach_axis(mesh)),
+    )
     points, facets = obstacle.patch(touched, half)
     if dialect is Dialect.CALCULIX:
         inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
         points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
-    return DeckWall(ascii_words(wall), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
+    return DeckWall(ascii_label(obstacle_spec), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
 
 
 def _farthest(mesh: Mesh, touched: FloatArray, way: FloatArray) -> float:

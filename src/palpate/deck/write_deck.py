@@ -5,25 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from palpate.core import PalpateError, provenance, written_whole
+from palpate.core import PalpateError, atomic_write, provenance
 from palpate.deck.material import material_lines
 from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
-from palpate.deck.step import boundary_lines, image_lines, step_lines
-from palpate.deck.wall import ascii_words, contact_lines, deck_wall, wall_lines
+from palpate.deck.step import boundary_lines, step_lines, time_point_lines
+from palpate.deck.wall import ascii_label, contact_lines, deck_wall, wall_lines
 from palpate.fea import ObstacleSpec, increment_depths
 from palpate.material import Material
 from palpate.mesh import Mesh
 
 
-def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> None:
+def write_deck(
+    path: Path, mesh: Mesh, material: Material, obstacle: ObstacleSpec, spec: DeckSpec | None = None
+) -> None:
     """Write the deck of a press; the file appears whole or not at all.
 
     Parameters
     ----------
     path
         File to write, usually ``.inp``.
-    mesh, material, wall, spec
+    mesh, material, obstacle, spec
         As in `deck_text`.
 
     Raises
@@ -31,16 +33,16 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, s
     PalpateError
         If the deck cannot be made, or the file cannot be written.
     """
-    text = deck_text(mesh, material, wall, spec)
+    text = deck_text(mesh, material, obstacle, spec)
     if not path.parent.is_dir():
         raise PalpateError(
             f"The folder {path.parent} does not exist.", "Make it first, or name another file.", code="folder-missing"
         )
-    with written_whole(path, "Name another file.") as part:
+    with atomic_write(path, "Name another file.") as part:
         part.write_text(text)
 
 
-def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> str:
+def deck_text(mesh: Mesh, material: Material, obstacle: ObstacleSpec, spec: DeckSpec | None = None) -> str:
     """The deck of a press as text.
 
     Parameters
@@ -49,7 +51,7 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
         Half or whole dome; a half one is written in the tilt plane (y, z), whatever the azimuth.
     material
         The elastomer.
-    wall
+    obstacle
         Tilt, azimuth, depth, step between increments and contact law.
     spec
         Dialect, element and contact penalty.
@@ -67,26 +69,26 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
             "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
             code="deck-shell-stiff",
         )
-    depths = deck_depths(mesh, wall)
+    depths = deck_depths(mesh, obstacle)
     parts = deck_mesh(mesh, spec.dialect, spec.element)
-    plate = deck_wall(mesh, wall, len(parts.elements), spec.dialect)
+    plate = deck_wall(mesh, obstacle, len(parts.elements), spec.dialect)
     lines = [
-        *_header(mesh, material, wall, spec),
+        *_header(mesh, material, obstacle, spec),
         *mesh_lines(parts),
         *wall_lines(plate, spec.dialect),
         *material_lines(material, spec.dialect),
         *_sections(mesh, spec),
-        *contact_lines(wall, spec),
+        *contact_lines(obstacle, spec),
         *boundary_lines(spec, half=not mesh.spec.whole),
-        *image_lines(depths),
-        *step_lines(spec, depths, wall.way(mesh)),
+        *time_point_lines(depths),
+        *step_lines(spec, depths, obstacle.approach_axis(mesh)),
     ]
     return "\n".join(lines) + "\n"
 
 
-def deck_depths(mesh: Mesh, wall: ObstacleSpec) -> list[float]:
+def deck_depths(mesh: Mesh, obstacle: ObstacleSpec) -> list[float]:
     """Depths in mm of the increments that a deck writes, up to where the wall reaches the clamped rim."""
-    return increment_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
+    return increment_depths(obstacle, min(obstacle.depth, obstacle.clamp_depth(mesh)))
 
 
 def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
@@ -105,8 +107,8 @@ def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) 
     yield f"** mesh: {mesh.spec.model_dump_json()}"
     yield f"** material: {material.name}"
     yield (
-        f"** obstacle: {ascii_words(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
-        f"an image every {wall.image_step:g} mm, contact {wall.contact_text}"
+        f"** obstacle: {ascii_label(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
+        f"an image every {wall.depth_step:g} mm, contact {wall.contact_text}"
     )
     if not mesh.spec.whole:
         yield "** a half model lies in the tilt plane (y, z): turn its results about z by the azimuth"

@@ -1,19 +1,19 @@
 """Design: from height, base radius, thickness and markers to the geometry of a dome and its limits."""
 
-from palpate.core import renamed
+from palpate.core import deprecated_names
 from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
-from palpate.design.check_design import check_design, refuse_errors
+from palpate.design.check_design import check_design, raise_on_errors
 from palpate.design.cone import ConeSpec
 from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
-from palpate.design.module import Module, build_module, build_solid
+from palpate.design.module import ContactModule, build_contact_module, build_module_solid
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
-from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
+from palpate.design.pose_space import OFFSET_SPACE, TILT_SPACE, PoseSpace
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
@@ -21,11 +21,12 @@ from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 from palpate.design.spline import SplineSpec
 
 __all__ = [
-    "OFFSET_DEPTH",
+    "OFFSET_SPACE",
     "PRINT_TOLERANCE",
     "SKINS",
-    "TILT_DEPTH",
+    "TILT_SPACE",
     "ConeSpec",
+    "ContactModule",
     "Dome",
     "DomeSpec",
     "Ellipsoid",
@@ -33,7 +34,6 @@ __all__ = [
     "Finding",
     "MarkerLayout",
     "MarkerSpec",
-    "Module",
     "MountSpec",
     "PoseSpace",
     "RevolvedSkin",
@@ -43,16 +43,16 @@ __all__ = [
     "SkinSpec",
     "SplineSpec",
     "Symmetry",
-    "build_module",
+    "build_contact_module",
+    "build_module_solid",
     "build_skin",
-    "build_solid",
     "check_design",
     "markers_in_rings",
     "place_markers",
     "place_orientation_mark",
+    "raise_on_errors",
     "read_points",
     "read_skin",
-    "refuse_errors",
     "ring_diameters",
     "rotation_vector",
     "skin_from_data",
@@ -60,4 +60,4 @@ __all__ = [
     "wall_normal",
 ]
 
-__getattr__ = renamed(__name__, {"build_dome": ("build_skin", "0.3.0")})
+__getattr__ = deprecated_names(__name__, {"build_dome": ("build_skin", "0.3.0")})

@@ -212,7 +212,7 @@ class Barrel(Skin):
         angle, far, direction = self._foot(points)
         return far, _across(angle, direction)
 
-    def touch(self, normal: FloatArray) -> FloatArray:
+    def support_point(self, normal: FloatArray) -> FloatArray:
         across, end = float(np.hypot(normal[0], normal[1])), self.end_angle(1.0)
         angle = float(np.clip(np.arctan2(-normal[2], across), -end, end))
         place = self._place(np.array([angle]), 1.0)[0]
@@ -231,7 +231,7 @@ class Barrel(Skin):
         """See `Skin`: of a wall that moves along its own normal, to the nearer of both ends."""
         normal, end = np.array([np.sin(tilt), np.cos(tilt)]), self.end_angle(1.0, rim)
         edges = self._place(np.array([-end, end]), 1.0) @ normal
-        touch = self.touch(np.array([normal[0], 0.0, normal[1]]))
+        touch = self.support_point(np.array([normal[0], 0.0, normal[1]]))
         return float(touch[[0, 2]] @ normal - edges.max())
 
     def meridian(self, offset: float, *, down: bool) -> Outline:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from palpate.core import Registry, spec_of_kind, words_of_kind
+from palpate.core import Registry, data_from_text, spec_from_data
 from palpate.design.skin import Skin
 from palpate.design.spec import SkinSpec
 
@@ -47,7 +47,7 @@ def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
     PalpateError
         If there is no skin of that kind, or a number is missing, unknown or out of bounds.
     """
-    return spec_of_kind(SKINS, data, "dome")
+    return spec_from_data(SKINS, data, "dome")
 
 
 def read_skin(text: str, sizes: SkinSpec) -> SkinSpec:
@@ -65,4 +65,4 @@ def read_skin(text: str, sizes: SkinSpec) -> SkinSpec:
     'ellipsoid 0.8 H15 T2'
     """
     own = {name: getattr(sizes, name) for name in SkinSpec.model_fields}
-    return skin_from_data(own | words_of_kind("skin", text))
+    return skin_from_data(own | data_from_text("skin", text))

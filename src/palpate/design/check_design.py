@@ -39,7 +39,7 @@ def check_design(skin: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
 
 
-def refuse_errors(findings: Iterable[Finding]) -> None:
+def raise_on_errors(findings: Iterable[Finding]) -> None:
     """Stop where a finding is an error.
 
     Raises

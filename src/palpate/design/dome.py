@@ -164,7 +164,7 @@ class Dome(Skin):
         """The farther crossing of ``|o + s d - c| = r``."""
         return np.asarray(origin + leave_sphere(origin - self.centre, rays, self.radius)[:, None] * rays)
 
-    def touch(self, normal: FloatArray) -> FloatArray:
+    def support_point(self, normal: FloatArray) -> FloatArray:
         return self.centre + self.outer_radius * normal
 
     @property

@@ -269,12 +269,12 @@ class FlatPad(Skin):
                 total = total + weight * half * np.hypot(scale * slope[:, 0], slope[:, 1])
         return np.asarray(total)
 
-    def touch(self, normal: FloatArray) -> FloatArray:
+    def support_point(self, normal: FloatArray) -> FloatArray:
         way = np.array([float(self.plan.support(normal[:2])), 0.0, normal[2]])
-        place = self.cone.touch(way)
+        place = self.cone.support_point(way)
         return np.array([*(place[0] * self.plan.support_point(normal[:2])), place[2]])
 
-    def touch_height(self, normals: FloatArray) -> FloatArray:
+    def support_height(self, normals: FloatArray) -> FloatArray:
         """See `Skin`: on the edge, ``f s + H - e + (e + T) √(1 + s²)`` with the slope s of the wall over its plan."""
         slope = self.plan.support(normals[:, :2]) / normals[:, 2]
         edge = self.edge_radius + self.thickness

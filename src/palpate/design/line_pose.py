@@ -32,13 +32,13 @@ def direction_vector(angle_deg: FloatArray) -> FloatArray:
     return LONGEST_DEG * np.stack([np.cos(twice), np.sin(twice)], axis=-1)
 
 
-def find_line(poses: ArrayLike) -> FloatArray:
+def offset_and_angle(poses: ArrayLike) -> FloatArray:
     """Offset and angle of lines.
 
     Parameters
     ----------
     poses
-        (..., 5) by `palpate.design.PoseSpace.of_lines`.
+        (..., 5) by `palpate.design.PoseSpace.for_lines`.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def find_line(poses: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> find_line([0.0, 2.0, 4.0, *direction_vector(np.array(0.0))]).round(9).tolist()
+    >>> offset_and_angle([0.0, 2.0, 4.0, *direction_vector(np.array(0.0))]).round(9).tolist()
     [2.0, 0.0]
     """
     poses = np.asarray(poses, float)
@@ -61,7 +61,7 @@ def line_error(estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
 
     A line read as 89° that lies at -89° is 2° off, and its offset counts from the same side.
     """
-    found, true = find_line(estimates), find_line(poses)
+    found, true = offset_and_angle(estimates), offset_and_angle(poses)
     turned = found[..., 1] - true[..., 1]
     half_turns = np.round(turned / 180.0)
     offset = np.where(half_turns % 2 == 0, found[..., 0], -found[..., 0])

@@ -24,12 +24,12 @@ from palpate.design.spec import MountSpec
 
 
 @dataclass(frozen=True)
-class Module:
+class ContactModule:
     """Dimensions of a contact module, mm, of its section along x.
 
     Attributes
     ----------
-    dome
+    skin
         The skin, possibly scaled.
     flange_thickness
         From z = 0 down.
@@ -39,7 +39,7 @@ class Module:
         The same at the foot of the flange, wider by the draft.
     """
 
-    dome: Skin
+    skin: Skin
     flange_thickness: float
     flange_radius: float
     opening_radius: float
@@ -54,27 +54,27 @@ class Module:
     @property
     def farthest(self) -> float:
         """How much farther from the axis a point of the section may come than it is along x."""
-        return self.dome.plan.farthest
+        return self.skin.plan.farthest
 
     @property
     def widest(self) -> float:
         """Greatest distance from the axis of the section's outer surface over the flange, mm."""
-        skin = self.dome
+        skin = self.skin
         return (skin.outer_base_radius if skin.hole else skin.outer_widest[0]) / self.farthest
 
     @property
     def top(self) -> float:
         """Height of the apex, or of the far face of the far end's flange, mm."""
-        return self.dome.outer_height + (self.flange_thickness if self.dome.hole else 0.0)
+        return self.skin.outer_height + (self.flange_thickness if self.skin.hole else 0.0)
 
     def place(self, reach: float, azimuth_deg: float) -> Point:
         """Where a point of the section, so far from the axis (mm), is carried: at an angle of the plan."""
-        x, y = reach * self.dome.plan.edge(np.radians([azimuth_deg]))[0][0]
+        x, y = reach * self.skin.plan.edge(np.radians([azimuth_deg]))[0][0]
         return float(x), float(y)
 
     def solid(self, outline: Outline) -> CadSolid:
         """The solid of half a section, (x, z) mm."""
-        return self.dome.solid(outline)
+        return self.skin.solid(outline)
 
     def prism(self, reach: float, low: float, high: float) -> CadSolid:
         """What lies within the plan up to `reach` along x and between two heights, mm."""
@@ -82,18 +82,18 @@ class Module:
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
-        far = [(self.opening_foot, self.top)] if self.dome.hole else []
+        far = [(self.opening_foot, self.top)] if self.skin.hole else []
         return [
             *self._upper(),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            *self.dome.meridian(0.0, down=False),
+            *self.skin.meridian(0.0, down=False),
             *far,
         ]
 
     def _upper(self) -> Outline:
         """The outer surface from its apex, or from the far flange's face, and the flange's edge down to its foot."""
-        skin = self.dome
+        skin = self.skin
         outer = skin.meridian(skin.thickness, down=True)
         far: Outline = [(0.0, skin.outer_height)]
         if skin.hole:
@@ -106,19 +106,19 @@ class Module:
 
     def outside(self) -> Outline:
         """Half the section of all that lies within the outer surface."""
-        far = [(0.0, self.top)] if self.dome.hole else []
+        far = [(0.0, self.top)] if self.skin.hole else []
         return [*far, *self._upper(), (0.0, self.foot)]
 
     def inside(self) -> Outline:
         """Half the section of the hollow."""
-        skin = self.dome
+        skin = self.skin
         far: Outline = [(0.0, skin.height)]
         if skin.hole:
             far = [(0.0, self.top), (self.opening_foot, self.top), (self.opening_radius, skin.height)]
         return [*far, *skin.meridian(0.0, down=True), (self.opening_foot, self.foot), (0.0, self.foot)]
 
 
-def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
+def build_contact_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> ContactModule:
     """Lay out a module.
 
     Parameters
@@ -138,7 +138,7 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
-    >>> module = build_module(build_skin(DomeSpec(height=20)), MountSpec())
+    >>> module = build_contact_module(build_skin(DomeSpec(height=20)), MountSpec())
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
@@ -148,9 +148,9 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
-    return Module(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
+    return ContactModule(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
 
 
-def build_solid(module: Module) -> CadSolid:
+def build_module_solid(module: ContactModule) -> CadSolid:
     """Build the body of a module."""
     return module.solid(module.outline())

@@ -37,7 +37,7 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     15.0
     """
     if skin.hole:
-        return _beside_rows(skin, layout)
+        return _neighbour_rows(skin, layout)
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
     azimuth = np.radians(AZIMUTH_DEG)
     outermost = min(rho + _CLEARANCE * layout.diameter, (rho + float(skin.reach(azimuth))) / 2)
@@ -45,7 +45,7 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     return point
 
 
-def _beside_rows(skin: Skin, layout: MarkerLayout) -> FloatArray:
+def _neighbour_rows(skin: Skin, layout: MarkerLayout) -> FloatArray:
     room = skin.distance_to_rim(layout.positions)
     last = np.flatnonzero(room < room.min() + layout.diameter / 2)
     beyond = min(_CLEARANCE * layout.diameter, float(room.min()) / 2)

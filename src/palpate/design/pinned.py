@@ -153,8 +153,8 @@ class PinnedDome(Skin):
         z = self.wall.center_z
         return Dome(z + self.tip_radius, float(np.sqrt(max(self.tip_radius**2 - z**2, 0.0))), 1.0).hit(origin, rays)
 
-    def touch(self, normal: FloatArray) -> FloatArray:
-        return self.wall.touch(normal)
+    def support_point(self, normal: FloatArray) -> FloatArray:
+        return self.wall.support_point(normal)
 
     @property
     def inner_slope(self) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design.line_pose import LONGEST_DEG, direction_vector, find_line, line_error
+from palpate.design.line_pose import LONGEST_DEG, direction_vector, line_error, offset_and_angle
 from palpate.design.pose import rotation_vector
 
 
@@ -26,7 +26,7 @@ class PoseComponent(NamedTuple):
         Short name, e.g. ``rx``.
     unit
         Of the number, ``deg`` or ``mm``.
-    word
+    label
         Name in the paper's tables, e.g. ``roll``.
     bounds
         Least and greatest value that an obstacle's spec allows.
@@ -34,7 +34,7 @@ class PoseComponent(NamedTuple):
 
     axis: str
     unit: str
-    word: str
+    label: str
     bounds: tuple[float, float]
 
     @property
@@ -43,7 +43,7 @@ class PoseComponent(NamedTuple):
         return f"{self.axis}_{self.unit}"
 
     @property
-    def sign(self) -> str:
+    def unit_symbol(self) -> str:
         """Unit as it stands behind a number: ``°`` or `` mm``."""
         return "°" if self.unit == "deg" else f" {self.unit}"
 
@@ -60,20 +60,20 @@ class PoseSpace:
         Name of the length of the first two, e.g. ``angle``.
     turn_deg
         Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
-    lies
+    is_line
         Whether the obstacle is a line: the last two components then tell its direction (`palpate.design.line_pose`).
-    aside
+    is_side
         Whether it comes to a skin's side: poses then fill a ring about the straight one rather than a disc.
     """
 
     components: tuple[PoseComponent, ...]
     polar: str
     turn_deg: float
-    lies: bool = False
-    aside: bool = False
+    is_line: bool = False
+    is_side: bool = False
 
     @staticmethod
-    def named(names: Sequence[str]) -> PoseSpace:
+    def from_names(names: Sequence[str]) -> PoseSpace:
         """The space whose components have these names, as a file gives them; one of another package has no bounds.
 
         Raises
@@ -81,7 +81,7 @@ class PoseSpace:
         PalpateError
             If there are fewer than three, or a name is not an axis and a unit.
         """
-        for space in (TILT_DEPTH, OFFSET_DEPTH, _LINE_DEPTH):
+        for space in (TILT_SPACE, OFFSET_SPACE, _LINE_DEPTH):
             if space.names == tuple(names):
                 return space
         parts = [name.rpartition("_") for name in names]
@@ -91,35 +91,35 @@ class PoseSpace:
                 "Make the file again.",
                 code="pose-components-unknown",
             )
-        return PoseSpace.free([(axis, unit) for axis, _, unit in parts])
+        return PoseSpace.from_axes([(axis, unit) for axis, _, unit in parts])
 
     @staticmethod
-    def of_lines() -> PoseSpace:
+    def for_lines() -> PoseSpace:
         """The space of obstacles that lie level, bars and edges: place, depth, and the direction doubled."""
         return _LINE_DEPTH
 
     @staticmethod
-    def of_sides() -> PoseSpace:
+    def for_side_walls() -> PoseSpace:
         """The space of walls that come to a skin's side: components as of any wall, of a rotation by some 90°."""
         return _SIDE_DEPTH
 
     @staticmethod
-    def free(parts: Sequence[tuple[str, str]]) -> PoseSpace:
+    def from_axes(parts: Sequence[tuple[str, str]]) -> PoseSpace:
         """The space of any components, each an axis and a unit; their bounds are not known.
 
         Examples
         --------
-        >>> PoseSpace.free([("angle", "deg")]).names
+        >>> PoseSpace.from_axes([("angle", "deg")]).names
         ('angle_deg',)
         """
         anything = (float("-inf"), float("inf"))
         components = tuple(PoseComponent(axis, unit, axis, anything) for axis, unit in parts)
-        return PoseSpace(components, OFFSET_DEPTH.polar, OFFSET_DEPTH.turn_deg)
+        return PoseSpace(components, OFFSET_SPACE.polar, OFFSET_SPACE.turn_deg)
 
     @property
-    def tilts(self) -> bool:
+    def is_tilt(self) -> bool:
         """Whether the first two components are those of a wall's rotation vector."""
-        return self.polar == TILT_DEPTH.polar
+        return self.polar == TILT_SPACE.polar
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -137,22 +137,22 @@ class PoseSpace:
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
 
-    def part(self, radial: float, turn_deg: float) -> FloatArray:
+    def cartesian(self, radial: float, turn_deg: float) -> FloatArray:
         """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
         return rotation_vector(radial, np.radians(turn_deg - self.turn_deg))
 
     def poses(self, parts: FloatArray, depths: FloatArray) -> FloatArray:
         """Poses (n, k) of first two components (n, 2) and depths (n,) mm; a line lies across the way to it."""
         poses = np.column_stack([parts, depths])
-        if not self.lies:
+        if not self.is_line:
             return poses
         azimuth = np.degrees(np.arctan2(parts[:, 1], parts[:, 0]))
         return np.column_stack([poses, direction_vector(azimuth + self.turn_deg)])
 
     def pose(self, radial: float, turn_deg: float, depth: float) -> FloatArray:
         """Pose (k,) of an obstacle from its `radial`, its `turn_deg` and its depth in mm."""
-        pose = np.append(self.part(radial, turn_deg), depth)
-        return np.append(pose, direction_vector(np.array(turn_deg))) if self.lies else pose
+        pose = np.append(self.cartesian(radial, turn_deg), depth)
+        return np.append(pose, direction_vector(np.array(turn_deg))) if self.is_line else pose
 
     def line(self, poses: ArrayLike) -> FloatArray:
         """Offset (mm) and angle (degrees) (..., 2) of poses (..., 5) of lines (`palpate.design.line_pose`).
@@ -163,7 +163,7 @@ class PoseSpace:
             If the space is not that of lines.
         """
         self._refuse_no_line()
-        return find_line(poses)
+        return offset_and_angle(poses)
 
     def line_error(self, estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
         """Errors (..., 2) of lines in offset (mm) and angle (degrees), of estimates and poses (..., 5).
@@ -177,7 +177,7 @@ class PoseSpace:
         return line_error(estimates, poses)
 
     def _refuse_no_line(self) -> None:
-        if not self.lies:
+        if not self.is_line:
             raise PalpateError(
                 f"{', '.join(self.names)} are not the pose of a line.",
                 "Take presses of a bar or an edge.",
@@ -190,7 +190,7 @@ class PoseSpace:
 
 
 _DEPTH = PoseComponent("depth", "mm", "depth", (0.0, 60.0))
-TILT_DEPTH = PoseSpace(
+TILT_SPACE = PoseSpace(
     (
         PoseComponent("rx", "deg", "roll", (-30.0, 30.0)),
         PoseComponent("ry", "deg", "pitch", (-30.0, 30.0)),
@@ -200,7 +200,7 @@ TILT_DEPTH = PoseSpace(
     turn_deg=0.0,
 )
 """A flat wall: the components of its rotation vector, and how far it came."""
-OFFSET_DEPTH = PoseSpace(
+OFFSET_SPACE = PoseSpace(
     (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH),
     "offset",
     turn_deg=-90.0,
@@ -212,19 +212,19 @@ _SIDE_DEPTH = PoseSpace(
         PoseComponent("ry", "deg", "pitch", (-120.0, 120.0)),
         _DEPTH,
     ),
-    TILT_DEPTH.polar,
-    TILT_DEPTH.turn_deg,
-    aside=True,
+    TILT_SPACE.polar,
+    TILT_SPACE.turn_deg,
+    is_side=True,
 )
 """A wall beside the axis; files name its components as those of any wall, and are read as such."""
 _LINE_DEPTH = PoseSpace(
     (
-        *OFFSET_DEPTH.components,
+        *OFFSET_SPACE.components,
         PoseComponent("cos2", "deg", "cos2", (-LONGEST_DEG, LONGEST_DEG)),
         PoseComponent("sin2", "deg", "sin2", (-LONGEST_DEG, LONGEST_DEG)),
     ),
     "offset",
     turn_deg=-90.0,
-    lies=True,
+    is_line=True,
 )
 """An obstacle that lies level, a bar or an edge: its point nearest to the axis, how far it came, its direction."""

@@ -208,7 +208,7 @@ class RevolvedSkin(Skin):
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
         return trace_rays(self.gap, lambda at: np.hypot(at[:, 0], at[:, 1]) <= self.base_radius, origin, rays)
 
-    def touch(self, normal: FloatArray) -> FloatArray:
+    def support_point(self, normal: FloatArray) -> FloatArray:
         across = np.hypot(normal[0], normal[1])
         place = self._outside(self._highest(np.array([across, normal[2]])))[0]
         direction = np.array([normal[0], normal[1]]) / across if across > 0 else np.zeros(2)
@@ -241,7 +241,7 @@ class RevolvedSkin(Skin):
     def clamp_depth(self, tilt: float, rim: Rim) -> float:
         normal = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
         edge = self.point(np.array([[1.0, 0.0]]), 1.0, rim)[0]
-        return float((self.touch(normal) - edge) @ normal / np.cos(tilt))
+        return float((self.support_point(normal) - edge) @ normal / np.cos(tilt))
 
     def meridian(self, offset: float, *, down: bool) -> Outline:
         if offset > 0:

@@ -186,12 +186,12 @@ class Skin(ABC):
         """
 
     @abstractmethod
-    def touch(self, normal: FloatArray) -> FloatArray:
+    def support_point(self, normal: FloatArray) -> FloatArray:
         """First point (3,) mm of the outer surface that a wall with this outward normal (3,) touches."""
 
-    def touch_height(self, normals: FloatArray) -> FloatArray:
+    def support_height(self, normals: FloatArray) -> FloatArray:
         """Heights (n,) mm at which walls with these outward normals (n, 3) cross the axis when they first touch."""
-        return np.array([self.touch(normal) @ normal / normal[2] for normal in normals])
+        return np.array([self.support_point(normal) @ normal / normal[2] for normal in normals])
 
     @property
     @abstractmethod

@@ -1,6 +1,6 @@
 """Fabricate: from a design to the workshop: mold, print pattern, enclosure and instructions."""
 
-from palpate.fabricate.artwork import Artwork, carry_to_dome, draw_artwork, flatten
+from palpate.fabricate.artwork import Artwork, draw_artwork, project_to_page, project_to_skin
 from palpate.fabricate.check_process import check_process
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.mesh_file import write_mesh
@@ -25,10 +25,10 @@ __all__ = [
     "build_mold",
     "build_specimen_molds",
     "build_template",
-    "carry_to_dome",
     "check_process",
     "draw_artwork",
-    "flatten",
+    "project_to_page",
+    "project_to_skin",
     "write_mesh",
     "write_pack",
     "write_specimen_molds",

@@ -58,15 +58,15 @@ class Artwork:
 def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
     """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
     rim = float(
-        np.abs(flatten(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
+        np.abs(project_to_page(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
     )
-    line = None if skin.plan.is_round else flatten(skin, _follow_rim(skin), mapping)
+    line = None if skin.plan.is_round else project_to_page(skin, _follow_rim(skin), mapping)
     across, along = (rim, rim) if line is None else np.abs(line).max(axis=0).tolist()
     x, y = across + _MARGIN, along + _MARGIN
     return Artwork(
-        dots=flatten(skin, layout.positions, mapping),
+        dots=project_to_page(skin, layout.positions, mapping),
         diameter=layout.diameter,
-        mark=flatten(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
+        mark=project_to_page(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
         crosses=np.array([[x, 0.0], [0.0, y], [-x, 0.0], [0.0, -y]]),
         rim=rim,
         mapping=mapping,
@@ -80,7 +80,7 @@ def _follow_rim(skin: Skin) -> FloatArray:
     return skin.point(np.column_stack([np.cos(angle), np.sin(angle)]), 0.0)
 
 
-def flatten(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
+def project_to_page(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
@@ -91,7 +91,7 @@ def flatten(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
     return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
 
 
-def carry_to_dome(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
+def project_to_skin(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
     reach, azimuth = np.hypot(page[:, 0], page[:, 1]), np.arctan2(page[:, 1], -page[:, 0])
     if mapping is PadMapping.ARC:

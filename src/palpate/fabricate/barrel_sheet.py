@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin, place_orientation_mark
 from palpate.fabricate.enclosure import SCREWS
-from palpate.fabricate.frame import RODS, SCREW_LENGTH, Frame
+from palpate.fabricate.frame import RODS, SCREW_LENGTH, BarrelFrame
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import ProcessSpec
 
@@ -22,11 +22,11 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
         f"{len(layout)} markers of {layout.diameter:g} mm, cast with the wall; they stand {spec.dot_depth:g} mm "
         f"inward of it. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
-        f"(factor {mold.module.dome.height / skin.height:.5f}).",
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
     ]
 
 
-def list_for_barrel(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -> list[str]:
+def barrel_bill_of_materials(mixed: float, mold: Mold, frame: BarrelFrame, spec: ProcessSpec) -> list[str]:
     """Write the bill: `mixed` mL of elastomer in all."""
     ink = mold.pins_mm3 / 1000
     return [
@@ -44,7 +44,7 @@ def list_for_barrel(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -
     ]
 
 
-def cast_barrel(mixed: float, mold: Mold, skin: Skin) -> list[str]:
+def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     """Write the steps from the printed mold to the skin."""
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
@@ -70,7 +70,7 @@ def cast_barrel(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     ]
 
 
-def inspect_barrel(skin: Skin, layout: MarkerLayout) -> list[str]:
+def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
     """Write what is measured."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
@@ -83,10 +83,10 @@ def inspect_barrel(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def assemble_barrel(frame: Frame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     """Write how skin, rods and far end come onto the housing."""
     high = frame.module.top
-    mark = place_orientation_mark(frame.module.dome, layout)
+    mark = place_orientation_mark(frame.module.skin, layout)
     turn = 90 - float(np.degrees(np.arctan2(mark[1], mark[0])))
     place = (
         f"the orientation mark, the single dot before the rim, {turn:.3g}°" if spec.orientation_mark else "a dot 90°"

@@ -10,9 +10,9 @@ import numpy as np
 from palpate.cad import CadSolid
 from palpate.camera import Camera
 from palpate.core import PalpateError
-from palpate.design import Finding, MarkerLayout, Module, Severity
+from palpate.design import ContactModule, Finding, MarkerLayout, Severity
 from palpate.fabricate.enclosure import Enclosure, free_travel
-from palpate.fabricate.frame import Frame
+from palpate.fabricate.frame import BarrelFrame
 from palpate.fabricate.mold import Mold
 from palpate.fabricate.spec import ProcessSpec
 from palpate.fabricate.window_plate import WindowPlate
@@ -64,12 +64,12 @@ def check_window(
         )
 
 
-def check_enclosure(module: Module, enclosure: Enclosure, spec: ProcessSpec) -> Iterator[Finding]:
+def check_enclosure(module: ContactModule, enclosure: Enclosure, spec: ProcessSpec) -> Iterator[Finding]:
     """Report where the wall meets the clamp ring before the sensor's working depth."""
-    travel, is_tube = free_travel(module, enclosure, spec.working_tilt_deg), bool(module.dome.hole)
+    travel, is_tube = free_travel(module, enclosure, spec.working_tilt_deg), bool(module.skin.hole)
     if travel < spec.working_depth:
         low = enclosure.ring[0][1]
-        within = f"press with a plate that ends between the rings, z = {low:g} to {module.dome.height - low:g} mm"
+        within = f"press with a plate that ends between the rings, z = {low:g} to {module.skin.height - low:g} mm"
         remedy = within if is_tube else "take a higher dome"
         yield Finding(
             Severity.WARNING,
@@ -80,10 +80,10 @@ def check_enclosure(module: Module, enclosure: Enclosure, spec: ProcessSpec) -> 
         )
 
 
-def check_frame(frame: Frame, layout: MarkerLayout, camera: Camera) -> Iterator[Finding]:
+def check_frame(frame: BarrelFrame, layout: MarkerLayout, camera: Camera) -> Iterator[Finding]:
     """Report which markers of a barrel its rods hide from the camera, wholly or in part."""
     points = layout.positions[layout.on_dome]
-    _, along, around = frame.module.dome.tangents(points)
+    _, along, around = frame.module.skin.tangents(points)
     reach = layout.diameter / 2
     dots = [points + reach * side * way for way in (along, around) for side in (-1.0, 0.0, 1.0)]
     hidden = int(np.any([frame.hidden(camera.origin, dot) for dot in dots], axis=0).sum())
@@ -96,7 +96,7 @@ def check_frame(frame: Frame, layout: MarkerLayout, camera: Camera) -> Iterator[
         )
 
 
-def refuse_interference(parts: dict[str, CadSolid], intended: Collection[frozenset[str]] = ()) -> None:
+def check_interference(parts: dict[str, CadSolid], intended: Collection[frozenset[str]] = ()) -> None:
     """Stop where two parts of an assembly share volume; pairs that are `intended` may.
 
     Raises

@@ -14,7 +14,7 @@ from palpate.design import (
     Skin,
     check_design,
 )
-from palpate.fabricate.artwork import flatten
+from palpate.fabricate.artwork import project_to_page
 from palpate.fabricate.spec import ProcessSpec
 from palpate.material import Material
 
@@ -95,13 +95,13 @@ def _sagitta(skin: Skin, layout: MarkerLayout) -> float:
 
 def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
     diameter = layout.diameter
-    if diameter < spec.smallest_dot:
+    if diameter < spec.min_marker_diameter:
         yield Finding(
             Severity.ERROR,
             "dot-too-small",
             f"Dots are {diameter:g} mm wide, {'ink fills dimples' if skin.hole else 'the pad prints'} from "
-            f"{spec.smallest_dot:g} mm on.",
-            f"Take dots of at least {spec.smallest_dot:g} mm.",
+            f"{spec.min_marker_diameter:g} mm on.",
+            f"Take dots of at least {spec.min_marker_diameter:g} mm.",
         )
     points = layout.positions[layout.on_dome]
     sagitta = _sagitta(skin, layout)
@@ -185,22 +185,22 @@ def _check_dimples(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Itera
 def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
     points = layout.positions[layout.on_dome]
     slope = float(np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1, 1))).max())
-    if slope > spec.steepest_deg:
+    if slope > spec.max_slope_deg:
         yield Finding(
             Severity.WARNING,
             "pad-reach",
-            f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.steepest_deg:g}°.",
-            f"Keep dots within {_reached(skin, spec.steepest_deg):.3g} mm of the axis.",
+            f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.max_slope_deg:g}°.",
+            f"Keep dots within {_reached(skin, spec.max_slope_deg):.3g} mm of the axis.",
         )
-    page = flatten(skin, points, spec.mapping)
+    page = project_to_page(skin, points, spec.mapping)
     if len(page) > 1:
         distance = np.linalg.norm(page[:, None] - page[None], axis=-1)
         np.fill_diagonal(distance, np.inf)
         gap = float(distance.min()) - layout.diameter
-        if gap < spec.smallest_gap:
+        if gap < spec.min_gap:
             yield Finding(
                 Severity.WARNING if gap > 0 else Severity.ERROR,
                 "dots-too-near",
-                f"Two dots of the artwork stand {gap:.2g} mm apart, the pad keeps {spec.smallest_gap:g} mm.",
-                f"Take dots below {layout.diameter + gap - spec.smallest_gap:.2g} mm, or the mapping arc.",
+                f"Two dots of the artwork stand {gap:.2g} mm apart, the pad keeps {spec.min_gap:g} mm.",
+                f"Take dots below {layout.diameter + gap - spec.min_gap:.2g} mm, or the mapping arc.",
             )

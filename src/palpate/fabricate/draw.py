@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from palpate.cad import Arc, CadSolid, Outline, SmoothCurve
 from palpate.core import FloatArray
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.window_plate import WindowPlate
 
 _EYE = (300.0, -500.0, 400.0)
@@ -23,10 +23,10 @@ _ABREAST = 6
 SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 
 
-def draw_module_section(module: Module, window: WindowPlate | None = None) -> Figure:
+def draw_module_section(module: ContactModule, window: WindowPlate | None = None) -> Figure:
     """Draw the section of a module with its dimensions, and of a filled one gel and window."""
     figure, axis = blank_sheet((6.4, 4.6))
-    skin, foot = module.dome, module.foot
+    skin, foot = module.skin, module.foot
     if window is not None:
         _fill(axis, follow_outline([(0.0, skin.height), *skin.meridian(0.0, down=True), (0.0, 0.0)]), GEL)
         low = -window.thickness
@@ -42,7 +42,7 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
     )
     side = module.flange_foot + 5
     draw_dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
-    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
+    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", offset=True)
     draw_dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
     if skin.plan.is_round:
         axis.text(
@@ -56,10 +56,10 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
     return figure
 
 
-def draw_mold_section(module: Module, radius: float, floor: float, plate: float) -> Figure:
+def draw_mold_section(module: ContactModule, radius: float, floor: float, plate: float) -> Figure:
     """Draw the closed mold in section, as it stands when it is poured: apex down."""
     figure, axis = blank_sheet((6.4, 4.6))
-    foot, top = module.foot, module.dome.height + module.dome.thickness + floor
+    foot, top = module.foot, module.skin.height + module.skin.thickness + floor
     down = np.array([1.0, -1.0])
     _fill(axis, down * [[0, foot], [radius, foot], [radius, top], [0, top]], PLASTIC)
     _fill(axis, down * follow_outline(module.outside()), SILICONE)
@@ -137,13 +137,13 @@ def _fill(axis: Axes, right: FloatArray, colour: str) -> None:
 
 
 def draw_dimension(
-    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, beside: bool = False
+    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, offset: bool = False
 ) -> None:
     """Draw an arrow between two points with a text in mm."""
     axis.annotate("", end, start, arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8})
     x, y = (np.array(start) + end) / 2
     upright = abs(start[0] - end[0]) < 1e-9
-    if beside or upright:
+    if offset or upright:
         axis.text(x + 1.0, y, text, va="center", fontsize=9)
     else:
         axis.text(x, y + 0.6, text, ha="center", va="bottom", fontsize=9)

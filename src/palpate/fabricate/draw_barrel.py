@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from palpate.cad import CadSolid, box, gather
 from palpate.core import FloatArray
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.draw import CORE, PLASTIC, SILICONE, blank_sheet, draw_dimension, follow_outline
 from palpate.fabricate.mold import Mold
 
@@ -21,10 +21,10 @@ _FAR = 1e4
 """Half the edge of what is cut away, and how far off the eye is, mm."""
 
 
-def draw_barrel_section(module: Module) -> Figure:
+def draw_barrel_section(module: ContactModule) -> Figure:
     """Draw the section of a barrel's module with its dimensions."""
     figure, axis = blank_sheet(_SIZE)
-    skin, side = module.dome, module.dome.outer_widest[0]
+    skin, side = module.skin, module.skin.outer_widest[0]
     _fill(axis, follow_outline(module.outline()), SILICONE)
     draw_dimension(axis, (0.0, -side - 8), (skin.height, -side - 8), f"H = {skin.height:.4g}")
     draw_dimension(axis, (0.0, -skin.base_radius), (0.0, skin.base_radius), f"2 B = {2 * skin.base_radius:.4g}")
@@ -35,7 +35,7 @@ def draw_barrel_section(module: Module) -> Figure:
     low, high = module.foot - 22, module.top + 8
     draw_dimension(axis, (low, -module.flange_foot), (low, module.flange_foot), f"{2 * module.flange_foot:.4g}")
     draw_dimension(
-        axis, (skin.height, side + 4), (module.top, side + 4), f"{module.flange_thickness:.4g}", beside=True
+        axis, (skin.height, side + 4), (module.top, side + 4), f"{module.flange_thickness:.4g}", offset=True
     )
     axis.set_xlim(low - 6, high + 10)
     axis.set_ylim(-side - 12, side + 10)
@@ -52,8 +52,8 @@ def draw_barrel_mold(mold: Mold, floor: float, plate: float, spigot: float) -> F
     _fill(axis, follow_outline(module.inside()), CORE)
     _fill(axis, np.array([[0, top], [spigot, top], [spigot, top + floor], [0, top + floor]]), CORE)
     _fill(axis, np.array([[0, foot - plate], [radius, foot - plate], [radius, foot], [0, foot]]), CORE)
-    axis.text(module.dome.height / 2, 0.0, "core", ha="center", va="center", fontsize=9)
-    axis.text(module.dome.height / 2, radius + 3, "cavity, in halves", ha="center", va="bottom", fontsize=9)
+    axis.text(module.skin.height / 2, 0.0, "core", ha="center", va="center", fontsize=9)
+    axis.text(module.skin.height / 2, radius + 3, "cavity, in halves", ha="center", va="bottom", fontsize=9)
     axis.set_xlim(foot - plate - 4, top + floor + 4)
     axis.set_ylim(-radius - 4, radius + 12)
     return figure

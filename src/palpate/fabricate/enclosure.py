@@ -26,8 +26,8 @@ import numpy as np
 
 from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
-from palpate.design import Module, rotation_vector, wall_normal
-from palpate.fabricate.frame import CAP_THREAD, Frame
+from palpate.design import ContactModule, rotation_vector, wall_normal
+from palpate.fabricate.frame import CAP_THREAD, BarrelFrame
 from palpate.fabricate.spec import CameraBody, ProcessSpec
 from palpate.fabricate.window_plate import WindowPlate
 
@@ -87,21 +87,21 @@ class Screw:
 
     Attributes
     ----------
-    core, clear, head, beside
+    core, clear, head, clearance
         Diameters of the self-cut thread in plastic, of the hole that is passed and of its head; plastic beside it.
     """
 
     core: float
     clear: float
     head: float
-    beside: float
+    clearance: float
 
 
 M3, M2 = Screw(M3_CORE, M3_CLEAR, 6.2, WALL), Screw(1.6, 2.4, 4.4, 1.8)
 
 
-def _screw(module: Module) -> Screw:
-    return M2 if module.dome.hole else M3
+def _screw(module: ContactModule) -> Screw:
+    return M2 if module.skin.hole else M3
 
 
 def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
@@ -134,15 +134,15 @@ class Enclosure:
     parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
-    frame: Frame | None = None
+    frame: BarrelFrame | None = None
 
 
 def build_enclosure(
-    module: Module,
+    module: ContactModule,
     camera_distance: float,
     spec: ProcessSpec,
     window: WindowPlate | None = None,
-    frame: Frame | None = None,
+    frame: BarrelFrame | None = None,
 ) -> Enclosure:
     """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
 
@@ -175,7 +175,9 @@ def build_enclosure(
         )
     far = module.farthest
     bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
-    outer = max(bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).beside, ISO_RADIUS)
+    outer = max(
+        bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).clearance, ISO_RADIUS
+    )
     low = shelf - body.depth - WALL
     ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
     housing = _housing(module, body, (bore, outer, shelf, low), window)
@@ -194,18 +196,18 @@ def build_enclosure(
     return Enclosure(parts, camera_distance, ring, frame)
 
 
-def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
+def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) -> float:
     """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring.
 
     Along the axis; of a barrel's wall, inclined against the axis towards its nearer end, along the wall's normal.
     """
     tilt = np.radians(tilt_deg)
-    if module.dome.hole:
+    if module.skin.hole:
         normal = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
-        return float(module.dome.touch(normal) @ normal - max(np.array(enclosure.ring) @ normal[::2]))
+        return float(module.skin.support_point(normal) @ normal - max(np.array(enclosure.ring) @ normal[::2]))
     turns = rotation_vector(tilt, np.linspace(0.0, np.pi / 2, _TURNS))
     normals = np.array([wall_normal(*turn) for turn in turns.tolist()])
-    touch = module.dome.touch_height(normals).min()  # of the wall over the axis at first touch
+    touch = module.skin.support_height(normals).min()  # of the wall over the axis at first touch
     return float(min(touch - radius * np.tan(tilt) - z for radius, z in enclosure.ring))
 
 
@@ -215,7 +217,7 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
 
 
 def _housing(
-    module: Module, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
+    module: ContactModule, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
 ) -> CadSolid:
     """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
     bore, outer, shelf, low = sizes
@@ -246,11 +248,11 @@ def _housing(
     return tube.cut(*holes, *screws, *under, cable)
 
 
-def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
+def _screw_places(module: ContactModule, outer: float) -> list[tuple[float, float]]:
     return _circle(SCREWS, (module.farthest * module.flange_foot + outer) / 2 + 0.25)
 
 
-def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
+def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSolid:
     """Ring that lies on the housing around the flange and presses on its upper face."""
     edge = module.flange_foot + spec.clearance
     opening = _ring_opening(module)
@@ -272,20 +274,20 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
     places, screw = _screw_places(module, outer), _screw(module)
     screws = [cylinder(screw.clear / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
     heads = [cylinder(screw.head / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
-    if module.dome.hole:  # in halves, for the skin is wider than its opening
+    if module.skin.hole:  # in halves, for the skin is wider than its opening
         kerf = (spec.clearance, outer + 1)
         heads.append(box((-kerf[0], -kerf[1], module.foot - 1), (*kerf, RING_TOP + 1)))
     return revolve(section).cut(module.solid(room), *screws, *heads)
 
 
-def _ring_opening(module: Module) -> float:
+def _ring_opening(module: ContactModule) -> float:
     """Reach of the clamp ring's opening along x, mm: two fifths of the flange's width beyond the dome."""
     return module.flange_radius - 0.6 * (module.flange_radius - module.widest)
 
 
-def _ring_top(module: Module) -> float:
+def _ring_top(module: ContactModule) -> float:
     """Radius to which the clamp ring is level, mm: that of its opening where it is round."""
-    return module.farthest * _ring_opening(module) + (0.0 if module.dome.plan.is_round else _LAND)
+    return module.farthest * _ring_opening(module) + (0.0 if module.skin.plan.is_round else _LAND)
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:

@@ -23,7 +23,7 @@ import numpy as np
 
 from palpate.cad import CadSolid, box, cylinder, gather
 from palpate.core import FloatArray, PalpateError
-from palpate.design import MarkerLayout, Module
+from palpate.design import ContactModule, MarkerLayout
 from palpate.fabricate.spec import ProcessSpec
 
 ROD, RODS = 5.0, 4
@@ -41,7 +41,7 @@ _FLOOR, _GAP, _LUG, _END = 1.0, 0.8, 3.0, 2.0
 
 
 @dataclass(frozen=True)
-class Frame:
+class BarrelFrame:
     """Rods, cap and sockets of a barrel, in the frame of its module.
 
     Attributes
@@ -52,7 +52,7 @@ class Frame:
         Of the rods, rad.
     """
 
-    module: Module
+    module: ContactModule
     azimuths: tuple[float, ...]
 
     @property
@@ -95,7 +95,7 @@ class Frame:
             *self._along(ROD_CLEAR / 2, low - 1, low + CAP + 1), *(screw.moved(z=low) for screw in screws)
         )
         rods = gather(self._along(ROD / 2, *self.ends))
-        return {"end_ring": ring.turned("x", 180.0).moved(z=self.module.dome.height), "end_cap": cap, "rods": rods}
+        return {"end_ring": ring.turned("x", 180.0).moved(z=self.module.skin.height), "end_cap": cap, "rods": rods}
 
     def _along(self, radius: float, low: float, high: float) -> list[CadSolid]:
         return [cylinder(radius, low, high, (x, y)) for x, y in self.places.tolist()]
@@ -115,7 +115,7 @@ class Frame:
         return found
 
 
-def plan_frame(module: Module, layout: MarkerLayout) -> Frame:
+def plan_frame(module: ContactModule, layout: MarkerLayout) -> BarrelFrame:
     """Place the rods of a barrel where the dots leave the widest sectors next to 45°, 135°, 225° and 315°.
 
     Raises
@@ -139,4 +139,4 @@ def plan_frame(module: Module, layout: MarkerLayout) -> Frame:
     for wanted in np.pi / 4 + np.arange(RODS) * 2 * np.pi / RODS:
         away = np.abs((middles - wanted + np.pi) % (2 * np.pi) - np.pi)
         chosen.append(float(middles[away < away.min() + 1e-3][-1]))
-    return Frame(module, tuple(chosen))
+    return BarrelFrame(module, tuple(chosen))

@@ -21,11 +21,11 @@ from palpate.design import (
     Skin,
 )
 from palpate.fabricate.barrel_sheet import (
-    assemble_barrel,
-    cast_barrel,
+    barrel_assembly_steps,
+    barrel_bill_of_materials,
+    barrel_casting_steps,
+    barrel_inspection_steps,
     describe_barrel,
-    inspect_barrel,
-    list_for_barrel,
 )
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
@@ -88,9 +88,9 @@ def write_instructions(
     else:
         told = (
             describe_barrel(skin, layout, material, mold, spec),
-            list_for_barrel(mixed, mold, frame, spec),
-            cast_barrel(mixed, mold, skin),
-            inspect_barrel(skin, layout),
+            barrel_bill_of_materials(mixed, mold, frame, spec),
+            barrel_casting_steps(mixed, mold, skin),
+            barrel_inspection_steps(skin, layout),
         )
         marks = []
     what, needed, cast, measured = (tuple(lines) for lines in told)
@@ -113,7 +113,7 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
         f"{len(layout)} markers of {layout.diameter:g} mm "
         f"{f'on pins of {skin.pin:g} mm inside' if skin.pin else 'on the inner surface'}. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
-        f"(factor {mold.module.dome.height / skin.height:.5f}).",
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
     ]
 
 
@@ -128,7 +128,7 @@ def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
             if mold.is_split
             else []
         ),
-        f"Silicone ink (black) and cliché or template; dots of {spec.smallest_dot:g} mm and more.",
+        f"Silicone ink (black) and cliché or template; dots of {spec.min_marker_diameter:g} mm and more.",
     ]
 
 
@@ -228,7 +228,7 @@ def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: 
         *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
         *([window] if "window" in enclosure.parts else []),
-        *(assemble_barrel(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
+        *(barrel_assembly_steps(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
         "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
     ]
 

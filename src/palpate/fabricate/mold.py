@@ -28,7 +28,7 @@ import numpy as np
 
 from palpate.cad import CadSolid, Point, box, cylinder
 from palpate.core import PalpateError
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.spec import ProcessSpec
 
 PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
@@ -57,7 +57,7 @@ class Mold:
         Volume of the holes in the core that pins fill, or of a barrel's dimples, which ink fills.
     """
 
-    module: Module
+    module: ContactModule
     parts: dict[str, CadSolid]
     radius: float
     pins_mm3: float = 0.0
@@ -76,10 +76,10 @@ class Mold:
         """Volume between cavity and core, mm³: what the elastomer fills."""
         module = self.module
         wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
-        return wall + (0.0 if module.dome.hole else self.pins_mm3)
+        return wall + (0.0 if module.skin.hole else self.pins_mm3)
 
 
-def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
+def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
     """Build the mold of a module that is already scaled for shrinkage, as its pins are.
 
     Raises
@@ -106,10 +106,10 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
             f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
             code="mold-pin-too-high",
         )
-    widest = module.dome.outer_widest[0]
-    radius = max(module.flange_foot, widest if module.dome.hole else 0.0) + spec.mold_wall
+    widest = module.skin.outer_widest[0]
+    radius = max(module.flange_foot, widest if module.skin.hole else 0.0) + spec.mold_wall
     dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
-    if module.dome.bulges and min(spec.mold_floor, radius - widest) < dowel:
+    if module.skin.bulges and min(spec.mold_floor, radius - widest) < dowel:
         raise PalpateError(
             f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
             f"{spec.mold_floor:g} mm.",
@@ -123,29 +123,29 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
     whole = core.volume
     if pins:
         core = core.cut(*pins)
-    halves = _split(cavity, module, radius, spec) if module.dome.bulges else {"mold_cavity": cavity}
+    halves = _split(cavity, module, radius, spec) if module.skin.bulges else {"mold_cavity": cavity}
     return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume)
 
 
-def _pins(module: Module, spec: ProcessSpec) -> list[Point]:
+def _pins(module: ContactModule, spec: ProcessSpec) -> list[Point]:
     middle = module.flange_foot + spec.mold_wall / 2
     return [module.place(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
 
 
-def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
+def _build_cavity(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     top = module.top + spec.mold_floor
     block = module.prism(radius, module.foot, top).cut(module.solid(module.outside()))
-    if module.dome.hole:
+    if module.skin.hole:
         block = block.cut(cylinder(_SPIGOT * module.opening_radius + spec.clearance, module.top - 1, top + 1))
     root = module.foot + spec.mold_floor / 4
     pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
     return block.join(*pins)
 
 
-def _build_core(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
+def _build_core(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
     core = module.prism(radius, low, foot).join(module.solid(module.inside()))
-    if module.dome.hole:
+    if module.skin.hole:
         core = core.join(cylinder(_SPIGOT * module.opening_radius, module.top - 1, module.top + spec.mold_floor))
     hole = spec.pin_diameter / 2 + spec.clearance
     holes = [cylinder(hole, foot - spec.pin_height - _BLIND, foot, at) for at in _pins(module, spec)]
@@ -163,13 +163,13 @@ def vent_azimuths(count: int) -> list[float]:
     return [POUR_AZIMUTH_DEG + 360.0 * (k + 1) / (count + 1) for k in range(count)]
 
 
-def _split(cavity: CadSolid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
+def _split(cavity: CadSolid, module: ContactModule, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
     low, high = module.foot - spec.pin_height, module.top + spec.mold_floor
-    across = (module.dome.outer_widest[0] + radius) / 2
-    height, offset = module.dome.outer_widest[1], 2 * DOWEL_DIAMETER
+    across = (module.skin.outer_widest[0] + radius) / 2
+    height, offset = module.skin.outer_widest[1], 2 * DOWEL_DIAMETER
     places = [(-across, height), (across, height + offset), (0.0, high - spec.mold_floor / 2)]
-    if module.dome.hole:  # a spigot goes through the floor
+    if module.skin.hole:  # a spigot goes through the floor
         places = [
             (-across, height / 3),
             (across, height / 3 + offset),

@@ -17,7 +17,7 @@ class PackSpec:
 
     Attributes
     ----------
-    dome, markers, mount
+    skin, markers, mount
         The design.
     material
         The elastomer.
@@ -27,7 +27,7 @@ class PackSpec:
         The camera in the enclosure; its `distance` places it.
     """
 
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     mount: MountSpec
     material: Material

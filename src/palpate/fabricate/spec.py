@@ -54,9 +54,9 @@ class ProcessSpec(Spec):
     orientation_mark: bool = parameter(
         True, unit="", meaning="print the orientation mark, one dot outside the rings", flag="mark"
     )
-    smallest_dot: float = parameter(0.4, unit="mm", meaning="smallest dot the pad prints", gt=0, le=5)
-    smallest_gap: float = parameter(0.3, unit="mm", meaning="smallest gap between dots the pad keeps", gt=0, le=5)
-    steepest_deg: float = parameter(
+    min_marker_diameter: float = parameter(0.4, unit="mm", meaning="smallest dot the pad prints", gt=0, le=5)
+    min_gap: float = parameter(0.3, unit="mm", meaning="smallest gap between dots the pad keeps", gt=0, le=5)
+    max_slope_deg: float = parameter(
         65.0, unit="deg", meaning="slope of the dome against the base that a pad still reaches", ge=10, le=90
     )
     working_depth: float = parameter(

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.cad import Arc, CadSolid, Outline, Point, box, cylinder, extrude, write_step
-from palpate.core import PalpateError, new_folder, provenance
+from palpate.core import PalpateError, atomic_folder, provenance
 from palpate.fabricate.folder import hash_files
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.spec import ProcessSpec
@@ -146,7 +146,7 @@ def write_specimen_molds(folder: Path, spec: ProcessSpec, count: int = 5) -> dic
         If the folder holds something or cannot be written, or `count` is out of bounds.
     """
     molds = build_specimen_molds(spec, count)
-    with new_folder(folder) as work:
+    with atomic_folder(folder) as work:
         for mold in molds:
             write_step(work / f"{mold.name}.step", mold.name, {"specimen": mold.specimen, "tray": mold.tray})
             for suffix in ("stl", "3mf"):

@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.cad import CadSolid
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Module, Skin
+from palpate.design import ContactModule, Skin
 from palpate.fabricate.spec import ProcessSpec
 
 LEDGE = 1.5
@@ -58,7 +58,7 @@ class WindowPlate:
         return np.asarray(self.reach * self.skin.plan.edge(np.linspace(0, 2 * np.pi, _POINTS, endpoint=False))[0])
 
 
-def build_window(module: Module, thickness: float, spec: ProcessSpec) -> WindowPlate:
+def build_window(module: ContactModule, thickness: float, spec: ProcessSpec) -> WindowPlate:
     """Build the window of a module, of a thickness in mm.
 
     Raises
@@ -73,7 +73,7 @@ def build_window(module: Module, thickness: float, spec: ProcessSpec) -> WindowP
             code="window-too-thick",
         )
     reach = module.opening_radius - spec.clearance
-    gel = [(0.0, module.dome.height), *module.dome.meridian(0.0, down=True), (0.0, 0.0)]
+    gel = [(0.0, module.skin.height), *module.skin.meridian(0.0, down=True), (0.0, 0.0)]
     return WindowPlate(
         solid=module.prism(reach, -thickness, 0.0),
         thickness=thickness,
@@ -81,5 +81,5 @@ def build_window(module: Module, thickness: float, spec: ProcessSpec) -> WindowP
         boss=module.flange_thickness - thickness,
         opening=module.opening_radius - LEDGE,
         gel_mm3=module.solid(gel).volume,
-        skin=module.dome,
+        skin=module.skin,
     )

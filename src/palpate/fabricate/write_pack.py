@@ -12,26 +12,26 @@ from matplotlib.figure import Figure
 
 from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
-from palpate.core import PalpateError, new_folder, provenance
+from palpate.core import PalpateError, atomic_folder, provenance
 from palpate.design import (
+    ContactModule,
     Finding,
     MarkerLayout,
-    Module,
     Severity,
     Skin,
-    build_module,
+    build_contact_module,
+    build_module_solid,
     build_skin,
-    build_solid,
     place_markers,
-    refuse_errors,
+    raise_on_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
 from palpate.fabricate.check_parts import (
     check_enclosure,
     check_frame,
+    check_interference,
     check_mold,
     check_window,
-    refuse_interference,
 )
 from palpate.fabricate.check_process import check_process
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
@@ -64,7 +64,7 @@ class _Made:
 
     skin: Skin
     layout: MarkerLayout
-    module: Module
+    module: ContactModule
     mold: Mold
     enclosure: Enclosure
     artwork: Artwork | None
@@ -94,13 +94,13 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     PalpateError
         If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
     """
-    skin = build_skin(spec.dome)
+    skin = build_skin(spec.skin)
     layout = place_markers(skin, spec.markers)
     camera = build_camera(spec.camera)
-    build_module(skin, spec.mount)  # refuses what has none before anything is checked
+    build_contact_module(skin, spec.mount)  # refuses what has none before anything is checked
     findings = check_process(skin, layout, spec.material, camera, spec.process)
-    refuse_errors(findings)
-    with new_folder(folder) as work:
+    raise_on_errors(findings)
+    with atomic_folder(folder) as work:
         made = _make(spec, skin, layout, camera)
         findings = (
             *findings,
@@ -125,16 +125,16 @@ def _check_filling(made: _Made, process: ProcessSpec) -> tuple[Finding, ...]:
 
 
 def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
-    module = build_module(skin, spec.mount)
+    module = build_contact_module(skin, spec.mount)
     window = _build_window(spec, module)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
     marked = spec.process.orientation_mark
-    scaled, depth = build_module(skin, spec.mount, scale), spec.process.dot_depth
+    scaled, depth = build_contact_module(skin, spec.mount, scale), spec.process.dot_depth
     holes = [*build_pins(skin, layout, scale, mark=marked), *build_dimples(skin, layout, depth, scale, mark=marked)]
     frame = plan_frame(module, layout) if skin.hole else None
     enclosure = build_enclosure(module, spec.camera.distance, spec.process, window, frame)
     mold = build_mold(scaled, spec.process, holes)
-    body = build_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
+    body = build_module_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
@@ -142,15 +142,15 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
             "Report this design.",
             code="mold-volume-off",
         )
-    refuse_interference(mold.parts)
-    refuse_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
+    check_interference(mold.parts)
+    check_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
     artwork = None if skin.hole else draw_artwork(skin, layout, spec.process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
     gel = spec.material.gel.name if spec.material.gel else ""
     return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids, gel, window)
 
 
-def _build_window(spec: PackSpec, module: Module) -> WindowPlate | None:
+def _build_window(spec: PackSpec, module: ContactModule) -> WindowPlate | None:
     """The window of a filled skin."""
     gel, window = spec.material.gel, spec.camera.window
     if gel is None:
@@ -176,7 +176,7 @@ def _write_solids(
         try:
             meshes["template"] = build_template(made.skin, made.layout, spec.process)
         except PalpateError as error:
-            findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
+            findings = (*findings, Finding(Severity.NOTE, "no-template", error.problem, error.remedy))
     for name, mesh in meshes.items():
         for suffix in ("stl", "3mf"):
             write_mesh(work / f"{name}.{suffix}", mesh)
@@ -261,7 +261,7 @@ def _write_manifest(
     data = {
         "made_by": provenance(),
         "design": {
-            "dome": spec.dome.model_dump(mode="json"),
+            "dome": spec.skin.model_dump(mode="json"),
             "markers": spec.markers.model_dump(mode="json"),
             "mount": spec.mount.model_dump(mode="json"),
             "material": spec.material.name,

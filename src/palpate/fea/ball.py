@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.design import turn_about_axis
-from palpate.fea.first_touch import touch_first
+from palpate.fea.first_touch import find_first_contact
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads, tangents
 from palpate.mesh import Mesh
@@ -82,7 +82,7 @@ class BallSpec(ObstacleSpec):
     )
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"ball {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
@@ -93,9 +93,9 @@ class BallSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg - 90.0
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         middle = self.turn(mesh).T @ turn_about_axis(np.radians(self.azimuth_deg)) @ [self.offset, 0.0, 0.0]
         if not mesh.spec.whole:
             middle[0] = 0.0
         middle[2] = self.radius + mesh.skin.outer_height
-        return touch_first(mesh, Ball(self.radius, middle))
+        return find_first_contact(mesh, Ball(self.radius, middle))

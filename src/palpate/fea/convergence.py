@@ -60,7 +60,7 @@ class MeshResult:
 def study_convergence(
     mesh: Mesh,
     material: Material,
-    wall: ObstacleSpec,
+    obstacle: ObstacleSpec,
     points: FloatArray,
     cells: Sequence[int] = CELLS,
     on_press: Callable[[int, Press], None] = lambda cells, press: None,
@@ -69,7 +69,7 @@ def study_convergence(
 
     Parameters
     ----------
-    mesh, material, wall
+    mesh, material, obstacle
         As in `palpate.fea.solve_press`; the mesh gives dome, layers, rim, half or whole.
     points
         (m, 3) mm of the undeformed inner surface, followed on every mesh.
@@ -98,7 +98,7 @@ def study_convergence(
     presses = []
     for count in counts:
         spec = mesh.spec.model_copy(update={"cells": MeshSpec(cells=count).cells})
-        presses.append(solve_press(mesh_skin(mesh.skin, spec), material, wall))
+        presses.append(solve_press(mesh_skin(mesh.skin, spec), material, obstacle))
         on_press(count, presses[-1])
     return tuple(_compare(presses, points, _deepest_shared(presses)))
 

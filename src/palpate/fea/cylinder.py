@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.lying import LyingSpec
+from palpate.fea.lying import LevelObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
 
 
@@ -49,19 +49,19 @@ class Cylinder(Obstacle):
 
 
 @final
-class CylinderSpec(LyingSpec):
+class CylinderSpec(LevelObstacleSpec):
     """A rigid round bar parallel to the base, brought down along the skin's axis, beside it or on it."""
 
     kind: Literal["cylinder"] = "cylinder"
     radius: float = parameter(5.0, unit="mm", meaning="radius of the bar", gt=0, le=1000)
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"cylinder {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
     def half_height(self) -> float:
         return self.radius
 
-    def lie(self, point: FloatArray, along: FloatArray) -> Cylinder:
+    def place(self, point: FloatArray, along: FloatArray) -> Cylinder:
         return Cylinder(self.radius, point, along)

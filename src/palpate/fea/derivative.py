@@ -11,7 +11,7 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.fea.loaded_skin import clamp_skin, load_surface
 from palpate.fea.spec import ObstacleSpec
-from palpate.fea.variations import Made, vary
+from palpate.fea.variations import PathInputs, make_variations
 from palpate.material import Material
 from palpate.mechanics import ContactLoading, Continuation, Problem, Sensitivity, Solid, make_linear_solver
 from palpate.mesh import Mesh
@@ -40,7 +40,7 @@ class Derivative:
     across: bool = False
 
 
-def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Sensitivity:
+def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Sensitivity:
     """Follow the derivatives of the solver's spec along a path that begins.
 
     Raises
@@ -48,7 +48,7 @@ def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, wall:
     PalpateError
         If the press cannot be differentiated by a name.
     """
-    followed = _prepare(path, mesh, material, wall, partial(load_surface, path.spec))
+    followed = _prepare(path, mesh, material, obstacle, partial(load_surface, path.spec))
     if followed.variations:
         followed.start(path.last.history)
         path.sensitivity = followed
@@ -89,22 +89,22 @@ def _prepare(
     loading, solid, problem = path.loading, path.problem.body, path.problem
     assert isinstance(loading, ContactLoading)
     assert isinstance(solid, Solid)
-    variations = vary(Made(mesh, material, wall, load, loading, solid), path.spec.derivatives)
+    variations = make_variations(PathInputs(mesh, material, wall, load, loading, solid), path.spec.derivatives)
     across = None
-    if any(each.across for each in variations):
+    if any(each.antisymmetric for each in variations):
         other, linear = clamp_skin(mesh, material, across=True), make_linear_solver(path.spec.backend)
         across = Problem(other, linear, problem.tolerance, problem.length)
     return Sensitivity(problem, loading, variations, across)
 
 
 def gather_derivatives(
-    followed: Sensitivity, increments: Sequence[int], mesh: Mesh, wall: ObstacleSpec
+    followed: Sensitivity, increments: Sequence[int], mesh: Mesh, obstacle: ObstacleSpec
 ) -> dict[str, Derivative]:
     """Derivatives at these increments of a path, by name; zero at rest, nan where there is none."""
-    parts, turn = 1.0 if mesh.spec.whole else 2.0, wall.turn(mesh)
+    parts, turn = 1.0 if mesh.spec.whole else 2.0, obstacle.turn(mesh)
     found = {}
     for each in followed.variations:
-        sides = np.array([1.0, 0.0, 0.0] if each.across else [0.0, 1.0, 1.0]) if parts > 1 else np.ones(3)
+        sides = np.array([1.0, 0.0, 0.0] if each.antisymmetric else [0.0, 1.0, 1.0]) if parts > 1 else np.ones(3)
         displacement = np.full((len(increments), *mesh.nodes.shape), np.nan)
         force = np.full((len(increments), 3), np.nan)
         for k, number in enumerate(increments):
@@ -113,5 +113,5 @@ def gather_derivatives(
                 displacement[k], force[k] = rate.u, turn @ (parts * sides * rate.force)
             elif number == 0:
                 displacement[k], force[k] = 0.0, 0.0
-        found[each.name] = Derivative(each.name, displacement, force, each.across)
+        found[each.name] = Derivative(each.name, displacement, force, each.antisymmetric)
     return found

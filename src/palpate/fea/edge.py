@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.lying import LyingSpec
+from palpate.fea.lying import LevelObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
 
 
@@ -56,7 +56,7 @@ class Edge(Obstacle):
         flank = self.radius - (arm * outward).sum(axis=1)
         bend = np.zeros((len(points), 3, 3)) if under.curvature is None else under.curvature
         return Gap(
-            np.where(beside, flank, under.reach),
+            np.where(beside, flank, under.penetration),
             np.where(beside[:, None], -outward, under.normal),
             np.where(beside[:, None, None], 0.0, bend),
         )
@@ -80,7 +80,7 @@ class Edge(Obstacle):
 
 
 @final
-class EdgeSpec(LyingSpec):
+class EdgeSpec(LevelObstacleSpec):
     """A rigid edge parallel to the base, brought down along the skin's axis, beside it or on it."""
 
     kind: Literal["edge"] = "edge"
@@ -88,12 +88,12 @@ class EdgeSpec(LyingSpec):
     opening_deg: float = parameter(90.0, unit="deg", meaning="angle between the flanks", ge=10, le=170)
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"edge of {self.opening_deg:g}° rounded by {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
     def half_height(self) -> float:
         return self.radius
 
-    def lie(self, point: FloatArray, along: FloatArray) -> Edge:
+    def place(self, point: FloatArray, along: FloatArray) -> Edge:
         return Edge(self.radius, point, along, np.radians(self.opening_deg) / 2)

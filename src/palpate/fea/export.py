@@ -19,8 +19,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, load_extra, new_folder, provenance
-from palpate.fea.nodal_stress import held_solid, nodal_stress
+from palpate.core import FloatArray, PalpateError, atomic_folder, load_extra, provenance
+from palpate.fea.nodal_stress import clamped_solid, nodal_stress
 from palpate.fea.press import Press
 from palpate.mechanics import BRICK, Solid, von_mises
 
@@ -67,7 +67,7 @@ def export_press(folder: Path, press: Press) -> None:
         As `check_export`, or if the folder cannot be written.
     """
     check_export(folder)
-    with new_folder(folder, "Name another folder.") as part:
+    with atomic_folder(folder, "Name another folder.") as part:
         names = _write_images(part, press)
         _write_series(part / "press.pvd", names, press.depth)
         _write_force(part / "force.csv", press)
@@ -79,13 +79,13 @@ def _meshio() -> Any:
 
 def _write_images(folder: Path, press: Press) -> list[str]:
     meshio = _meshio()
-    mesh, turn = press.mesh, press.wall.turn(press.mesh)
+    mesh, turn = press.mesh, press.obstacle.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
-    obstacle, _ = press.wall.at_touch(mesh)
-    solid = None if press.solved_by != "palpate" else held_solid(press)
+    obstacle, _ = press.obstacle.at_first_contact(mesh)
+    solid = None if press.solved_by != "palpate" else clamped_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
-        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).reach(mesh.nodes + u)
+        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).penetration(mesh.nodes + u)
         fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": gap}
         if solid is not None:
             fields |= _stress_fields(solid, u, turn)

@@ -15,7 +15,7 @@ _EXACT = 1e-10
 """Penetration at first touch over the base radius."""
 
 
-def touch_first(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
+def find_first_contact(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
     """Move an obstacle along the axis until it just touches the outer surface.
 
     The travel is found by Newton's method on the greatest penetration of all points of the surface, each of which is
@@ -67,9 +67,9 @@ def _deepest(mesh: Mesh, obstacle: Obstacle, disc: FloatArray) -> tuple[FloatArr
     def reach(place: FloatArray) -> float:
         length = max(1.0, float(np.hypot(*place)))
         half = place if mesh.spec.whole else np.array([abs(place[0]), place[1]])
-        return -float(obstacle.reach(outside(half[None] / length))[0])
+        return -float(obstacle.penetration(outside(half[None] / length))[0])
 
-    start = disc[int(obstacle.reach(outside(disc)).argmax())]
+    start = disc[int(obstacle.penetration(outside(disc)).argmax())]
     found = minimize(reach, start, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 400})
     best = found.x / max(1.0, float(np.hypot(*found.x)))
     if np.hypot(*best) > 1 - 1e-6:

@@ -19,7 +19,7 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.work import integrate_force
-from palpate.mechanics import ContactLoading, Continuation, Ended, Increment, Obstacle, State
+from palpate.mechanics import ContactLoading, Continuation, EndReason, Increment, Obstacle, State
 from palpate.mesh import Mesh, default_core, mesh_skin
 
 RING_POINTS = 12
@@ -57,7 +57,7 @@ _SAME = 1e-9
 """Difference of depth in mm that counts as none."""
 
 
-class Ring(NamedTuple):
+class ContactRing(NamedTuple):
     """Contact of a state, seen along the obstacle's normal from the point that it touched first.
 
     Attributes
@@ -76,7 +76,7 @@ class Ring(NamedTuple):
     closed: bool
 
 
-def mirror(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
+def mirror_displacement(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
     """Displacement (n, 3) mm that mirrors what lies beyond an obstacle in its surface.
 
     The middle surface at a height h over the obstacle goes to ``-w log(2 cosh(h / w))``: far below it stays, far
@@ -102,7 +102,7 @@ def mirror(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
     return moved
 
 
-def refine(mesh: Mesh) -> Mesh:
+def refine_mesh(mesh: Mesh) -> Mesh:
     """The skin meshed finer along the meridian, as the ring needs it; a mesh whose pole must stay is kept."""
     spec = mesh.spec
     if not spec.centred or spec.cells is None:
@@ -111,9 +111,9 @@ def refine(mesh: Mesh) -> Mesh:
     return mesh_skin(mesh.skin, spec.model_copy(update={"cells": round(_FINER * spec.cells), "core": core}))
 
 
-def find_ring(monitor: SkinMonitor, at: float, state: State) -> Ring:
+def find_contact_ring(monitor: SkinMonitor, at: float, state: State) -> ContactRing:
     """Ring of contact of a state at a depth in mm."""
-    met = monitor.loading.meet(at, state)
+    met = monitor.loading.contact_pair(at, state)
     touching = monitor.loading.touching(at, state)
     along, across = monitor.axes
     arm = met.points[touching] - met.points[monitor.probe]
@@ -122,7 +122,7 @@ def find_ring(monitor: SkinMonitor, at: float, state: State) -> Ring:
     sector = np.minimum((np.arctan2(y, x) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
     closed = len(np.unique(sector)) == _SECTORS
     none = float("nan")
-    return Ring(
+    return ContactRing(
         monitor.gap(at, state),
         float(away.min(initial=np.inf) if len(away) else none),
         float(away.max() if len(away) else none),
@@ -130,13 +130,13 @@ def find_ring(monitor: SkinMonitor, at: float, state: State) -> Ring:
     )
 
 
-def doubt(monitor: SkinMonitor, increment: Increment) -> str:
+def explain_rejection(monitor: SkinMonitor, increment: Increment) -> str:
     """Why an equilibrium is not the inverted state, in words; empty if it is.
 
     It is if the first-touched point is off the obstacle by more than `_GAP` of the depth, contact is a closed ring
     about that point, and no pivot of its tangent is negative.
     """
-    ring = find_ring(monitor, increment.depth, increment.state)
+    ring = find_contact_ring(monitor, increment.depth, increment.state)
     if not ring.gap > _GAP * increment.depth:
         return f"the point touched first is {ring.gap:.3g} mm off the wall at a depth of {increment.depth:.4g} mm"
     if not ring.inner > _HOLE * ring.outer:
@@ -185,7 +185,10 @@ def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[
             break
     if reason:
         path.increments = [rest]
-        path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {goals[-1]:.4g} mm: {reason}."
+        path.ended, path.message = (
+            EndReason.NO_BRANCH,
+            f"No inverted state was found at {goals[-1]:.4g} mm: {reason}.",
+        )
         return [0]
     at = np.array([point.depth for point in path.increments])
     wanted = np.flatnonzero(np.abs(at[:, None] - np.array(goals)).min(axis=1) < _SAME)
@@ -202,7 +205,7 @@ def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
     """Relax the mirrored skin at a depth in mm and begin the path there; why it is not inverted, if it is not."""
     monitor = path.monitor
     assert isinstance(monitor, SkinMonitor)
-    shape = mirror(mesh, monitor.loading.obstacle(depth))
+    shape = mirror_displacement(mesh, monitor.loading.obstacle(depth))
     start = State(shape, path.problem.body.rest().p)
     gap = [np.inf]
 
@@ -211,7 +214,7 @@ def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
         return gap[0] > _GAP * depth
 
     if path.settle(depth, shape, start, hopeful):
-        return doubt(monitor, path.last)
+        return explain_rejection(monitor, path.last)
     fate = "did not come to rest" if gap[0] > _GAP * depth else _CAME_BACK
     return f"the skin mirrored in the wall at {depth:.4g} mm {fate}"
 
@@ -221,14 +224,14 @@ def _follow(path: Continuation, goals: list[float], thickness: float) -> str:
     seed = path.last
     _draw_back(path, [goal for goal in reversed(goals) if goal < seed.depth], thickness)
     back, _ = _proved(path)
-    path.increments, path.ended, path.message = [seed], Ended.DEPTH_REACHED, ""
+    path.increments, path.ended, path.message = [seed], EndReason.DEPTH_REACHED, ""
     path.restart()
     for goal in goals:
         if goal > seed.depth and not path.advance(goal):
             break
     deeper, wrong = _proved(path)
     if wrong:
-        path.ended = Ended.BRANCH_ENDED
+        path.ended = EndReason.BRANCH_ENDED
         path.message = f"The inverted state was followed to {deeper[-1].depth:.4g} mm: beyond, {wrong}."
     path.increments = [replace(point, jumped=False) for point in (*reversed(back[1:]), *deeper)]
     few = len(path.increments) < _FEWEST
@@ -242,7 +245,7 @@ def _draw_back(path: Continuation, goals: list[float], thickness: float) -> None
     while goals:
         known, last = list(path.increments), path.last.depth
         depth, start = _predict(path, max(goals[0], last - step), onset)
-        if path.attempt(depth, start) and not doubt(monitor, path.last):
+        if path.attempt(depth, start) and not explain_rejection(monitor, path.last):
             step = min(2 * (last - depth), _LARGEST * thickness)
             goals = [goal for goal in goals if goal < depth - _SAME]
             continue
@@ -286,7 +289,7 @@ def _proved(path: Continuation) -> tuple[list[Increment], str]:
     depth, force = np.array([[point.depth, point.loads.force[2]] for point in points]).T
     missed = np.abs(stored - stored[0] - integrate_force(depth, force))
     for k, point in enumerate(points):
-        wrong = doubt(monitor, point)
+        wrong = explain_rejection(monitor, point)
         if missed[k] > _IMBALANCE * max(stored[0], stored[k]):
             wrong = f"the energy gained misses the work of the wall by {missed[k]:.2g} mJ"
         if wrong:

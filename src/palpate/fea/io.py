@@ -9,13 +9,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, refuse_outside_links
+from palpate.core import PalpateError, reject_external_links
 from palpate.design import build_skin, skin_from_data
 from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
 from palpate.fea.press import Press
 from palpate.material import material_from_data
-from palpate.mechanics import Ended, SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 
 _ARRAYS = {
@@ -29,10 +29,10 @@ _ARRAYS = {
     "peak_stress": "MPa",
     "contact_area": "mm2",
     "apex_gap": "mm",
-    "hold_tension": "MPa",
+    "stabilisation_tension": "MPa",
     "negative_pivots": "1",
 }
-PRESS_FORMAT = "8"
+PRESS_FORMAT = "9"
 """Version of the file format; files of another one are refused."""
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
 
@@ -47,7 +47,7 @@ def write_press(path: Path, press: Press) -> None:
         if press.mesh.pole is not None:
             file.attrs["pole"] = press.mesh.pole
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
-        file.attrs["wall"] = press.wall.model_dump_json()
+        file.attrs["obstacle"] = press.obstacle.model_dump_json()
         file.attrs["solver"] = press.solver.model_dump_json()
         file.attrs["solved_by"] = press.solved_by
         file.attrs["ended"] = str(press.ended)
@@ -76,7 +76,7 @@ def read_press(path: Path) -> Press:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
                 raise PalpateError(
                     f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
@@ -86,11 +86,11 @@ def read_press(path: Path) -> Press:
             return Press(
                 mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"]), file.attrs.get("pole")),
                 material=material_from_data(json.loads(file.attrs["material"])),
-                wall=obstacle_from_data(json.loads(file.attrs["wall"])),
+                obstacle=obstacle_from_data(json.loads(file.attrs["obstacle"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
                 **_read_arrays(file),
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),
-                ended=Ended(file.attrs["ended"]),
+                ended=EndReason(file.attrs["ended"]),
                 message=str(file.attrs["message"]),
                 solved_by=str(
                     file.attrs.get("solved_by", "calculix" if '"calculix"' in file.attrs["solver"] else "palpate")

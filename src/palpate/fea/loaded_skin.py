@@ -29,7 +29,7 @@ def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid
 
 
 def load_surface(
-    solver: SolverSpec, mesh: Mesh, material: Material, wall: ObstacleSpec, points_per_side: int = POINTS_PER_SIDE
+    solver: SolverSpec, mesh: Mesh, material: Material, obstacle: ObstacleSpec, points_per_side: int = POINTS_PER_SIDE
 ) -> ContactLoading:
     """The obstacle that comes down on the outer surface from first touch on; Gauss points along a face's side."""
     first = len(mesh.cells) - len(mesh.outer_faces)
@@ -39,6 +39,13 @@ def load_surface(
         stiffness=stiffness,
         width=solver.smoothing_ratio * mesh.skin.thickness,
         tangential_stiffness=solver.tangential_ratio * stiffness,
-        friction=wall.friction,
+        friction=obstacle.friction,
     )
-    return ContactLoading(mesh.nodes, surface, law, wall.path(mesh), aside=wall.drifts, way=wall.way(mesh))
+    return ContactLoading(
+        mesh.nodes,
+        surface,
+        law,
+        obstacle.path(mesh),
+        aside=obstacle.moves_laterally,
+        way=obstacle.approach_axis(mesh),
+    )

@@ -8,13 +8,13 @@ import numpy as np
 
 from palpate.core import FloatArray, parameter
 from palpate.design import PoseSpace, turn_about_axis
-from palpate.fea.first_touch import touch_first
+from palpate.fea.first_touch import find_first_contact
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 
-class LyingSpec(ObstacleSpec, ABC):
+class LevelObstacleSpec(ObstacleSpec, ABC):
     """A rigid obstacle parallel to the base, alike along its length, brought down along the skin's axis."""
 
     offset: float = parameter(0.0, unit="mm", meaning="distance of its axis from the skin's", ge=-60, le=60)
@@ -23,7 +23,7 @@ class LyingSpec(ObstacleSpec, ABC):
     )
 
     @abstractmethod
-    def lie(self, point: FloatArray, along: FloatArray) -> Obstacle:
+    def place(self, point: FloatArray, along: FloatArray) -> Obstacle:
         """The obstacle whose axis passes through a point (3,) mm along a unit vector (3,)."""
 
     @property
@@ -33,7 +33,7 @@ class LyingSpec(ObstacleSpec, ABC):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return PoseSpace.of_lines()
+        return PoseSpace.for_lines()
 
     @property
     def radial(self) -> float:
@@ -47,7 +47,7 @@ class LyingSpec(ObstacleSpec, ABC):
     def axisymmetric(self) -> bool:
         return False
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
         middle = turn @ [0.0, self.offset, self.half_height + mesh.skin.outer_height]
-        return touch_first(mesh, self.lie(middle, turn[:, 0].copy()))
+        return find_first_contact(mesh, self.place(middle, turn[:, 0].copy()))

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray
-from palpate.mechanics import ContactLoading, Ended, Monitor, Solid, State, smallest_stretch
+from palpate.mechanics import ContactLoading, EndReason, Monitor, Solid, State, smallest_stretch
 
 _SECTORS = 6
 _MIDDLE = 0.9
@@ -81,8 +81,8 @@ class SkinMonitor(Monitor):
 
     def gap(self, at: float, state: State) -> float:
         """Distance in mm between the obstacle at a depth and the point that it touched first."""
-        met = self.loading.meet(at, state)
-        return -float(met.obstacle.reach(met.points[self.probe : self.probe + 1])[0])
+        met = self.loading.contact_pair(at, state)
+        return -float(met.obstacle.penetration(met.points[self.probe : self.probe + 1])[0])
 
     def inverted(self, at: float, state: State) -> bool:
         return self.gap(at, state) > _INVERTED_GAP * self.thickness
@@ -94,10 +94,10 @@ class SkinMonitor(Monitor):
         return np.where(middle, _PULL * self.loading.law.stiffness, 0.0)
 
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
-        lift = -self.loading.reach(at, state)
+        lift = -self.loading.penetration(at, state)
         return float((springs * np.maximum(lift, 0.0)).max(initial=0.0))
 
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         """A dent about the first-touched point, as wide as a ring of contact at this depth."""
         touched = self.loading.surface.points[self.probe]
         away = np.linalg.norm(self.solid.nodes - touched, axis=1)
@@ -105,14 +105,14 @@ class SkinMonitor(Monitor):
         dented: FloatArray = state.u - push * np.exp(-((away / width) ** 2))[:, None] * self.normal
         return dented
 
-    def fault(self, state: State) -> tuple[Ended, str] | None:
+    def fault(self, state: State) -> tuple[EndReason, str] | None:
         """Silicone that is squeezed so far that its free surface folds on itself."""
         stretch, place = smallest_stretch(self.solid, state)
         if stretch >= _FOLDING_STRETCH:
             return None
         where = ", ".join(f"{value:.1f}" for value in place)
         return (
-            Ended.FOLDED,
+            EndReason.FOLDED,
             f"where the silicone at ({where}) mm is squeezed to {stretch:.2f} of its length: below "
             f"{_FOLDING_STRETCH:g} a free surface folds",
         )

@@ -10,7 +10,7 @@ from palpate.mechanics import GAUSS, Solid, State, cauchy_stress, von_mises
 from palpate.mesh import gauss_points, shape_hexahedron
 
 
-def held_solid(press: Press) -> Solid:
+def clamped_solid(press: Press) -> Solid:
     """The press's body with every node held: nothing is solved, so no pattern of a matrix is made."""
     mesh = press.mesh
     return Solid(mesh.nodes, mesh.cells, press.material, np.ones_like(mesh.nodes, bool), mesh.filling)
@@ -30,7 +30,7 @@ def nodal_von_mises(press: Press) -> FloatArray:
             "Solve it with palpate.",
             code="press-no-nodal-stress",
         )
-    solid = held_solid(press)
+    solid = clamped_solid(press)
     return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
 
 

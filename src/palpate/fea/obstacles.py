@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from palpate.core import Registry, spec_of_kind, words_of_kind
+from palpate.core import Registry, data_from_text, spec_from_data
 from palpate.fea.spec import ObstacleSpec
 
 OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
@@ -32,7 +32,7 @@ def obstacle_from_data(data: Mapping[str, Any]) -> ObstacleSpec:
     PalpateError
         If there is no obstacle of that kind, or a number is missing, unknown or out of bounds.
     """
-    return spec_of_kind(OBSTACLES, data, "wall")
+    return spec_from_data(OBSTACLES, data, "wall")
 
 
 def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
@@ -46,10 +46,10 @@ def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
     Examples
     --------
     >>> from palpate.fea import WallSpec
-    >>> read_obstacle("ball:radius=8,offset=2", WallSpec(depth=3)).words
+    >>> read_obstacle("ball:radius=8,offset=2", WallSpec(depth=3)).label
     'ball 8 mm, 2 mm off the axis'
     """
-    words = words_of_kind("obstacle", text)
+    words = data_from_text("obstacle", text)
     shared = type(travel) if words["kind"] == "wall" else ObstacleSpec
     own = {name: getattr(travel, name) for name in shared.model_fields}
     return obstacle_from_data(own | words)

@@ -46,7 +46,7 @@ def plot_press(press: Press) -> Figure:
     curve.legend(frameon=False)
     for axis in (section, curve):
         axis.spines[["top", "right"]].set_visible(False)
-    title = f"{press.mesh.skin.name}, {press.wall.words}: {press.ended}"
+    title = f"{press.mesh.skin.name}, {press.obstacle.label}: {press.ended}"
     figure.suptitle(title, fontsize=11)
     return figure
 
@@ -70,7 +70,7 @@ def html_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) 
     return f"<table><caption>{html.escape(title)}</caption><tr>{line}</tr>{body}</table>"
 
 
-def picture_press(press: Press, increment: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
+def render_press_3d(press: Press, increment: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
     """Picture of the pressed dome in 3-D, coloured by von Mises stress.
 
     Parameters

@@ -13,8 +13,8 @@ from palpate.core import FloatArray, IntArray, PalpateError, TextArray
 from palpate.fea.derivative import Derivative
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import Mesh, follow_marked, follow_rate, locate_inner, locate_nodes
+from palpate.mechanics import EndReason, SolverSpec
+from palpate.mesh import Mesh, locate_inner, locate_nodes, marker_displacement, marker_displacement_derivative
 
 
 class Branch(StrEnum):
@@ -42,7 +42,7 @@ class IncrementFields(TypedDict):
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
-    hold_tension: FloatArray
+    stabilisation_tension: FloatArray
     negative_pivots: IntArray
 
 
@@ -52,7 +52,7 @@ class Press:
 
     Attributes
     ----------
-    mesh, material, wall, solver
+    mesh, material, obstacle, solver
         What made it.
     depth
         (n,) mm travel of the wall since first touch.
@@ -71,7 +71,7 @@ class Press:
         (n,) mm² deformed area that touches the wall, whole dome.
     apex_gap
         (n,) mm distance between the wall and the point that it touched first.
-    hold_tension
+    stabilisation_tension
         (n,) MPa greatest tension that held the flat patch to the wall (see `palpate.fea.monitor`).
     negative_pivots
         (n,) unstable modes of the discrete equilibrium (0: stable; -1: the linear solver cannot tell).
@@ -91,7 +91,7 @@ class Press:
 
     mesh: Mesh
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     solver: SolverSpec
     depth: FloatArray
     displacement: FloatArray
@@ -104,9 +104,9 @@ class Press:
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
-    hold_tension: FloatArray
+    stabilisation_tension: FloatArray
     negative_pivots: IntArray
-    ended: Ended
+    ended: EndReason
     ended_depth: float
     jump_depth: float
     cpu_s: float
@@ -146,7 +146,7 @@ class Press:
                 f"Ask for less than that: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
                 code="derivative-beyond-jump",
             )
-        lost = self.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
+        lost = self.ended not in (EndReason.DEPTH_REACHED, EndReason.WALL_AT_CLAMP)
         if lost and depth >= self.ended_depth:
             raise PalpateError(
                 f"The press ended at {self.ended_depth:.3g} mm ({self.ended}): there it has no derivative.",
@@ -175,12 +175,12 @@ class Press:
             peak_stress=self.peak_stress[here],
             contact_area=self.contact_area[here],
             apex_gap=self.apex_gap[here],
-            hold_tension=self.hold_tension[here],
+            stabilisation_tension=self.stabilisation_tension[here],
             negative_pivots=self.negative_pivots[here],
             derivatives=derivatives,
         )
 
-    def on(self, mesh: Mesh) -> Press:
+    def interpolated_to(self, mesh: Mesh) -> Press:
         """The press with its fields interpolated to another mesh of the skin, of as many layers."""
         nodes = locate_nodes(self.mesh, mesh)
         derivatives = {
@@ -202,12 +202,12 @@ class Press:
         (n, m, 3) mm
             Deformed positions, dome's frame.
         """
-        result: FloatArray = np.asarray(points, float) + self.moved(points)
+        result: FloatArray = np.asarray(points, float) + self.displacement_at(points)
         return result
 
-    def moved(self, points: FloatArray, by: str = "") -> FloatArray:
+    def displacement_at(self, points: FloatArray, by: str = "") -> FloatArray:
         """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`."""
-        turn = self.wall.turn(self.mesh)
+        turn = self.obstacle.turn(self.mesh)
         points = np.asarray(points, float)
         local = points @ turn
         side = np.ones(3)
@@ -220,8 +220,10 @@ class Press:
         if by:
             rate = self.derivatives[by]
             side = -side if rate.across else side
-            moved = follow_rate(self.mesh, places, self.displacement, rate.displacement, across=rate.across)
+            moved = marker_displacement_derivative(
+                self.mesh, places, self.displacement, rate.displacement, across=rate.across
+            )
         else:
-            moved = follow_marked(self.mesh, places, self.displacement)
+            moved = marker_displacement(self.mesh, places, self.displacement)
         result: FloatArray = np.where(mirrored[:, None], moved * side, moved) @ turn.T
         return result

@@ -37,7 +37,7 @@ def press_recipe(
         "dome": skin.model_dump(mode="json"),
         "mesh": mesh.model_dump(mode="json"),
         "material": material.key_data(),
-        "wall": wall.model_dump(mode="json"),
+        "obstacle": wall.model_dump(mode="json"),
         "solver": dict(solver),
         "branch": str(branch),
     }

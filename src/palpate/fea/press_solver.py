@@ -19,7 +19,7 @@ class PressSolver(ABC):
     """Solves presses of the flat branch from rest; made without arguments it has usual settings."""
 
     @abstractmethod
-    def check(self, wall: ObstacleSpec) -> None:
+    def check(self, obstacle: ObstacleSpec) -> None:
         """Refuse what cannot be solved, before anything is computed.
 
         Raises
@@ -29,7 +29,7 @@ class PressSolver(ABC):
         """
 
     @abstractmethod
-    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
+    def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
         """Solve one press; its `solved_by` names the solver.
 
         Raises
@@ -55,11 +55,11 @@ class PalpateSolver(PressSolver):
     spec: SolverSpec = field(default_factory=SolverSpec)
     branch: Branch = Branch.FLAT
 
-    def check(self, wall: ObstacleSpec) -> None:
+    def check(self, obstacle: ObstacleSpec) -> None:
         """Nothing is beyond it that a spec can say."""
 
-    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
-        return solve_press(mesh, material, wall, self.spec, self.branch)
+    def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
+        return solve_press(mesh, material, obstacle, self.spec, self.branch)
 
 
 PRESS_SOLVERS: Registry[type[PressSolver]] = Registry(

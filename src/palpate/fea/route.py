@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, PalpateError, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace
+from palpate.design import OFFSET_SPACE, PoseSpace
 from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import Plane, refuse_rim_first
 from palpate.mechanics import Obstacle
@@ -95,20 +95,20 @@ class RouteSpec(ObstacleSpec):
         return {**values, "waypoints": points, "depth": float(_lengths(points)[-1])}
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"route of {len(self.waypoints)} waypoints"
 
     @property
-    def drifts(self) -> bool:
+    def moves_laterally(self) -> bool:
         return True
 
     @property
-    def stops(self) -> tuple[float, ...]:
+    def stop_depths(self) -> tuple[float, ...]:
         return tuple(float(length) for length in _lengths(self.waypoints)[1:])
 
     @property
     def pose_space(self) -> PoseSpace:
-        return OFFSET_DEPTH
+        return OFFSET_SPACE
 
     @property
     def radial(self) -> float:
@@ -123,10 +123,10 @@ class RouteSpec(ObstacleSpec):
         at, points = _lengths(self.waypoints), np.array(_whole(self.waypoints))
         return Waypoint(*(float(np.interp(length, at, points[:, k])) for k in range(len(_MOST))))
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         refuse_rim_first(mesh, self.radial)
         normal = _turned(self.waypoint(0.0)).as_matrix()[:, 2]
-        touched = mesh.skin.touch(normal)
+        touched = mesh.skin.support_point(normal)
         return Plane(normal, touched), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
@@ -143,12 +143,12 @@ class RouteSpec(ObstacleSpec):
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
                 code="mesh-whole-needed",
             )
-        path = partial(self._at, self.at_touch(mesh)[1])
-        for number, (point, length) in enumerate(zip(self.waypoints, self.stops, strict=True), start=1):
+        path = partial(self._at, self.at_first_contact(mesh)[1])
+        for number, (point, length) in enumerate(zip(self.waypoints, self.stop_depths, strict=True), start=1):
             tilt_deg, plane = float(np.hypot(point.rx_deg, point.ry_deg)), path(length)
             refuse_rim_first(mesh, tilt_deg)
             # below where a wall of this tilt touches first: it may have tilted on its way
-            deep = float((mesh.skin.touch(plane.normal) - plane.point) @ plane.normal / plane.normal[2])
+            deep = float((mesh.skin.support_point(plane.normal) - plane.point) @ plane.normal / plane.normal[2])
             most = mesh.skin.clamp_depth(np.radians(tilt_deg), mesh.spec.rim)
             if deep > most:
                 raise PalpateError(

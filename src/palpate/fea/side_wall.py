@@ -41,12 +41,12 @@ class SideWallSpec(ObstacleSpec):
         return True
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"side wall of tilt {self.tilt_deg:g}°"
 
     @property
     def pose_space(self) -> PoseSpace:
-        return PoseSpace.of_sides()
+        return PoseSpace.for_side_walls()
 
     @property
     def radial(self) -> float:
@@ -56,12 +56,12 @@ class SideWallSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
-        normal = self.way(mesh)
-        touched = mesh.skin.touch(normal)
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        normal = self.approach_axis(mesh)
+        touched = mesh.skin.support_point(normal)
         return Plane(normal, touched), touched
 
-    def way(self, mesh: Mesh) -> FloatArray:
+    def approach_axis(self, mesh: Mesh) -> FloatArray:
         """See `ObstacleSpec`.
 
         Raises
@@ -69,11 +69,11 @@ class SideWallSpec(ObstacleSpec):
         PalpateError
             If the skin is no barrel, or the wall touches a clamped end first.
         """
-        self.refuse_skin(mesh.skin, mesh.spec.rim)
+        self.check_skin(mesh.skin, mesh.spec.rim)
         azimuth = np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
         return wall_normal(*rotation_vector(np.radians(self.tilt_deg), azimuth))
 
-    def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
+    def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         if not skin.hole:
             raise PalpateError(
                 f"A wall comes to the side of a barrel, and {skin.name} is none.",

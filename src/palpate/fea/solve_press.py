@@ -10,18 +10,18 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.fea.derivative import differentiate_states, follow_derivatives, gather_derivatives
-from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
+from palpate.fea.inverted import RING_POINTS, explain_rejection, follow_inverted, refine_mesh
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.press import NEITHER, Branch, IncrementFields, Press
-from palpate.fea.spec import ObstacleSpec, refuse_half
+from palpate.fea.spec import ObstacleSpec, check_half_model
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force
 from palpate.material import Material
 from palpate.mechanics import (
     BASE_RADIUS,
     Continuation,
-    Ended,
+    EndReason,
     Increment,
     Problem,
     SolverSpec,
@@ -38,10 +38,10 @@ _SAME_MM = 1e-6
 def solve_press(
     mesh: Mesh,
     material: Material,
-    wall: ObstacleSpec | None = None,
+    obstacle: ObstacleSpec | None = None,
     solver: SolverSpec | None = None,
     branch: Branch = Branch.FLAT,
-    observe: Callable[[float], None] | None = None,
+    on_increment: Callable[[float], None] | None = None,
 ) -> Press:
     """Solve one press from first touch to full depth.
 
@@ -53,7 +53,7 @@ def solve_press(
         touches first.
     material
         The elastomer.
-    wall
+    obstacle
         The obstacle: where it is, how far it goes, increment step and contact law; a flat wall by default.
     solver
         How to solve.
@@ -61,7 +61,7 @@ def solve_press(
         Flat: pressed from rest. Inverted: the other state, followed from where it begins to the greatest depth on a
         mesh a third finer (see `palpate.fea.inverted`); it has no increment at rest, and its work counts from the
         energy stored in its first.
-    observe
+    on_increment
         Called with the depth in mm of each increment on the way down as soon as it is solved.
 
     Returns
@@ -75,9 +75,9 @@ def solve_press(
         If the obstacle would touch the clamped rim before the skin, or miss it; there is no such derivative; or the
         inverted state is asked of a filled skin or along a route.
     """
-    wall, solver = wall or WallSpec(), solver or SolverSpec()
+    obstacle, solver = obstacle or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    refuse_half(mesh, wall)
+    check_half_model(mesh, obstacle)
     if branch is Branch.INVERTED and mesh.filling:
         raise PalpateError("A filled skin has no inverted state.", "Press it from rest.", code="inverted-state-gel")
     if branch is Branch.INVERTED and mesh.skin.hole:
@@ -86,35 +86,35 @@ def solve_press(
             "Press it from rest.",
             code="inverted-state-skin",
         )
-    if branch is Branch.INVERTED and wall.stops:
+    if branch is Branch.INVERTED and obstacle.stop_depths:
         raise PalpateError(
             "The inverted state is not followed along a route.", "Press it from rest.", code="inverted-state-route"
         )
-    mesh = refine(mesh) if branch is Branch.INVERTED else mesh
-    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
-    reachable = wall.clamp_depth(mesh)
-    goals = increment_depths(wall, min(wall.depth, reachable))
+    mesh = refine_mesh(mesh) if branch is Branch.INVERTED else mesh
+    mesh = centre_mesh(mesh, obstacle.at_first_contact(mesh)[1]) if obstacle.axisymmetric else mesh
+    reachable = obstacle.clamp_depth(mesh)
+    goals = increment_depths(obstacle, min(obstacle.depth, reachable))
     if branch is Branch.INVERTED:
-        path = start_press(mesh, material, wall, solver, RING_POINTS)
+        path = start_press(mesh, material, obstacle, solver, RING_POINTS)
         increments = follow_inverted(path, goals, mesh)
-        followed = differentiate_states(path, increments[1:], mesh, material, wall)
+        followed = differentiate_states(path, increments[1:], mesh, material, obstacle)
     else:
-        path = start_press(mesh, material, wall, solver)
-        followed = follow_derivatives(path, mesh, material, wall)
-        increments = _press_down(path, goals, wall.stops, observe)
-        if wall.unload and path.ended is Ended.DEPTH_REACHED:
-            increments += _draw_back(path, goals, wall.stops)
-    derivatives = gather_derivatives(followed, increments, mesh, wall)
+        path = start_press(mesh, material, obstacle, solver)
+        followed = follow_derivatives(path, mesh, material, obstacle)
+        increments = _press_down(path, goals, obstacle.stop_depths, on_increment)
+        if obstacle.unload and path.ended is EndReason.DEPTH_REACHED:
+            increments += _draw_back(path, goals, obstacle.stop_depths)
+    derivatives = gather_derivatives(followed, increments, mesh, obstacle)
     ended, message = path.ended, path.message
-    if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
-        ended = Ended.WALL_AT_CLAMP
-        message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
-    fields = _fields(path, increments, mesh, wall)
+    if ended is EndReason.DEPTH_REACHED and reachable < obstacle.depth:
+        ended = EndReason.WALL_AT_CLAMP
+        message = f"The wall reached the clamped rim at {reachable:.3f} mm of {obstacle.depth:g} mm."
+    fields = _fields(path, increments, mesh, obstacle)
     jumps = [increment.depth for increment in path.increments if increment.jumped]
     return Press(
         mesh=mesh,
         material=material,
-        wall=wall,
+        obstacle=obstacle,
         solver=solver,
         **fields,
         derivatives=derivatives,
@@ -165,11 +165,11 @@ def _is_stop(depth: float, stops: tuple[float, ...]) -> bool:
     return any(abs(depth - stop) < _SAME_MM for stop in stops)
 
 
-def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
+def increment_depths(obstacle: ObstacleSpec, deepest: float) -> list[float]:
     """Depths in mm of the increments after rest: every increment step, every stop, and the deepest."""
-    count = int(np.floor(deepest / wall.image_step + 1e-9))
-    depths = [wall.image_step * (k + 1) for k in range(count)]
-    for stop in wall.stops:
+    count = int(np.floor(deepest / obstacle.depth_step + 1e-9))
+    depths = [obstacle.depth_step * (k + 1) for k in range(count)]
+    for stop in obstacle.stop_depths:
         depths = sorted([*(depth for depth in depths if abs(depth - stop) > _SAME_MM), stop])
     if not depths or deepest - depths[-1] > _SAME_MM:
         depths.append(deepest)
@@ -177,12 +177,16 @@ def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
 
 
 def start_press(
-    mesh: Mesh, material: Material, wall: ObstacleSpec, solver: SolverSpec, points_per_side: int = POINTS_PER_SIDE
+    mesh: Mesh,
+    material: Material,
+    obstacle_spec: ObstacleSpec,
+    solver: SolverSpec,
+    points_per_side: int = POINTS_PER_SIDE,
 ) -> Continuation:
     """Start the flat branch: the skin at rest with its base fixed, the obstacle at first touch."""
     solid = clamp_skin(mesh, material)
-    loading = load_surface(solver, mesh, material, wall, points_per_side)
-    obstacle, touched = wall.at_touch(mesh)
+    loading = load_surface(solver, mesh, material, obstacle_spec, points_per_side)
+    obstacle, touched = obstacle_spec.at_first_contact(mesh)
     probe = int(np.argmin(np.linalg.norm(loading.surface.points - touched, axis=1)))
     thickness, unit = mesh.skin.thickness, mesh.skin.base_radius / BASE_RADIUS
     monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
@@ -220,7 +224,7 @@ def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: Obstacl
         "peak_stress": np.array(peak),
         "contact_area": np.array(area),
         "apex_gap": np.array([monitor.gap(point.depth, point.state) for point in points]),
-        "hold_tension": np.array([point.tension for point in points]),
+        "stabilisation_tension": np.array([point.tension for point in points]),
         "negative_pivots": np.array([point.negative_pivots for point in points]),
     }
 
@@ -229,7 +233,7 @@ def _label(monitor: SkinMonitor, point: Increment) -> str:
     """Branch of an increment, or `NEITHER`."""
     if not monitor.inverted(point.depth, point.state):
         return str(Branch.FLAT)
-    return NEITHER if doubt(monitor, point) else str(Branch.INVERTED)
+    return NEITHER if explain_rejection(monitor, point) else str(Branch.INVERTED)
 
 
 def _work(points: list[Increment]) -> FloatArray:

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, PalpateError, Spec, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace, Rim, Skin, Symmetry, turn_about_axis
+from palpate.design import OFFSET_SPACE, PoseSpace, Rim, Skin, Symmetry, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -54,7 +54,7 @@ class ObstacleSpec(Spec, ABC):
     """
 
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
-    image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
+    depth_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
     unload: bool = False
     """Whether the wall is drawn back to first touch, through the same increments."""
     contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
@@ -78,7 +78,7 @@ class ObstacleSpec(Spec, ABC):
 
     @property
     @abstractmethod
-    def words(self) -> str:
+    def label(self) -> str:
         """What tells this obstacle from others like it, in words: ``tilt 5°``."""
 
     @property
@@ -90,7 +90,7 @@ class ObstacleSpec(Spec, ABC):
         return True
 
     @property
-    def drifts(self) -> bool:
+    def moves_laterally(self) -> bool:
         """Whether it moves other than along the skin's axis."""
         return False
 
@@ -100,14 +100,14 @@ class ObstacleSpec(Spec, ABC):
         return False
 
     @property
-    def stops(self) -> tuple[float, ...]:
+    def stop_depths(self) -> tuple[float, ...]:
         """Depths in mm where its way changes; there are increments there too."""
         return ()
 
     @property
     def pose_space(self) -> PoseSpace:
         """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
-        return OFFSET_DEPTH
+        return OFFSET_SPACE
 
     @property
     @abstractmethod
@@ -120,7 +120,7 @@ class ObstacleSpec(Spec, ABC):
         """Turn about the skin's axis from the frame of a half model to the skin's, degrees."""
 
     @abstractmethod
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         """The obstacle at first touch and the point (3,) mm that it touches, in the frame of the mesh.
 
         Raises
@@ -131,13 +131,13 @@ class ObstacleSpec(Spec, ABC):
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         """The obstacle at a depth in mm: moved against its way, unless it says otherwise."""
-        return partial(advanced, self.at_touch(mesh)[0], self.way(mesh))
+        return partial(translate_obstacle, self.at_first_contact(mesh)[0], self.approach_axis(mesh))
 
-    def way(self, mesh: Mesh) -> FloatArray:
+    def approach_axis(self, mesh: Mesh) -> FloatArray:
         """Unit vector (3,) against which it moves, in the frame of the mesh: the skin's axis by default."""
         return np.array([0.0, 0.0, 1.0])
 
-    def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
+    def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         """Refuse, with a `PalpateError`, a skin that it cannot come to, or one whose rim it would touch first."""
         if skin.hole:
             raise PalpateError(
@@ -158,13 +158,13 @@ class ObstacleSpec(Spec, ABC):
         PalpateError
             If half a skin was meshed that is not symmetric about the obstacle's plane.
         """
-        refuse_half(mesh, self)
+        check_half_model(mesh, self)
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
 
 
-def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
+def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
     """Refuse, with a `PalpateError`, a skin that an obstacle cannot come to, or half a one not symmetric about it."""
-    obstacle.refuse_skin(mesh.skin, mesh.spec.rim)
+    obstacle.check_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
     if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
         return
@@ -176,6 +176,6 @@ def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
         )
 
 
-def advanced(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
+def translate_obstacle(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
     """An obstacle that touches the skin, moved by a depth in mm against a unit vector (3,)."""
     return obstacle.moved(-depth * way)

@@ -17,7 +17,7 @@ from palpate.fea.press import Branch, Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import Mesh
 
 
@@ -27,7 +27,7 @@ class Stability:
 
     Attributes
     ----------
-    wall
+    obstacle
         Tilt, deepest travel, increment step and contact law.
     depth
         (n,) mm.
@@ -43,7 +43,7 @@ class Stability:
         One sentence for a person.
     """
 
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     depth: FloatArray
     flat_energy: FloatArray
     inverted_energy: FloatArray
@@ -55,13 +55,13 @@ class Stability:
 
 
 def find_stability(
-    mesh: Mesh, material: Material, wall: ObstacleSpec | None = None, solver: SolverSpec | None = None
+    mesh: Mesh, material: Material, obstacle: ObstacleSpec | None = None, solver: SolverSpec | None = None
 ) -> Stability:
     """Follow both branches of a dome.
 
     Parameters
     ----------
-    mesh, material, wall, solver
+    mesh, material, obstacle, solver
         As in `solve_press`.
 
     Returns
@@ -69,15 +69,15 @@ def find_stability(
     Stability
         At the depths of the increments of the flat press, from first touch on.
     """
-    flat = solve_press(mesh, material, wall, solver)
-    inverted = solve_press(mesh, material, wall, solver, Branch.INVERTED)
+    flat = solve_press(mesh, material, obstacle, solver)
+    inverted = solve_press(mesh, material, obstacle, solver, Branch.INVERTED)
     depth = np.union1d(np.round(flat.depth[1:], 9), np.round(inverted.depth[inverted.depth > 0], 9))
     found = inverted.branch == Branch.INVERTED
     start = float(inverted.depth[found].min()) if found.any() else float("nan")
-    lost = np.isfinite(flat.jump_depth) or flat.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
+    lost = np.isfinite(flat.jump_depth) or flat.ended not in (EndReason.DEPTH_REACHED, EndReason.WALL_AT_CLAMP)
     end = float(np.nanmin([flat.jump_depth, flat.ended_depth])) if lost else float("nan")
     return Stability(
-        wall=flat.wall,
+        obstacle=flat.obstacle,
         depth=depth,
         flat_energy=_at(flat, flat.energy, Branch.FLAT, depth),
         inverted_energy=_at(inverted, inverted.energy, Branch.INVERTED, depth),

@@ -10,7 +10,7 @@ name                  parameter                                            unit
 ``shift_across``      the same across it                                   mm
 ``twist_deg``         turn of the wall about its normal, after the press   deg
 ``drift``             travel along the wall's slope over depth             mm/mm
-``drift_across``      the same across it                                   mm/mm
+``lateral_rate_across``      the same across it                                   mm/mm
 ``twist_rate_deg``    turn of the wall about its normal over depth         deg/mm
 ``bend``              curvature of the wall, bulging towards the skin      1/m
 ``friction``          coefficient of friction                              1
@@ -32,28 +32,28 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.design import build_skin, rotation_vector, skin_from_data, turn_about_axis, wall_normal
-from palpate.fea.spec import ObstacleSpec, advanced
+from palpate.fea.spec import ObstacleSpec, translate_obstacle
 from palpate.fea.wall import Plane, WallSpec, drifting, slope_ways
 from palpate.material import Material, material_from_data
 from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
 from palpate.mesh import Mesh, reshape_mesh
 
 _POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg")
-WALL_NAMES = (*_POSE, *WallSpec.DRIFTS, "bend", "friction")
+WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "curvature", "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
 _STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
-_BEND_STEP = 3e-6
+_CURVATURE_STEP = 3e-6
 """The same of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
 
 
 @dataclass(frozen=True)
-class Made:
+class PathInputs:
     """What a path is made of.
 
     Attributes
     ----------
-    mesh, material, wall
+    mesh, material, obstacle
         Of the press.
     load
         Makes the loading of a mesh, material and wall.
@@ -63,25 +63,25 @@ class Made:
 
     mesh: Mesh
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     load: Callable[[Mesh, Material, ObstacleSpec], ContactLoading]
     loading: ContactLoading
     solid: Solid
 
 
-def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
+def parameter_names(mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> tuple[str, ...]:
     """Names by which a press may be differentiated."""
-    if wall.sideways:
+    if obstacle.sideways:
         return tuple(material.key_data()["constants"])
-    contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
-    if not isinstance(wall, WallSpec):
+    contact = [name for name in WALL_NAMES if name != "friction" or 0 < obstacle.friction < np.inf]
+    if not isinstance(obstacle, WallSpec):
         contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]
     sizes = {} if mesh.filling else mesh.skin.spec_data
     skin = [name for name, value in sizes.items() if isinstance(value, float) and name != "pin"]  # pins bear nothing
     return (*contact, *skin, *material.key_data()["constants"])
 
 
-def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
+def make_variations(made: PathInputs, names: Sequence[str]) -> tuple[Variation, ...]:
     """Variations of these names.
 
     Raises
@@ -89,7 +89,7 @@ def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
     PalpateError
         If the press cannot be differentiated by a name.
     """
-    known = names_of(made.mesh, made.material, made.wall)
+    known = parameter_names(made.mesh, made.material, made.obstacle)
     unknown = [name for name in names if name not in known]
     if unknown:
         raise PalpateError(
@@ -100,7 +100,7 @@ def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
     return tuple(_vary(made, name) for name in names)
 
 
-def _vary(made: Made, name: str) -> Variation:
+def _vary(made: PathInputs, name: str) -> Variation:
     if name in made.material.key_data()["constants"]:
         return _vary_material(made, name)
     if name in made.mesh.skin.spec_data:
@@ -110,23 +110,23 @@ def _vary(made: Made, name: str) -> Variation:
         return Variation(name, _STEP, high, low)
     if name in ("tilt_deg", "across_deg"):
         return _vary_wall(made, name)
-    if name in WallSpec.DRIFTS:
+    if name in WallSpec.LATERAL_FIELDS:
         return _vary_drift(made, name)
-    if name == "bend":
-        return _vary_bend(made)
+    if name == "curvature":
+        return _vary_curvature(made)
     half = not made.mesh.spec.whole
     if name == "twist_deg":
         high, low = (
             replace(made.loading, obstacle=partial(_twisted, made.loading.obstacle, np.radians(by)))
             for by in (_STEP, -_STEP)
         )
-        return Variation(name, _STEP, high, low, lasting=False, across=half)
-    turn = np.eye(3) if half else turn_about_axis(np.radians(made.wall.turn_deg))
+        return Variation(name, _STEP, high, low, lasting=False, antisymmetric=half)
+    turn = np.eye(3) if half else turn_about_axis(np.radians(made.obstacle.turn_deg))
     way = turn @ {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
     high, low = (
         replace(made.loading, obstacle=partial(_travelled, made.loading.obstacle, by * way)) for by in (_STEP, -_STEP)
     )
-    return Variation(name, _STEP, high, low, lasting=False, across=half and name == "shift_across")
+    return Variation(name, _STEP, high, low, lasting=False, antisymmetric=half and name == "shift_across")
 
 
 def _travelled(obstacle: Callable[[float], Obstacle], by: FloatArray, depth: float) -> Obstacle:
@@ -139,66 +139,70 @@ def _twisted(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> 
     return plane.twisted(by)
 
 
-def _vary_drift(made: Made, name: str) -> Variation:
+def _vary_drift(made: PathInputs, name: str) -> Variation:
     """The wall that drifts more, or less, on its way."""
-    assert isinstance(made.wall, WallSpec)
+    assert isinstance(made.obstacle, WallSpec)
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
     half = not made.mesh.spec.whole
-    ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.wall.azimuth_deg))
-    way = {"drift": ways[0], "drift_across": ways[1]}.get(name, np.zeros(3))
+    ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.obstacle.azimuth_deg))
+    way = {"lateral_rate": ways[0], "lateral_rate_across": ways[1]}.get(name, np.zeros(3))
     twist = np.radians(1.0) if name == "twist_rate_deg" else 0.0
     high, low = (
         replace(made.loading, obstacle=partial(drifting, made.loading.obstacle, by * way, by * twist))
         for by in (_STEP, -_STEP)
     )
-    return Variation(name, _STEP, high, low, across=half and name != "drift", sideways=True)
+    return Variation(name, _STEP, high, low, antisymmetric=half and name != "lateral_rate", sideways=True)
 
 
-def _vary_bend(made: Made) -> Variation:
+def _vary_curvature(made: PathInputs) -> Variation:
     """The wall more, or less, curved."""
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
     high, low = (
         replace(made.loading, obstacle=partial(_bent, made.loading.obstacle, 1e-3 * by))
-        for by in (_BEND_STEP, -_BEND_STEP)
+        for by in (_CURVATURE_STEP, -_CURVATURE_STEP)
     )
-    return Variation("bend", _BEND_STEP, high, low)
+    return Variation("curvature", _CURVATURE_STEP, high, low)
 
 
 def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obstacle:
     plane = obstacle(depth)
     assert isinstance(plane, Plane)
-    return replace(plane, bend=plane.bend + by)
+    return replace(plane, curvature=plane.curvature + by)
 
 
-def _vary_wall(made: Made, name: str) -> Variation:
+def _vary_wall(made: PathInputs, name: str) -> Variation:
     """The wall under another tilt, from first touch on."""
-    assert isinstance(made.wall, WallSpec)
+    assert isinstance(made.obstacle, WallSpec)
     across = name == "across_deg"
-    azimuth = np.radians(made.wall.azimuth_deg) if made.mesh.spec.whole else 0.0
-    along = rotation_vector(np.radians(made.wall.tilt_deg), azimuth)
+    azimuth = np.radians(made.obstacle.azimuth_deg) if made.mesh.spec.whole else 0.0
+    along = rotation_vector(np.radians(made.obstacle.tilt_deg), azimuth)
     unit = rotation_vector(1.0, azimuth + (np.pi / 2 if across else 0.0))
     sides = []
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
-        touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
-        sides.append(replace(made.loading, obstacle=partial(advanced, touched, made.wall.way(made.mesh))))
-    return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
+        touched = Plane(normal, made.mesh.skin.support_point(normal), curvature=1e-3 * made.obstacle.curvature)
+        sides.append(
+            replace(
+                made.loading, obstacle=partial(translate_obstacle, touched, made.obstacle.approach_axis(made.mesh))
+            )
+        )
+    return Variation(name, _STEP, sides[0], sides[1], antisymmetric=across and not made.mesh.spec.whole)
 
 
-def _vary_skin(made: Made, name: str) -> Variation:
+def _vary_skin(made: PathInputs, name: str) -> Variation:
     """A skin of another shape, meshed alike; its wall touches it anew."""
     sides = []
     for by in (_STEP, -_STEP):
         data = made.mesh.skin.spec_data
         sides.append(reshape_mesh(made.mesh, build_skin(skin_from_data(data | {name: data[name] + by}))))
-    high, low = (made.load(mesh, made.material, made.wall) for mesh in sides)
+    high, low = (made.load(mesh, made.material, made.obstacle) for mesh in sides)
     solids = (made.solid.remade(sides[0].nodes, made.material), made.solid.remade(sides[1].nodes, made.material))
     return Variation(name, _STEP, high, low, solids)
 
 
-def _vary_material(made: Made, name: str) -> Variation:
+def _vary_material(made: PathInputs, name: str) -> Variation:
     """A silicone with another constant; the penalty of contact goes with its stiffness."""
     data = made.material.key_data()
     step = _STEP * abs(float(data["constants"][name]))
@@ -206,7 +210,7 @@ def _vary_material(made: Made, name: str) -> Variation:
     for by in (step, -step):
         constants = data["constants"] | {name: data["constants"][name] + by}
         sides.append(material_from_data({"name": made.material.name, **data, "constants": constants}))
-    high, low = (made.load(made.mesh, material, made.wall) for material in sides)
+    high, low = (made.load(made.mesh, material, made.obstacle) for material in sides)
     solids = (made.solid.remade(made.mesh.nodes, sides[0]), made.solid.remade(made.mesh.nodes, sides[1]))
     return Variation(name, step, high, low, solids)
 

@@ -17,8 +17,8 @@ from pydantic import SerializerFunctionWrapHandler, model_serializer
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
-from palpate.design import TILT_DEPTH, PoseSpace, rotation_vector, wall_normal
-from palpate.fea.spec import ObstacleSpec, advanced
+from palpate.design import TILT_SPACE, PoseSpace, rotation_vector, wall_normal
+from palpate.fea.spec import ObstacleSpec, translate_obstacle
 from palpate.mechanics import Gap, Obstacle, tangents
 from palpate.mesh import Mesh
 
@@ -32,18 +32,18 @@ class WallSpec(ObstacleSpec):
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
 
-    DRIFTS: ClassVar[tuple[str, ...]] = ("drift", "drift_across", "twist_rate_deg")
+    LATERAL_FIELDS: ClassVar[tuple[str, ...]] = ("lateral_rate", "lateral_rate_across", "twist_rate_deg")
     """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
 
-    drift: float = parameter(
+    lateral_rate: float = parameter(
         0.0, unit="mm/mm", meaning="travel in the wall's plane, up or down its slope, over depth", ge=-1, le=1
     )
-    drift_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
+    lateral_rate_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
     twist_rate_deg: float = parameter(
         0.0, unit="deg/mm", meaning="turn about the wall's normal over depth", ge=-5, le=5
     )
 
-    bend: float = parameter(
+    curvature: float = parameter(
         0.0, unit="1/m", meaning="curvature in all directions; positive: bulging towards the dome", ge=-20, le=100
     )
 
@@ -51,20 +51,22 @@ class WallSpec(ObstacleSpec):
     def _leave_out_nothing(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """A flat wall that does not drift is written as before there were others: artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
-        return {name: value for name, value in content.items() if name not in (*self.DRIFTS, "bend") or value}
+        return {
+            name: value for name, value in content.items() if name not in (*self.LATERAL_FIELDS, "curvature") or value
+        }
 
     @property
-    def drifts(self) -> bool:
-        return any(getattr(self, name) for name in self.DRIFTS)
+    def moves_laterally(self) -> bool:
+        return any(getattr(self, name) for name in self.LATERAL_FIELDS)
 
     @property
-    def words(self) -> str:
-        bent = f" of curvature {self.bend:g}/m" if self.bend else ""
-        return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.drifts else "")
+    def label(self) -> str:
+        bent = f" of curvature {self.curvature:g}/m" if self.curvature else ""
+        return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.moves_laterally else "")
 
     @property
     def pose_space(self) -> PoseSpace:
-        return TILT_DEPTH
+        return TILT_SPACE
 
     @property
     def radial(self) -> float:
@@ -74,26 +76,26 @@ class WallSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         normal = self.normal(mesh)
-        touched = mesh.skin.touch(normal)
-        return Plane(normal, touched, bend=1e-3 * self.bend), touched
+        touched = mesh.skin.support_point(normal)
+        return Plane(normal, touched, curvature=1e-3 * self.curvature), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        touched, _ = self.at_touch(mesh)
-        down = partial(advanced, touched, self.way(mesh))
-        if not self.drifts:
+        touched, _ = self.at_first_contact(mesh)
+        down = partial(translate_obstacle, touched, self.approach_axis(mesh))
+        if not self.moves_laterally:
             return down
-        if not mesh.spec.whole and (self.drift_across or self.twist_rate_deg):
+        if not mesh.spec.whole and (self.lateral_rate_across or self.twist_rate_deg):
             raise PalpateError(
-                f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
+                f"A wall that drifts by {self.lateral_rate_across:g} mm/mm across its slope, or turns by "
                 f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
                 code="mesh-whole-needed",
             )
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
-        way = self.drift * along + self.drift_across * across
+        way = self.lateral_rate * along + self.lateral_rate_across * across
         return partial(drifting, down, way, np.radians(self.twist_rate_deg))
 
     def normal(self, mesh: Mesh) -> FloatArray:
@@ -125,14 +127,14 @@ class Plane(Obstacle):
         (3,) mm, a point that moves with the plane.
     axes
         (3, 3) its own axes as columns, once it has turned about its normal.
-    bend
+    curvature
         1/mm, its curvature; negative: hollow.
     """
 
     normal: FloatArray
     point: FloatArray
     axes: FloatArray | None = None
-    bend: float = 0.0
+    curvature: float = 0.0
 
     def moved(self, by: FloatArray) -> Self:
         return replace(self, point=self.point + by)
@@ -143,13 +145,13 @@ class Plane(Obstacle):
         return replace(self, axes=Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
 
     def gap(self, points: FloatArray) -> Gap:
-        if self.bend:
-            return _bent_gap(points - self.point, self.normal, self.bend)
+        if self.curvature:
+            return _bent_gap(points - self.point, self.normal, self.curvature)
         return Gap(_height(points, self.point, self.normal), np.tile(self.normal, (len(points), 1)), None)
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
         along, across = tangents(self.normal)
-        if self.bend:
+        if self.curvature:
             raise PalpateError(
                 "A bent wall has no flat facets.",
                 "Press with a ball of its radius instead.",
@@ -158,16 +160,16 @@ class Plane(Obstacle):
         sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
         return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
 
-    def reach(self, points: FloatArray) -> FloatArray:
-        if self.bend:
-            return super().reach(points)
+    def penetration(self, points: FloatArray) -> FloatArray:
+        if self.curvature:
+            return super().penetration(points)
         reach: FloatArray = (points - self.point) @ self.normal
         return reach
 
-    def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.bend:
-            return super().foot(points)
-        reach = self.reach(points)
+    def closest_points(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.curvature:
+            return super().closest_points(points)
+        reach = self.penetration(points)
         place = points - self.point - reach[:, None] * self.normal
         return reach, place if self.axes is None else place @ self.axes
 
@@ -190,23 +192,23 @@ def slope_ways(normal: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArr
     return np.cross(normal, across), across
 
 
-def drifting(wall: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
+def drifting(obstacle: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
     """A wall at a depth in mm that goes the `way` (3,) mm/mm besides, and turns by `twist` rad/mm."""
-    plane = wall(depth)
+    plane = obstacle(depth)
     assert isinstance(plane, Plane)
     return plane.moved(depth * way).twisted(depth * twist)
 
 
-def _bent_gap(arm: FloatArray, normal: FloatArray, bend: float) -> Gap:
+def _bent_gap(arm: FloatArray, normal: FloatArray, curvature: float) -> Gap:
     """Gap of a ball of radius ``1/bend`` mm from the vectors (n, 3) mm to points from where a plane touches it.
 
-    Written so that it becomes the plane's as `bend` goes to 0.
+    Written so that it becomes the plane's as `curvature` goes to 0.
     """
     height, square = arm @ normal, (arm**2).sum(axis=1)
-    far = np.sqrt(1.0 - 2.0 * bend * height + bend**2 * square)  # distance from the centre over the radius
-    way = (normal - bend * arm) / far[:, None]
-    hessian = (way[:, :, None] * way[:, None, :] - np.eye(3)) * (bend / far)[:, None, None]
-    return Gap((2.0 * height - bend * square) / (1.0 + far), way, hessian)
+    far = np.sqrt(1.0 - 2.0 * curvature * height + curvature**2 * square)  # distance from the centre over the radius
+    way = (normal - curvature * arm) / far[:, None]
+    hessian = (way[:, :, None] * way[:, None, :] - np.eye(3)) * (curvature / far)[:, None, None]
+    return Gap((2.0 * height - curvature * square) / (1.0 + far), way, hessian)
 
 
 @kernel

@@ -14,7 +14,7 @@ from palpate.grid.grid import Cell, Row, SpecificationGrid
 
 DESIGN = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
 """Columns that say which design a row is; several such rows are matched in their order."""
-METRICS = ("rmse_deg", "max_error_deg", "rmse_jitter_deg", "limit_deg")
+METRICS = ("rmse_deg", "max_error_deg", "rmse_jitter_deg", "bound_deg")
 SEEDS = ("seed", "dataset_seed", "learning_seed")
 VARIES = "varies by design"
 MOVED = 2.0

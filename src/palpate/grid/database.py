@@ -1,7 +1,7 @@
 """A grid as an SQLite file, so that other programs can ask it.
 
     design      one row a design: every figure that belongs to the design as a whole
-    by_depth    one row a design and depth: rmse_deg, max_error_deg, limit_deg, …
+    by_depth    one row a design and depth: rmse_deg, max_error_deg, bound_deg, …
     by_tilt     one row a design and interval of tilt
     presses     one row a design and press: tilt_deg, ended, branch, force_n, …
     provenance  one row a design and fact: keys of its artefacts down to the presses, versions, spec (JSON)
@@ -18,7 +18,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, rename_columns
 from palpate.grid.grid import Cell, Row, SpecificationGrid
 
 SCHEMA_VERSION = 2
@@ -97,12 +97,12 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
         marks = [database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
         if marks[0] != APPLICATION:
             raise ValueError("it is no grid")
-        refuse_older(path, marks[1], SCHEMA_VERSION)
-        designs = [dict(row) for row in database.execute("SELECT * FROM design ORDER BY design")]
+        check_schema_version(path, marks[1], SCHEMA_VERSION)
+        designs = [rename_columns(dict(row)) for row in database.execute("SELECT * FROM design ORDER BY design")]
         for number, row in enumerate(designs):
             if row.pop("design") != number:
                 raise ValueError("its designs are not numbered from 0")
-        tables = [[dict(row) for row in database.execute(f"SELECT * FROM {table}")] for table in KEYS]
+        tables = [[rename_columns(dict(row)) for row in database.execute(f"SELECT * FROM {table}")] for table in KEYS]
         facts: dict[str, list[dict[str, str]]] = {}
         for fact in database.execute("SELECT * FROM provenance ORDER BY rowid"):
             found = facts.setdefault(fact["kind"], [{} for _ in designs])
@@ -116,7 +116,7 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
     return SpecificationGrid(tuple(designs), *(tuple(table) for table in tables))
 
 
-def refuse_older(path: Path, version: Any, known: int) -> None:
+def check_schema_version(path: Path, version: Any, known: int) -> None:
     """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
     if version != known:
         older = isinstance(version, int) and version < known

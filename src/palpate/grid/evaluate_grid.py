@@ -9,10 +9,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
-from palpate.built import BuiltFigure
-from palpate.design import TILT_DEPTH
+from palpate.built import PredictedAccuracy
+from palpate.design import TILT_SPACE
 from palpate.grid.grid import Cell, Row, SpecificationGrid
-from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
+from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_bound, pool_bounds
 from palpate.study import DesignResult, PressSummary
 
 Part = DepthErrors | TiltErrors
@@ -52,7 +52,7 @@ def _table(rows: Iterable[Row]) -> tuple[Row, ...]:
 def _by_depth(design: DesignResult) -> list[Row]:
     """Errors, limits and how near they come, by rising depth."""
     errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
-    limits = {round(limit.depth_mm, 6): limit for limit in design.limits}
+    limits = {round(limit.depth_mm, 6): limit for limit in design.bounds}
     rows: list[Row] = []
     for depth in sorted({*limits, *(place[0] for place in errors)}):
         limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None))
@@ -60,10 +60,10 @@ def _by_depth(design: DesignResult) -> list[Row]:
         row = {
             "depth_mm": depth,
             **found,
-            "limit_deg": bound,
-            "limit_pitman_deg": limit.pitman_deg if limit else None,
-            "limit_floor_deg": limit.floor_deg if limit else None,
-            "rmse_over_limit": rmse / bound if isinstance(rmse, float) and bound else None,
+            "bound_deg": bound,
+            "bound_pitman_deg": limit.pitman_deg if limit else None,
+            "bound_floor_deg": limit.floor_deg if limit else None,
+            "rmse_over_bound": rmse / bound if isinstance(rmse, float) and bound else None,
         }
         rows.append(row)
     return rows
@@ -129,18 +129,18 @@ def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     }
 
 
-def _built(figures: Sequence[BuiltFigure]) -> dict[str, Cell]:
+def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
     """What built units will be: as they come, and once known presses have told each."""
     if not figures:
         return {}
     first, known = figures
     return {
         "built_rmse_deg": first.rmse_deg,
-        "built_worst_deg": first.worst_deg,
-        "known_rmse_deg": known.rmse_deg,
-        "known_worst_deg": known.worst_deg,
-        "known_depth_rmse_mm": known.depth_rmse,
-        "known_presses": known.known,
+        "built_p95_deg": first.p95_deg,
+        "calibrated_rmse_deg": known.rmse_deg,
+        "calibrated_p95_deg": known.p95_deg,
+        "calibrated_depth_rmse_mm": known.depth_rmse,
+        "calibration_presses": known.calibration_presses,
     }
 
 
@@ -155,12 +155,12 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
 
 def _limits(design: DesignResult) -> dict[str, Cell]:
     """Bounds on the jittered RMSE and how near it comes, over all depths."""
-    judged = compare_with_limit(design.jittered, design.limits) if design.jittered else None
-    pooled = judged[0] if judged else pool_limits(design.limits)
+    judged = compare_with_bound(design.jittered, design.bounds) if design.jittered else None
+    pooled = judged[0] if judged else pool_bounds(design.bounds)
     return {
-        "limit_deg": pooled.least_squares_deg if pooled else None,
-        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
-        "rmse_over_limit": judged[1] if judged else None,
+        "bound_deg": pooled.least_squares_deg if pooled else None,
+        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
+        "rmse_over_bound": judged[1] if judged else None,
     }
 
 
@@ -173,7 +173,7 @@ def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
         "interval_half_width_deg": coverage.half_width_deg if coverage else None,
         "interval_half_width_mm": coverage.half_width_mm if coverage else None,
         "interval_presses": coverage.presses if coverage else None,
-        "called_outside": coverage.outside if coverage else None,
+        "flagged_ood": coverage.outside if coverage else None,
     }
 
 
@@ -182,7 +182,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
-    for axis, _, unit in TILT_DEPTH.errors:
+    for axis, _, unit in TILT_SPACE.errors:
         summary = metrics.by_axis[axis]
         for figure in ("rmse", "mae", "max", "sd", "bias"):
             if axis == "angle" and figure in ("rmse", "max"):

@@ -7,10 +7,10 @@ import html
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.core import PalpateError, load_extra, written_whole
-from palpate.grid.grid import MAIN_COLUMNS, TABLES, Cell, Row, SpecificationGrid, name_row, unit_of
+from palpate.core import PalpateError, atomic_write, load_extra
+from palpate.grid.grid import MAIN_COLUMNS, TABLES, Cell, Row, SpecificationGrid, column_unit, design_label
 
-SHORT = (
+CSV_COLUMNS = (
     "height_mm",
     "base_radius_mm",
     "thickness_mm",
@@ -22,9 +22,9 @@ SHORT = (
     "max_error_jitter_deg",
     "rmse_spread_deg",
     "rmse_depth_mm",
-    "limit_deg",
-    "limit_pitman_deg",
-    "rmse_over_limit",
+    "bound_deg",
+    "bound_pitman_deg",
+    "rmse_over_bound",
     "interval_coverage",
     "interval_half_width_deg",
     "travel_mm",
@@ -73,31 +73,31 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
             f"Let the name end in {', '.join(_WRITERS)}.",
             code="file-ending-unknown",
         )
-    with written_whole(path) as draft:
+    with atomic_write(path) as draft:
         writer(draft, grid)
         names = sorted(made.name for made in draft.parent.iterdir())
     return tuple(path.parent / name for name in names)
 
 
-def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}") -> None:
+def write_csv(path: Path, grid: SpecificationGrid, other: str = "{stem}_{table}") -> None:
     """Write the four tables as CSV; a cell without a figure is empty.
 
     Parameters
     ----------
     path
-        File of the designs: their names and the columns of `SHORT` that they have.
+        File of the designs: their names and the columns of `CSV_COLUMNS` that they have.
     grid
         The grid.
-    beside
+    other
         How the files of the other tables are named, from ``stem`` of the file and ``table``.
     """
-    names = [name_row(row) for row in grid.designs]
-    columns = [name for name in SHORT if name in grid.columns]
+    names = [design_label(row) for row in grid.designs]
+    columns = [name for name in CSV_COLUMNS if name in grid.columns]
     rows = zip(names, grid.designs, strict=True)
     _write_rows(path, [{"name": name, **{column: row[column] for column in columns}} for name, row in rows])
     for table in TABLES:
         numbered: Sequence[Row] = getattr(grid, table)
-        file = path.with_name(beside.format(stem=path.stem, table=table) + path.suffix)
+        file = path.with_name(other.format(stem=path.stem, table=table) + path.suffix)
         _write_rows(file, [{"name": names[int(str(row["design"]))], **row} for row in numbered])
 
 
@@ -124,7 +124,7 @@ def _write_columns(path: Path, rows: Sequence[Row]) -> None:
         known = [cell for cell in cells if cell is not None]
         whole = bool(known) and all(isinstance(cell, int) for cell in known)
         kind = pyarrow.string() if texts else pyarrow.int64() if whole else pyarrow.float64()
-        unit = unit_of(name)
+        unit = column_unit(name)
         fields.append(pyarrow.field(name, kind, metadata={"unit": unit} if unit else None))
         arrays.append(pyarrow.array(cells, kind))
     parquet.write_table(pyarrow.table(arrays, schema=pyarrow.schema(fields)), path)
@@ -157,7 +157,7 @@ def _line(cells: list[str]) -> str:
 
 
 def _heading(column: str) -> str:
-    unit = unit_of(column)
+    unit = column_unit(column)
     words = column.rsplit("_", 1)[0] if unit else column
     return words.replace("_", " ") + (f" ({unit})" if unit else "")
 

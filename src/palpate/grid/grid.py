@@ -15,16 +15,16 @@ MAIN_COLUMNS = (
     "thickness_mm",
     "markers",
     "built_rmse_deg",
-    "built_worst_deg",
-    "known_rmse_deg",
-    "known_worst_deg",
+    "built_p95_deg",
+    "calibrated_rmse_deg",
+    "calibrated_p95_deg",
     "rmse_deg",
     "max_error_deg",
     "rmse_jitter_deg",
     "max_error_jitter_deg",
     "rmse_spread_deg",
-    "limit_deg",
-    "rmse_over_limit",
+    "bound_deg",
+    "rmse_over_bound",
     "interval_coverage",
     "travel_mm",
     "peak_stress_mpa",
@@ -53,7 +53,7 @@ class SpecificationGrid:
         One row a design, in the order of the study.
     by_depth
         One a design and depth: ``design``, ``depth_mm``, then ``rmse_deg``, ``max_error_deg``, both ``_jitter``,
-        ``validation_samples``, ``limit_deg``, ``limit_pitman_deg``, ``limit_floor_deg``, ``rmse_over_limit``.
+        ``validation_samples``, ``bound_deg``, ``bound_pitman_deg``, ``bound_floor_deg``, ``rmse_over_bound``.
     by_tilt
         One a design and interval of true tilt: ``design``, ``tilt_from_deg``, ``tilt_to_deg``, then the errors.
     presses
@@ -63,16 +63,16 @@ class SpecificationGrid:
 
     Notes
     -----
-    ``built_rmse_deg`` is foreseen for units as a workshop builds them (`palpate.built.foresee`), ``built_worst_deg``
-    the greatest error that 19 of 20 of them stay below; ``known_…`` the same once ``known_presses`` presses have told
-    each unit. A study that does not ask for built units has none of these.
+    ``built_rmse_deg`` is foreseen for units as a workshop builds them (`palpate.built.foresee`), ``built_p95_deg``
+    the greatest error that 19 of 20 of them stay below; ``known_…`` the same once ``calibration_presses`` presses
+    have told each unit. A study that does not ask for built units has none of these.
     ``rmse_deg`` and ``max_error_deg`` pool both components of the angle, as in the paper, over the images of the
     held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_spread_deg`` is the standard deviation of
-    ``rmse_deg`` over the repeats of the training, each by itself. ``limit_deg`` is the least-squares bound on
-    ``rmse_jitter_deg`` over the same images, ``limit_pitman_deg`` that of the posterior mean, ``rmse_over_limit`` the
+    ``rmse_deg`` over the repeats of the training, each by itself. ``bound_deg`` is the least-squares bound on
+    ``rmse_jitter_deg`` over the same images, ``bound_pitman_deg`` that of the posterior mean, ``rmse_over_bound`` the
     jittered RMSE over the first. ``interval_coverage`` is the share of true angles inside their interval of the level
     ``interval_level``, on jittered images of presses that neither trained nor calibrated it (``interval_presses`` of
-    them), ``interval_half_width_deg`` its mean half-width; ``called_outside`` the share of those images that were
+    them), ``interval_half_width_deg`` its mean half-width; ``flagged_ood`` the share of those images that were
     called out of the trained range. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis.
     ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
     poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
@@ -100,7 +100,7 @@ class SpecificationGrid:
         """Names of the columns of `designs`, in order."""
         return tuple(self.designs[0]) if self.designs else ()
 
-    def keep(self, designs: Sequence[Row]) -> SpecificationGrid:
+    def select(self, designs: Sequence[Row]) -> SpecificationGrid:
         """The grid of some of its own designs alone, in the order given."""
         numbers = {id(row): number for number, row in enumerate(self.designs)}
         places = {numbers[id(row)]: place for place, row in enumerate(designs)}
@@ -111,28 +111,28 @@ class SpecificationGrid:
         return SpecificationGrid(tuple(designs), *tables)
 
 
-def rows_of(table: Sequence[Row], design: int) -> tuple[Row, ...]:
+def rows_for_design(table: Sequence[Row], design: int) -> tuple[Row, ...]:
     """The rows of `by_depth`, `by_tilt` or `presses` of one design, by its number in the grid."""
     return tuple(row for row in table if row["design"] == design)
 
 
-def name_row(row: Row) -> str:
+def design_label(row: Row) -> str:
     """Name of a design in words, e.g. ``"H20 T2, 169 markers"``.
 
     Examples
     --------
-    >>> name_row({"height_mm": 20.0, "thickness_mm": 2.0, "markers": 169})
+    >>> design_label({"height_mm": 20.0, "thickness_mm": 2.0, "markers": 169})
     'H20 T2, 169 markers'
     """
     return f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
 
 
-def unit_of(column: str) -> str:
+def column_unit(column: str) -> str:
     """Unit of a column by its suffix; empty for a pure number or a word.
 
     Examples
     --------
-    >>> unit_of("rmse_depth_mm"), unit_of("markers")
+    >>> column_unit("rmse_depth_mm"), column_unit("markers")
     ('mm', '')
     """
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")

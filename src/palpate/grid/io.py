@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from palpate.core import PalpateError, written_into
-from palpate.grid.database import read_database, refuse_older, write_database
+from palpate.core import PalpateError, atomic_write_into, rename_columns
+from palpate.grid.database import check_schema_version, read_database, write_database
 from palpate.grid.export import write_csv
-from palpate.grid.grid import TABLES, SpecificationGrid, unit_of
-from palpate.grid.plot import draw_plot, name_plot
+from palpate.grid.grid import TABLES, SpecificationGrid, column_unit
+from palpate.grid.plot import draw_plot, plot_file_name
 
 FORMAT, FORMAT_VERSION = "palpate specification grid", 2
 
 DATABASE = "grid.sqlite"
 
-BUILT = (("heat", "built_rmse_deg"), ("heat", "known_worst_deg"))
+BUILT = (("heat", "built_rmse_deg"), ("heat", "calibrated_p95_deg"))
 """Pictures of a grid whose study asked for built units."""
 PICTURES = (
     ("heat", "rmse_deg"),
@@ -50,7 +50,7 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     PalpateError
         If the folder cannot be written.
     """
-    with written_into(directory) as drafts:
+    with atomic_write_into(directory) as drafts:
         write_csv(drafts / "grid.csv", grid, "{table}")
         _write_json(drafts / "grid.json", grid)
         if grid.designs:
@@ -78,8 +78,8 @@ def read_grid(directory: Path) -> SpecificationGrid:
         content = json.loads(path.read_text(encoding="utf-8"))
         if content["format"] != FORMAT:
             raise ValueError(f"it is not a {FORMAT}")
-        refuse_older(path, content["version"], FORMAT_VERSION)
-        return SpecificationGrid(*(tuple(dict(row) for row in content[table]) for table in ("designs", *TABLES)))
+        check_schema_version(path, content["version"], FORMAT_VERSION)
+        return SpecificationGrid(*(tuple(map(rename_columns, content[table])) for table in ("designs", *TABLES)))
     except FileNotFoundError:
         raise PalpateError(
             f"{directory} has no grid.json.", "Give the result folder of a finished study.", code="grid-missing"
@@ -91,7 +91,7 @@ def read_grid(directory: Path) -> SpecificationGrid:
 
 
 def _write_json(path: Path, grid: SpecificationGrid) -> None:
-    units = {name: unit_of(name) for name in grid.columns if unit_of(name)}
+    units = {name: column_unit(name) for name in grid.columns if column_unit(name)}
     parts = [f'"format": "{FORMAT}"', f'"version": {FORMAT_VERSION}', f'"units": {json.dumps(units)}']
     for table in ("designs", *TABLES):
         rows = ",\n".join(json.dumps(dict(row), allow_nan=False) for row in getattr(grid, table))
@@ -105,4 +105,4 @@ def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
 
     built = (picture for picture in BUILT if picture[1] in grid.columns)
     for kind, metric in (*built, *PICTURES):
-        write_picture(directory / name_plot(kind, metric), draw_plot(grid, kind, metric))
+        write_picture(directory / plot_file_name(kind, metric), draw_plot(grid, kind, metric))

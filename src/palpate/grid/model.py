@@ -5,8 +5,8 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError, writing
-from palpate.grid.grid import SpecificationGrid, name_row
+from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
+from palpate.grid.grid import SpecificationGrid, design_label
 from palpate.learn import open_predictor
 
 
@@ -37,7 +37,7 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
             "No design of the grid is left.", "Choose fewer conditions in --where.", code="grid-selection-empty"
         )
     row = grid.designs[0]
-    name = name_row(row)
+    name = design_label(row)
     kind = "forces" if row.get("forces_key") else "estimator"  # the same estimator, which tells forces as well
     key = row.get(f"{kind}_key")
     if not isinstance(key, str) or not key:
@@ -50,6 +50,6 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
             code="artefact-not-stored",
         )
     open_predictor(path)
-    with writing(out):
+    with wrap_write_errors(out):
         shutil.copyfile(path, out)
     return name

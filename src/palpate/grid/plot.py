@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import PalpateError, written_into
-from palpate.grid.grid import SpecificationGrid, unit_of
+from palpate.core import PalpateError, atomic_write_into
+from palpate.grid.grid import SpecificationGrid, column_unit
 from palpate.grid.panel import (
     CurvePanel,
     cut_depth_panels,
@@ -22,21 +22,21 @@ from palpate.grid.query import check_column
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KINDS = ("heat", "travel", "depth", "tilt", "markers")
+PLOT_KINDS = ("heat", "travel", "depth", "tilt", "markers")
 TITLES = {
     "built_rmse_deg": "RMSE of the contact angle, units as built",
-    "built_worst_deg": "Greatest error of the contact angle that 19 of 20 units stay below",
-    "known_rmse_deg": "RMSE of the contact angle, units told by known presses",
-    "known_worst_deg": "Greatest error that 19 of 20 units told by known presses stay below",
+    "built_p95_deg": "Greatest error of the contact angle that 19 of 20 units stay below",
+    "calibrated_rmse_deg": "RMSE of the contact angle, units told by known presses",
+    "calibrated_p95_deg": "Greatest error that 19 of 20 units told by known presses stay below",
     "rmse_deg": "RMSE of the contact angle, clean images",
     "max_error_deg": "Greatest error of the contact angle, clean images",
     "rmse_jitter_deg": "RMSE of the contact angle, jittered images",
     "max_error_jitter_deg": "Greatest error of the contact angle, jittered images",
     "rmse_spread_deg": "Spread of the RMSE over the repeats, clean images",
-    "limit_deg": "Least-squares limit of the contact angle, jittered images",
-    "limit_pitman_deg": "Pitman limit of the contact angle, jittered images",
-    "limit_floor_deg": "Floor of the error of the contact angle, jittered images",
-    "rmse_over_limit": "RMSE over the least-squares limit, jittered images",
+    "bound_deg": "Least-squares limit of the contact angle, jittered images",
+    "bound_pitman_deg": "Pitman limit of the contact angle, jittered images",
+    "bound_floor_deg": "Floor of the error of the contact angle, jittered images",
+    "rmse_over_bound": "RMSE over the least-squares limit, jittered images",
     "travel_mm": "Marker travel from rest at the greatest depth",
     "peak_stress_straight_mpa": "Greatest von Mises stress, straight press",
     "displacement_mean_straight_mm": "Mean displacement of the dome, straight press",
@@ -83,24 +83,24 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     """
     from palpate.grid.draw import write_picture
 
-    refuse_unknown(grid, kind, metric)
-    name = name_plot(kind, metric)
+    check_plot_request(grid, kind, metric)
+    name = plot_file_name(kind, metric)
     figure = draw_plot(grid, kind, metric)
-    with written_into(directory, "Choose another with -o.") as drafts:
+    with atomic_write_into(directory, "Choose another with -o.") as drafts:
         write_picture(drafts / name, figure)
         names = sorted(made.name for made in drafts.iterdir())
     return tuple(directory / name for name in names)
 
 
-def first_metric(grid: SpecificationGrid) -> str:
+def default_metric(grid: SpecificationGrid) -> str:
     """What a person sees first: errors of units as built where they were foreseen, else those of clean images."""
     return next((name for name in ("built_rmse_deg", "rmse_deg") if name in grid.columns), "rmse_deg")
 
 
 def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
     """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
-    metric = metric or first_metric(grid)
-    refuse_unknown(grid, kind, metric)
+    metric = metric or default_metric(grid)
+    check_plot_request(grid, kind, metric)
     return draw_plot(grid, kind, metric)
 
 
@@ -108,7 +108,7 @@ def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     """Draw one metric of a grid; for `kind` and `metric` see `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
 
-    title, unit = TITLES.get(metric, _words(metric)), unit_of(metric)
+    title, unit = TITLES.get(metric, _words(metric)), column_unit(metric)
     label = LABELS.get(metric, f"{_words(metric)} ({unit})" if unit else _words(metric))
     if kind == "heat":
         return draw_heat_maps(cut_panels(grid, metric), title, unit)
@@ -118,7 +118,7 @@ def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     return draw_curves(cut(grid, metric), f"{title}, by {across.rsplit(' (', 1)[0]}", across, label)
 
 
-def name_plot(kind: str, metric: str) -> str:
+def plot_file_name(kind: str, metric: str) -> str:
     """Name of a picture's file without its ending."""
     short = metric.removesuffix("_deg")
     return _NAMES.get((kind, metric), f"heat_map_{short}" if kind == "heat" else f"{short}_by_{_BY[kind]}")
@@ -127,12 +127,12 @@ def name_plot(kind: str, metric: str) -> str:
 _BY = {"travel": "thickness", "depth": "depth", "tilt": "tilt", "markers": "markers"}
 
 
-def refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
+def check_plot_request(grid: SpecificationGrid, kind: str, metric: str) -> None:
     """Refuse what `plot_grid` cannot draw, with its errors."""
-    if kind not in KINDS:
+    if kind not in PLOT_KINDS:
         raise PalpateError(
             f"There is no kind of picture '{kind}'.",
-            f"Choose one of {', '.join(KINDS)}.",
+            f"Choose one of {', '.join(PLOT_KINDS)}.",
             code="picture-kind-unknown",
         )
     if not grid.designs:
@@ -157,6 +157,6 @@ def refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
 
 
 def _words(metric: str) -> str:
-    unit = unit_of(metric)
+    unit = column_unit(metric)
     short = metric.removesuffix(f"_{unit.lower()}") if unit else metric
     return short.replace("_", " ").replace("rmse", "RMSE")

@@ -13,7 +13,7 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, new_column
 from palpate.grid.grid import Cell, Row
 
 LONGEST = 1000
@@ -52,6 +52,7 @@ def filter_rows(rows: Sequence[Row], where: str) -> tuple[Row, ...]:
     question = _parse(where)
     for node in ast.walk(question):
         if isinstance(node, ast.Name) and rows:
+            node.id = new_column(node.id, rows[0])
             check_column(node.id, rows[0])
     return tuple(row for row in rows if _holds(question, row))
 
@@ -73,6 +74,7 @@ def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
     """
     column, reverse = _parse_order(by)
     if rows:
+        column = new_column(column, rows[0])
         check_column(column, rows[0])
     known = [row for row in rows if row[column] is not None]
     known.sort(key=lambda row: row[column], reverse=reverse)  # type: ignore[arg-type,return-value]

@@ -58,7 +58,7 @@ class Coverage:
     false_alarm: float
 
 
-def calibrate(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
+def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
     """Give an estimator its interval, from some of the held-out presses; its estimates stay as they are.
 
     Parameters
@@ -75,7 +75,7 @@ def calibrate(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimato
     Estimator
         With an interval; unchanged where a single press is held out, since none would be left to prove it.
     """
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     if len(np.unique(held.press)) < 2:
         return estimator
     chosen = hold_out(held.press, SHARE, child_seed(seed, "calibration"))
@@ -112,7 +112,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
         `None` where the estimator has no interval, or one that promises nothing.
     """
     interval = estimator.interval
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     if interval is None or not np.isfinite(interval.factor).all():
         return None
     images, poses, press = _jittered(held, ~np.isin(held.press, interval.presses), child_seed(seed, "coverage"))
@@ -126,7 +126,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
         depth=float(covered[:, 2].mean()),
         half_width_deg=float(found.half_width[:, :2].mean()),
         half_width_mm=float(found.half_width[:, 2].mean()),
-        outside=float(found.outside.mean()),
+        outside=float(found.out_of_distribution.mean()),
         false_alarm=interval.trained.false_alarm,
     )
 
@@ -138,28 +138,28 @@ def _jittered(held: Dataset, rows: BoolArray, seed: int) -> tuple[FloatArray, Fl
     return jittered, np.tile(held.poses[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
 
 
-def _measure_scale(estimator: Estimator, kept: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:
+def _measure_scale(estimator: Estimator, model: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:
     """Depths (d,) and RMS error (d, 3) on training images with jitter that the training did not see."""
     rng = generator(seed, "scale")
-    rows = rng.permutation(len(kept.poses))[:MOST_IMAGES]
-    images = draw_jitter(kept.images_px[rows], kept.spec.jitter_px, rng)
-    squares = (estimator.predict(images) - kept.poses[rows]) ** 2
-    depth = np.round(kept.poses[rows, 2], 6)
+    rows = rng.permutation(len(model.poses))[:MOST_IMAGES]
+    images = draw_jitter(model.images_px[rows], model.spec.jitter_px, rng)
+    squares = (estimator.predict(images) - model.poses[rows]) ** 2
+    depth = np.round(model.poses[rows, 2], 6)
     depths = np.unique(depth)
     error = np.sqrt([squares[depth == one].mean(axis=0) for one in depths])
     return depths, np.maximum(error, LEAST_ERROR)
 
 
-def _find_range(kept: Dataset, seed: int) -> TrainedRange:
+def _find_range(model: Dataset, seed: int) -> TrainedRange:
     """The trained range, without a threshold yet."""
-    noise = max(kept.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
-    moved = (kept.images_px - kept.rest_px).reshape(len(kept.images_px), -1)
+    noise = max(model.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
+    moved = (model.images_px - model.rest_px).reshape(len(model.images_px), -1)
     centre = moved.mean(axis=0)
     variance, directions = np.linalg.eigh(np.cov(moved, rowvar=False))
     directions = directions[:, variance > min(noise**2, float(variance[-1]) / 2)]
     coordinates = (moved - centre) @ directions
     rows = generator(seed, "range").permutation(len(moved))[:MOST_IMAGES]
-    noisy = draw_jitter(moved[rows], kept.spec.jitter_px, generator(seed, "range jitter")) - centre
+    noisy = draw_jitter(moved[rows], model.spec.jitter_px, generator(seed, "range jitter")) - centre
     rest = np.sqrt(((noisy - noisy @ directions @ directions.T) ** 2).mean(axis=1))
     return TrainedRange(
         centre=centre,
@@ -169,9 +169,9 @@ def _find_range(kept: Dataset, seed: int) -> TrainedRange:
         noise_px=float(noise),
         rest_mean_px=float(rest.mean()),
         rest_sd_px=max(float(rest.std()), LEAST_NOISE_PX / np.sqrt(moved.shape[1])),
-        tilt_deg=float(np.hypot(kept.poses[:, 0], kept.poses[:, 1]).max()),
-        least_depth_mm=float(kept.poses[:, 2].min()),
-        greatest_depth_mm=float(kept.poses[:, 2].max()),
+        tilt_deg=float(np.hypot(model.poses[:, 0], model.poses[:, 1]).max()),
+        min_depth_mm=float(model.poses[:, 2].min()),
+        max_depth_mm=float(model.poses[:, 2].max()),
         threshold=float("inf"),
         false_alarm=0.0,
     )

@@ -25,7 +25,7 @@ SMALLEST_SCALE = 1e-6
 
 
 @dataclass(frozen=True)
-class Components:
+class PrincipalComponents:
     """Affine map z = (x − mean) · projection.
 
     Attributes
@@ -56,7 +56,7 @@ def _signed(directions: FloatArray) -> FloatArray:
     return np.asarray(directions * np.where(directions[first, np.arange(directions.shape[1])] < 0, -1.0, 1.0))
 
 
-def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> Components:
+def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> PrincipalComponents:
     """Find the leading principal components of clean inputs.
 
     Parameters
@@ -75,11 +75,11 @@ def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> Compo
     """
     mean = inputs.mean(axis=0)
     if count == 0:
-        return Components(np.zeros_like(mean), np.eye(len(mean)))
+        return PrincipalComponents(np.zeros_like(mean), np.eye(len(mean)))
     covariance = np.cov(inputs, rowvar=False)
     variance, direction = np.linalg.eigh(np.atleast_2d(covariance))
     leading = np.argsort(variance)[::-1][:count]
     direction = _signed(direction)
     noise = float(np.mean(jitter**2)) / 3
     scale = np.sqrt(np.maximum(variance[leading], 0.0) + noise)
-    return Components(mean, direction[:, leading] / np.maximum(scale, SMALLEST_SCALE))
+    return PrincipalComponents(mean, direction[:, leading] / np.maximum(scale, SMALLEST_SCALE))

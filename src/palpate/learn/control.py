@@ -9,7 +9,7 @@ import numpy as np
 from palpate.core import generator
 from palpate.dataset import Dataset
 from palpate.learn.metrics import Metrics, measure_errors
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_on
 
 
@@ -29,14 +29,14 @@ class SplitComparison:
     by_image: Metrics
 
     @property
-    def flatters(self) -> float:
+    def optimism_factor(self) -> float:
         """How many times smaller the split by image makes the RMSE of the angle."""
         return self.by_press.rmse_deg / self.by_image.rmse_deg
 
 
 def compare_splits(
     dataset: Dataset,
-    spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
+    spec: TrainingSpec = TrainingSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
 ) -> SplitComparison:
     """Train once on presses and once on images drawn at random, as many, and measure what the second flatters.
@@ -52,13 +52,13 @@ def compare_splits(
     seed
         Seed of both trainings and of the split by image.
     """
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     drawn = np.zeros(len(dataset.poses), dtype=bool)
     drawn[generator(seed, "split by image").permutation(len(drawn))[: len(held.poses)]] = True
     return SplitComparison(
         by_press=_errors(kept, held, spec, seed),
         by_image=_errors(
-            dataset.choose(~drawn, validation=False), dataset.choose(drawn, validation=True), spec, seed
+            dataset.select(~drawn, validation=False), dataset.select(drawn, validation=True), spec, seed
         ),
     )
 
@@ -78,6 +78,6 @@ def shuffle_labels(dataset: Dataset, seed: int = 0) -> Dataset:
     return replace(dataset, poses=poses)
 
 
-def _errors(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int) -> Metrics:
-    estimates = train_on(kept, held, spec, seed).predict(held.images_px)
+def _errors(model: Dataset, held: Dataset, spec: TrainingSpec, seed: int) -> Metrics:
+    estimates = train_on(model, held, spec, seed).predict(held.images_px)
     return measure_errors(estimates, held.poses, held.space)

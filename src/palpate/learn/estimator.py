@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError, stage_version
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.interval import Interval, Prediction
 
 
@@ -64,7 +64,7 @@ class Estimator:
     repeat_rmse_deg: tuple[float, ...] = ()
     interval: Interval | None = None
     version: str = field(default_factory=lambda: stage_version("estimator"))
-    space: PoseSpace = TILT_DEPTH
+    space: PoseSpace = TILT_SPACE
 
     @property
     def members(self) -> int:
@@ -102,7 +102,9 @@ class Estimator:
         if self.interval is None:
             return Prediction(poses, np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool))
         moved = (images_px - self.rest_px).reshape(len(images_px), -1)
-        return Prediction(poses, self.interval.half_width(members), self.interval.outside(moved, members))
+        return Prediction(
+            poses, self.interval.half_width(members), self.interval.is_out_of_distribution(moved, members)
+        )
 
     def predict_members(self, images_px: FloatArray) -> FloatArray:
         """Estimates (r, n, 3) of every member for images (n, m, 2), see `predict`."""

@@ -20,13 +20,13 @@ from palpate.dataset import Dataset, draw_jitter, hold_out
 from palpate.learn.calibrate import DRAWS, LEVEL, MOST_IMAGES, SHARE
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import press_quantile
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_targets
 
 FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
 """Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
 outward normal."""
-_NETWORK = TrainSpec(repeats=1)
+_NETWORK = TrainingSpec(repeats=1)
 _LEAST_N = 1e-6
 
 
@@ -42,7 +42,7 @@ class ForceHead:
         (3,) N and (3,): half-width of each component's interval is floor + share · |normal|.
     level
         Share of true values that the interval covers.
-    judged
+    validation_error
         Errors on held-out presses that calibrated nothing, jittered: by name, see `train_forces`.
     """
 
@@ -50,7 +50,7 @@ class ForceHead:
     floor: FloatArray
     share: FloatArray
     level: float
-    judged: Mapping[str, float]
+    validation_error: Mapping[str, float]
 
     def predict(self, images_px: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Forces (n, 3) N by `FORCE_AXES` and half-widths (n, 3) N, from images (n, m, 2) px."""
@@ -99,7 +99,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     """
     if dataset.forces is None:
         raise PalpateError("The dataset has no forces.", "Generate it with forces.", code="dataset-no-forces")
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     inside, outside = _in_wall(kept), _in_wall(held)
     network, _ = train_targets(kept, held, (inside, outside), _NETWORK, child_seed(seed, "forces"), device)
     rows = generator(seed, "force scale").permutation(len(inside))[:MOST_IMAGES]
@@ -113,7 +113,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     width = scale[:, 0] + scale[:, 1] * np.abs(found[:, 2:])
     factor = np.array([press_quantile(column, press, LEVEL) for column in (np.abs(errors) / width).T])
     head = ForceHead(network, factor * scale[:, 0], factor * scale[:, 1], LEVEL, {})
-    return ForceHead(network, head.floor, head.share, LEVEL, _judge(head, held, outside, ~chosen, seed))
+    return ForceHead(network, head.floor, head.share, LEVEL, _validate(head, held, outside, ~chosen, seed))
 
 
 def _in_wall(part: Dataset) -> FloatArray:
@@ -130,7 +130,7 @@ def _errors(
     return found - np.tile(truth[rows], (DRAWS, 1)), found, np.tile(held.press[rows], DRAWS)
 
 
-def _judge(head: ForceHead, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int) -> dict[str, float]:
+def _validate(head: ForceHead, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int) -> dict[str, float]:
     errors, found, press = _errors(head.network, held, truth, rows, child_seed(seed, "force judge"))
     inside = np.abs(errors) <= head.floor + head.share * np.abs(found[:, 2:])
     clean = head.network.predict(held.images_px[rows]) - truth[rows]

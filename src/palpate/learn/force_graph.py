@@ -28,7 +28,7 @@ _OWN = "force/"
 """What the head's names in the graph begin with."""
 
 
-def learn_forces(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
+def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
     """Train forces and write an estimator's file anew to `path`, telling them; their errors stand in its metadata.
 
     Parameters
@@ -66,7 +66,12 @@ def add_forces(estimator: Path, head: ForceHead, path: Path) -> None:
     model.graph.output.extend(
         helper.make_tensor_value_info(name, TensorProto.FLOAT, ["image", 3]) for name in (FORCE, FORCE_HALF_WIDTH)
     )
-    said = {"outputs": list(FORCE_AXES), "level": head.level, "version": head.network.version, **head.judged}
+    said = {
+        "outputs": list(FORCE_AXES),
+        "level": head.level,
+        "version": head.network.version,
+        **head.validation_error,
+    }
     entry = model.metadata_props.add()
     entry.key, entry.value = "forces", json.dumps(said)
     path.write_bytes(model.SerializeToString(deterministic=True))

@@ -31,7 +31,7 @@ class Prediction:
         (n, 3) rx and ry (degrees), depth (mm).
     half_width
         (n, 3) half-width of the interval of each component, in its unit; infinite where nothing is promised.
-    outside
+    out_of_distribution
         (n,) whether the markers moved as in no image of the training, so that neither estimate nor interval holds.
     forces, forces_half_width
         (n, 3) N by `palpate.learn.FORCE_AXES`; `None` where the model tells none.
@@ -39,7 +39,7 @@ class Prediction:
 
     poses: FloatArray
     half_width: FloatArray
-    outside: BoolArray
+    out_of_distribution: BoolArray
     forces: FloatArray | None = None
     forces_half_width: FloatArray | None = None
 
@@ -65,7 +65,7 @@ class TrainedRange:
         Mean and standard deviation, over jittered training images, of the root mean square left over (px).
     tilt_deg
         Greatest tilt (degrees).
-    least_depth_mm, greatest_depth_mm
+    min_depth_mm, max_depth_mm
         Depths (mm).
     threshold
         Greatest score that counts as inside.
@@ -81,8 +81,8 @@ class TrainedRange:
     rest_mean_px: float
     rest_sd_px: float
     tilt_deg: float
-    least_depth_mm: float
-    greatest_depth_mm: float
+    min_depth_mm: float
+    max_depth_mm: float
     threshold: float
     false_alarm: float
 
@@ -97,8 +97,8 @@ class TrainedRange:
             excess,
             (rest - self.rest_mean_px) / self.rest_sd_px,
             (np.hypot(poses[:, 0], poses[:, 1]) - self.tilt_deg) / tilt_scale,
-            (self.least_depth_mm - poses[:, 2]) / scale[:, 2],
-            (poses[:, 2] - self.greatest_depth_mm) / scale[:, 2],
+            (self.min_depth_mm - poses[:, 2]) / scale[:, 2],
+            (poses[:, 2] - self.max_depth_mm) / scale[:, 2],
         )
         score: FloatArray = np.max(parts, axis=0)
         return score
@@ -144,7 +144,7 @@ class Interval:
         """How far (n,) images are beside the training, from displacements (n, 2m) in px and poses (r, n, 3)."""
         return self.trained.score(displacement_px, member_poses.mean(axis=0), self.scale(member_poses))
 
-    def outside(self, displacement_px: FloatArray, member_poses: FloatArray) -> BoolArray:
+    def is_out_of_distribution(self, displacement_px: FloatArray, member_poses: FloatArray) -> BoolArray:
         """Whether images are out of the trained range; for parameters see `score`."""
         flags: BoolArray = self.score(displacement_px, member_poses) > self.trained.threshold
         return flags

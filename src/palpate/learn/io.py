@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from onnx import ModelProto, NodeProto
 
 
-FORMAT, FORMAT_VERSION = "palpate estimator", "1"
+FORMAT, FORMAT_VERSION = "palpate estimator", "2"
 INPUT = "markers_px"
 """Name of the graph's input."""
 OPSET, IR_VERSION = 17, 8
@@ -228,10 +228,10 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
         repeat_rmse_deg=tuple(facts["repeat_rmse_deg"]),
         interval=read_interval(facts["interval"], arrays) if "interval" in facts else None,
         version=facts["version"],
-        space=PoseSpace.named(facts["outputs"]),
+        space=PoseSpace.from_names(facts["outputs"]),
     )
 
 
 def _pose_text(space: PoseSpace) -> str:
     parts = ", ".join(f"{item.axis} {item.unit}" for item in space.components)
-    return f"{'wall' if space.tilts else 'obstacle'} ({parts})"
+    return f"{'wall' if space.is_tilt else 'obstacle'} ({parts})"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from palpate.dataset import DatasetSpec
-from palpate.learn.limit import DepthLimit
+from palpate.learn.limit import ErrorBound
 from palpate.learn.metrics import Metrics
 
 STANDARD_ERRORS = 3.0
@@ -15,20 +15,20 @@ STANDARD_ERRORS = 3.0
 
 
 @dataclass(frozen=True)
-class PooledLimit:
+class PooledBound:
     """Bounds over several depths, as root mean squares over their images (degrees).
 
     Attributes
     ----------
     least_squares_deg, pitman_deg
-        See `DepthLimit`.
+        See `ErrorBound`.
     """
 
     least_squares_deg: float
     pitman_deg: float
 
 
-def pool_limits(limits: Sequence[DepthLimit], images: Mapping[float, int] | None = None) -> PooledLimit | None:
+def pool_bounds(limits: Sequence[ErrorBound], images: Mapping[float, int] | None = None) -> PooledBound | None:
     """Pool the bounds of several depths as an RMSE over all images pools its depths.
 
     Parameters
@@ -40,7 +40,7 @@ def pool_limits(limits: Sequence[DepthLimit], images: Mapping[float, int] | None
 
     Returns
     -------
-    PooledLimit | None
+    PooledBound | None
         `None` where no depth has both a bound and images.
     """
     weights = [limit.share if images is None else images.get(_depth(limit.depth_mm), 0) for limit in limits]
@@ -48,13 +48,13 @@ def pool_limits(limits: Sequence[DepthLimit], images: Mapping[float, int] | None
     if not total:
         return None
     pairs = list(zip(limits, weights, strict=True))
-    return PooledLimit(
+    return PooledBound(
         least_squares_deg=math.sqrt(sum(w * limit.least_squares_deg**2 for limit, w in pairs) / total),
         pitman_deg=math.sqrt(sum(w * limit.pitman_deg**2 for limit, w in pairs) / total),
     )
 
 
-def compare_with_limit(jittered: Metrics, limits: Sequence[DepthLimit]) -> tuple[PooledLimit, float] | None:
+def compare_with_bound(jittered: Metrics, limits: Sequence[ErrorBound]) -> tuple[PooledBound, float] | None:
     """The pooled limit over the images of a judged estimator, and its jittered RMSE over the least-squares one.
 
     Parameters
@@ -66,19 +66,19 @@ def compare_with_limit(jittered: Metrics, limits: Sequence[DepthLimit]) -> tuple
 
     Returns
     -------
-    tuple[PooledLimit, float] | None
+    tuple[PooledBound, float] | None
         Both over the depths that have a bound; `None` where there is none, or no jitter.
     """
     bounded = {_depth(limit.depth_mm) for limit in limits}
     judged = [errors for errors in jittered.by_depth if _depth(errors.depth_mm) in bounded]
-    pooled = pool_limits(limits, {_depth(errors.depth_mm): errors.images for errors in judged})
+    pooled = pool_bounds(limits, {_depth(errors.depth_mm): errors.images for errors in judged})
     if pooled is None or pooled.least_squares_deg == 0:
         return None
     square = sum(errors.images * errors.pooled.rmse**2 for errors in judged) / sum(errors.images for errors in judged)
     return pooled, math.sqrt(square) / pooled.least_squares_deg
 
 
-def find_leak(jittered: Metrics, limits: Sequence[DepthLimit], spec: DatasetSpec) -> str:
+def find_leakage(jittered: Metrics, limits: Sequence[ErrorBound], spec: DatasetSpec) -> str:
     """Say at which depth an estimator is better than any can be; empty where it is nowhere.
 
     The floor holds where poses fill the disc of tilts evenly; the paper's few repeated poses give an estimator more

@@ -22,7 +22,7 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.dataset import DatasetSpec, sample_poses
-from palpate.learn.posterior import BURN_IN, walk_polytopes
+from palpate.learn.posterior import BURN_IN, hit_and_run
 from palpate.twin import MarkerField, image_jacobian
 
 POSES = 48
@@ -38,7 +38,7 @@ STEPS = 60
 
 
 @dataclass(frozen=True)
-class DepthLimit:
+class ErrorBound:
     """Bounds on the error of one jittered image at one depth, as root mean squares over the disc of tilts.
 
     Attributes
@@ -70,7 +70,9 @@ class DepthLimit:
     floor_error_deg: float
 
 
-def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0) -> tuple[DepthLimit, ...]:
+def compute_error_bounds(
+    field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0
+) -> tuple[ErrorBound, ...]:
     """Bound the angle's error at every depth of a dataset; that of the offset, in mm, where a field is of offsets.
 
     Parameters
@@ -86,7 +88,7 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
 
     Returns
     -------
-    tuple[DepthLimit, ...]
+    tuple[ErrorBound, ...]
         By rising depth; a depth at which no pose could be judged is left out, as where one or two markers cannot
         tell three unknowns apart.
 
@@ -95,21 +97,21 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
     PalpateError
         If the obstacle is one that lies level.
     """
-    if field.space.lies:
+    if field.space.is_line:
         raise PalpateError(
             "The limit of an obstacle that lies level is not known: near the axis its place does not tell its pose.",
             "Measure errors on held-out images (palpate.learn.evaluate).",
             code="limit-obstacle-level",
         )
-    limits: list[DepthLimit] = []
+    limits: list[ErrorBound] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec, field.offset, least=field.least).T)
+    sampled = np.hypot(*sample_poses(spec, field.max_offset, least=field.min_tilt_deg).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
-        radius = min(spec.max_tilt_deg if field.offset is None else field.offset, _reach(field, image))
+        radius = min(spec.max_tilt_deg if field.max_offset is None else field.max_offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.least, radius))
+        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.min_tilt_deg, radius))
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]
@@ -128,14 +130,14 @@ def _reach(field: MarkerField, image: int) -> float:
 
 def _limit(
     depth_mm: float, share: float, jacobians: FloatArray, discs: FloatArray, jitter_px: float, seed: int
-) -> DepthLimit:
+) -> ErrorBound:
     covariance = jitter_px**2 / 3 * np.linalg.inv(np.swapaxes(jacobians, 1, 2) @ jacobians)
     variance = np.diagonal(covariance, axis1=1, axis2=2).mean(axis=0)
     rng = generator(seed, "limit", depth_mm)
     everywhere = np.column_stack([discs[:, :2], np.full(len(discs), np.inf)])
     pitman, pitman_error = posterior_rmse(jacobians, jitter_px, everywhere, rng)
     floor, floor_error = posterior_rmse(jacobians[:, :, :2], jitter_px, discs, rng)
-    return DepthLimit(
+    return ErrorBound(
         depth_mm=depth_mm,
         poses=len(jacobians),
         share=share,
@@ -176,7 +178,7 @@ def posterior_rmse(
         noise = np.tile(rng.uniform(-jitter_px, jitter_px, (draws, len(jacobian))), (2, 1))
         directions = rng.standard_normal((2 * draws, steps, dimensions)) @ shape.T
         places = rng.random((2 * draws, steps))
-        means = walk_polytopes(np.ascontiguousarray(jacobian), noise, jitter_px, directions, places, disc)
+        means = hit_and_run(np.ascontiguousarray(jacobian), noise, jitter_px, directions, places, disc)
         products.append((means[:draws, :2] * means[draws:, :2]).mean(axis=1))
     squares = np.concatenate(products)
     rmse = float(np.sqrt(max(squares.mean(), 0.0)))

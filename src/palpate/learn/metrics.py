@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.design import TILT_SPACE, PoseSpace
 
 TILT_STEP_DEG = 2.0
 """Width of the intervals of tilt, as the paper's step."""
@@ -173,7 +173,7 @@ def _read(data: Mapping[str, Any]) -> dict[str, ErrorSummary]:
     return {name: ErrorSummary(**value) for name, value in data.items() if isinstance(value, dict)}
 
 
-def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = TILT_DEPTH) -> Metrics:
+def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = TILT_SPACE) -> Metrics:
     """Compare estimates with the truth.
 
     Parameters
@@ -217,7 +217,7 @@ def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = 
         for depth in np.unique(depths)
     )
     every = _by_axis(errors, space)
-    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1]))) if space.tilts else ()
+    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1]))) if space.is_tilt else ()
     return Metrics(len(errors), every, by_depth, by_tilt)
 
 

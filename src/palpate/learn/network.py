@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from palpate.core import FloatArray, MissingExtraError, PalpateError
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 
 try:
     import torch
@@ -78,7 +78,7 @@ class TrainedNetwork:
     best_epoch: tuple[int, ...]
 
 
-def train_network(data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> TrainedNetwork:
+def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) -> TrainedNetwork:
     """Train one perceptron a seed, all together, on one thread.
 
     Parameters
@@ -124,7 +124,7 @@ class _Repeat:
 class _Training:
     """The loop over epochs. `active` lists the repeats that still train, in the order of the tensors' rows."""
 
-    def __init__(self, data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> None:
+    def __init__(self, data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) -> None:
         def tensor(array: FloatArray) -> Tensor:
             return torch.as_tensor(array, dtype=torch.float32, device=data.device)
 
@@ -144,7 +144,7 @@ class _Training:
         """Train every repeat until it stops or the epochs are spent."""
         for epoch in range(self.spec.epochs):
             self._train_epoch()
-            self._judge(epoch)
+            self._validate(epoch)
             if not self.active:
                 break
         for row, repeat in enumerate(self.active):
@@ -220,7 +220,7 @@ class _Training:
             parameter.sub_(rates * mean / size)
 
     @torch.no_grad()
-    def _judge(self, epoch: int) -> None:
+    def _validate(self, epoch: int) -> None:
         """Measure the validation error of each repeat; on a plateau drop rates and stop."""
         inputs, targets = self.held
         outputs = self._forward(inputs.expand(len(self.active), *inputs.shape))

@@ -21,7 +21,7 @@ BURN_IN = 20
 
 
 @kernel
-def walk_polytopes(
+def hit_and_run(
     jacobian: FloatArray,
     noise: FloatArray,
     half_width: float,

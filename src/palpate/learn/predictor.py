@@ -98,7 +98,7 @@ def open_predictor(path: Path) -> Predictor:
         metadata = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
         level = float(json.loads(metadata["interval"])["level"]) if "interval" in metadata else None
-        space = PoseSpace.named(json.loads(metadata["outputs"]))
+        space = PoseSpace.from_names(json.loads(metadata["outputs"]))
     except PalpateError:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent

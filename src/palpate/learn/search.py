@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from palpate.core import MissingExtraError, child_seed
 from palpate.dataset import Dataset, hold_out
-from palpate.learn.calibrate import calibrate
+from palpate.learn.calibrate import calibrate_interval
 from palpate.learn.device import find_device
 from palpate.learn.estimator import Estimator
-from palpate.learn.space import BEST_SPACE, PAPER_SPACE, SearchSpace
-from palpate.learn.spec import SearchSpec, TrainSpec
+from palpate.learn.space import BEST_SPACE, PAPER_SPACE, HyperparameterSpace
+from palpate.learn.spec import LearningSpec, TrainingSpec
 from palpate.learn.train import evaluate, train
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ STARTUP = 5
 """Settings drawn at random before the others are proposed by what was found."""
 
 
-def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
+def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Estimator:
     """Find an estimator.
 
     Parameters
@@ -44,32 +44,32 @@ def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
     MissingExtraError
         If torch or optuna is not installed.
     """
-    chosen = TrainSpec()
+    chosen = TrainingSpec()
     if (space := SPACES.get(spec.preset)) is not None:
         judged = _split_again(dataset, spec.seed) if space.inner_split else dataset
         chosen = space.final(_best_setting(judged, space, spec, journal))
     estimator = train(dataset, chosen, spec.seed, device=find_device(spec.device))
-    return calibrate(estimator, dataset, spec.seed)
+    return calibrate_interval(estimator, dataset, spec.seed)
 
 
 def _split_again(dataset: Dataset, seed: int) -> Dataset:
     """Only the presses for training, some of them held out anew."""
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     fraction = dataset.spec.validation_fraction
     return replace(kept, validation=hold_out(kept.press, fraction, child_seed(seed, "inner split")))
 
 
-def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journal: Path) -> dict[str, Any]:
+def _best_setting(dataset: Dataset, space: HyperparameterSpace, spec: LearningSpec, journal: Path) -> dict[str, Any]:
     study = _open_study(journal)
     trials = spec.trials or space.trials
     while (done := len(_ended(study))) < trials:
         # the sampler's stream depends on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
-        study.optimize(lambda trial: _judge(dataset, space, trial, spec), n_trials=1)
+        study.optimize(lambda trial: _validate(dataset, space, trial, spec), n_trials=1)
     return study.best_trial.params
 
 
-def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, spec: SearchSpec) -> float:
+def _validate(dataset: Dataset, space: HyperparameterSpace, trial: optuna.Trial, spec: LearningSpec) -> float:
     """Score of one setting; of trainings longer from rung to rung, unless one of them is hopeless."""
     import optuna
 
@@ -101,7 +101,7 @@ def _is_hopeless(score: float, epochs: int, trial: optuna.Trial) -> bool:
     return score > scores[max(len(scores) // REDUCTION, 1) - 1]
 
 
-def _score(dataset: Dataset, space: SearchSpace, training: TrainSpec, spec: SearchSpec) -> float:
+def _score(dataset: Dataset, space: HyperparameterSpace, training: TrainingSpec, spec: LearningSpec) -> float:
     """What is made least, as mean over the trainings of one setting."""
     estimator = train(dataset, training, spec.seed, device=find_device(spec.device))
     single = [estimator.keep_members([row]) for row in range(estimator.members)]

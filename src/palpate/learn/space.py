@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.learn.spec import TrainSpec, paper_training
+from palpate.learn.spec import TrainingSpec, paper_training
 
 Setting = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class SearchSpace:
+class HyperparameterSpace:
     """A finite table of settings and how one is tried.
 
     Attributes
@@ -37,12 +37,12 @@ class SearchSpace:
     trials: int
     rungs: tuple[int, ...]
     inner_split: bool
-    trial: Callable[[Setting], TrainSpec]
-    final: Callable[[Setting], TrainSpec]
+    trial: Callable[[Setting], TrainingSpec]
+    final: Callable[[Setting], TrainingSpec]
     score: Callable[[float, float], float]
 
 
-PAPER_SPACE = SearchSpace(
+PAPER_SPACE = HyperparameterSpace(
     choices={"layers": (2, 3, 4, 5, 6, 7), "width": (32, 64, 128, 256, 512, 1024), "dropout": (0.0, 0.5)},
     trials=30,
     rungs=(),
@@ -53,13 +53,13 @@ PAPER_SPACE = SearchSpace(
 )
 """Table 1 of Zaid et al. 2024 by its protocol: no pruning, the validation RMSE chooses and is reported."""
 
-BEST_SPACE = SearchSpace(
+BEST_SPACE = HyperparameterSpace(
     choices={"layers": (3, 4), "width": (128, 256), "components": (24, 48, 96), "clean_share": (0.25, 0.5, 0.75)},
     trials=9,
     rungs=(15, 45),
     inner_split=True,
-    trial=lambda setting: TrainSpec(repeats=1, **setting),
-    final=lambda setting: TrainSpec(epochs=135, repeats=3, **setting),
+    trial=lambda setting: TrainingSpec(repeats=1, **setting),
+    final=lambda setting: TrainingSpec(epochs=135, repeats=3, **setting),
     score=lambda clean_deg, jittered_deg: (clean_deg * jittered_deg) ** 0.5,
 )
 """Our choice: short single trainings, halved, choose what is then trained longer and three times over."""

@@ -7,7 +7,7 @@ from typing import Literal
 from palpate.core import PAPER, Spec, parameter
 
 
-class TrainSpec(Spec):
+class TrainingSpec(Spec):
     """One multilayer perceptron, trained several times over, and how.
 
     The defaults are the preset ``quick``. `paper_training` gives the protocol of the paper.
@@ -45,7 +45,7 @@ class TrainSpec(Spec):
     )
 
 
-class SearchSpec(Spec):
+class LearningSpec(Spec):
     """How an estimator is found for a design.
 
     ``"quick"`` trains one network of our own choice, in seconds. ``"best"`` chooses among a few such networks by
@@ -63,13 +63,13 @@ class SearchSpec(Spec):
     )
 
 
-def paper_training(layers: int, width: int, dropout: float) -> TrainSpec:
+def paper_training(layers: int, width: int, dropout: float) -> TrainingSpec:
     """Training protocol of Zaid et al. 2024 for one setting of its Table 1.
 
     As printed: Adam at 1e-4, a drop by ten after 100 epochs without progress and a stop after 75, hence no drop
     ever. Batch size, activation and the most epochs are not printed; ours are 64, ReLU and 2 000.
     """
-    return TrainSpec(
+    return TrainingSpec(
         layers=layers,
         width=width,
         dropout=dropout,

@@ -12,7 +12,7 @@ from palpate.dataset import Dataset, draw_jitter
 from palpate.learn.components import find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 
 if TYPE_CHECKING:
     from palpate.learn.network import TrainedNetwork
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def train(
     dataset: Dataset,
-    spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
+    spec: TrainingSpec = TrainingSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
     device: str = "cpu",
 ) -> Estimator:
@@ -49,16 +49,16 @@ def train(
     MissingExtraError
         If torch is not installed.
     """
-    return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, device)
+    return train_on(dataset.subset(validation=False), dataset.subset(validation=True), spec, seed, device)
 
 
-def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, device: str = "cpu") -> Estimator:
-    """Train on the images of `kept` and judge epochs and repeats by those of `held`; for the rest see `train`.
+def train_on(checkpoint: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
+    """Train on the images of `checkpoint` and judge epochs and repeats by those of `held`; for the rest see `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
     """
-    estimator, trained = train_targets(kept, held, (kept.poses, held.poses), spec, seed, device)
-    estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
+    estimator, trained = train_targets(checkpoint, held, (checkpoint.poses, held.poses), spec, seed, device)
+    estimator = replace(estimator, repeat_rmse_deg=_validate_members(estimator, held))
     if spec.members == "all":
         return estimator
     kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
@@ -66,23 +66,31 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, devic
 
 
 def train_targets(
-    kept: Dataset, held: Dataset, targets: tuple[FloatArray, FloatArray], spec: TrainSpec, seed: int, device: str
+    checkpoint: Dataset,
+    held: Dataset,
+    targets: tuple[FloatArray, FloatArray],
+    spec: TrainingSpec,
+    seed: int,
+    device: str,
 ) -> tuple[Estimator, TrainedNetwork]:
-    """Train on any targets (n, 3) of the images of `kept`; those of `held` choose epochs. All repeats are kept."""
+    """Train on any targets (n, 3) of the images of `checkpoint`; those of `held` choose epochs. All repeats are
+    kept."""
     from palpate.learn.network import TrainingData, train_network
 
-    inputs = _normalised(kept, kept.images_px)
-    jitter = np.tile(kept.spec.jitter_px / np.array(kept.normalisation.scale_px), kept.images_px.shape[1])
+    inputs = _normalised(checkpoint, checkpoint.images_px)
+    jitter = np.tile(
+        checkpoint.spec.jitter_px / np.array(checkpoint.normalisation.scale_px), checkpoint.images_px.shape[1]
+    )
     components = find_components(inputs, jitter, spec.components)
     mean, sd = _standard(targets[0])
-    noisy = draw_jitter(held.images_px, kept.spec.jitter_px, generator(seed, "judge"))
+    noisy = draw_jitter(held.images_px, checkpoint.spec.jitter_px, generator(seed, "judge"))
     data = TrainingData(
         inputs=inputs,
         targets=(targets[0] - mean) / sd,
         jitter=jitter,
         mean=components.mean,
         projection=components.projection,
-        held_inputs=_normalised(kept, noisy),
+        held_inputs=_normalised(checkpoint, noisy),
         held_targets=(targets[1] - mean) / sd,
         device=device,
     )
@@ -90,19 +98,19 @@ def train_targets(
     first, first_bias = components.fold(trained.weights[0], trained.biases[0])
     return (
         Estimator(
-            normalisation=kept.normalisation,
+            normalisation=checkpoint.normalisation,
             weights=(first, *trained.weights[1:]),
             biases=(first_bias, *trained.biases[1:]),
             activation=spec.activation,
             output_mean=mean,
             output_sd=sd,
-            rest_px=kept.rest_px,
+            rest_px=checkpoint.rest_px,
             seed=seed,
             made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
-            training_images=len(kept.poses),
+            training_images=len(checkpoint.poses),
             validation_images=len(held.poses),
             history=trained.history,
-            space=kept.space,
+            space=checkpoint.space,
         ),
         trained,
     )
@@ -137,7 +145,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     >>> evaluate(estimator, dataset).images
     8
     """
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     inputs = _normalised(dataset, kept.images_px)
     centre = inputs.mean(axis=0)
     mean, sd = _standard(kept.poses)
@@ -173,14 +181,14 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     jitter_seed
         Seed of one draw of the dataset's jitter; `None` judges on clean images.
     """
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     images = held.images_px
     if jitter_seed is not None:
         images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))
     return measure_errors(estimator.predict(images), held.poses, held.space)
 
 
-def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
+def _validate_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
     """RMSE of the angle of every member by itself (degrees) on clean images."""
     return tuple(
         measure_errors(poses, held.poses, held.space).pooled.rmse

@@ -2,33 +2,33 @@
 
 from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector, prepare_detector
-from palpate.markers.motion import Motion, learn_motion
-from palpate.markers.name_by_press import PressFit, name_by_press
-from palpate.markers.name_markers import Naming, name_markers
+from palpate.markers.motion import MotionModel, fit_motion_model
+from palpate.markers.name_by_press import PressFit, disambiguate_by_press
+from palpate.markers.name_markers import MarkerAssignment, assign_markers
 from palpate.markers.pattern import MarkerPattern, build_pattern
 from palpate.markers.rings import Rings, find_rings
 from palpate.markers.spec import DetectSpec
 from palpate.markers.tracker import Tracker, TrackState, find_markers
-from palpate.markers.tracks import Sighting, Tracks
+from palpate.markers.tracks import TrackedMarkers, Tracks
 
 __all__ = [
     "Blobs",
     "DetectSpec",
     "Detector",
+    "MarkerAssignment",
     "MarkerPattern",
-    "Motion",
-    "Naming",
+    "MotionModel",
     "PressFit",
     "Rings",
-    "Sighting",
     "TrackState",
+    "TrackedMarkers",
     "Tracker",
     "Tracks",
+    "assign_markers",
     "build_pattern",
+    "disambiguate_by_press",
     "find_markers",
     "find_rings",
-    "learn_motion",
-    "name_by_press",
-    "name_markers",
+    "fit_motion_model",
     "prepare_detector",
 ]

@@ -39,7 +39,7 @@ _ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
 
 
 @dataclass(frozen=True)
-class Field:
+class FieldCandidate:
     """What an image shows at one polarity and size.
 
     Attributes
@@ -66,7 +66,7 @@ class Field:
     roundness: float = 0.0
 
 
-def choose_field(grey: Image, spec: DetectSpec) -> Field | None:
+def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
     """Polarity and size of the dots of an image, as far as the spec leaves them open; `None` without a field.
 
     Parameters
@@ -82,7 +82,7 @@ def choose_field(grey: Image, spec: DetectSpec) -> Field | None:
         for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
         if size < min(grey.shape) / 3
     ]
-    fields = [_judge(grey, dark, size, spec) for dark, size in tries]
+    fields = [_evaluate(grey, dark, size, spec) for dark, size in tries]
     best = max(fields, key=lambda field: field.score, default=None)
     if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
         return best
@@ -116,12 +116,12 @@ def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segmen
     return segment(height, size / step, spec.threshold * measure_noise(grey) * factor, spec.evenness), step
 
 
-def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
+def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
     """How clean the field of a size is."""
     segments, step = _cut(grey, dark, size, spec)
     chosen = choose_dots(segments, size / step, spec)
     if len(chosen) < 3:
-        return Field(dark, size, 0, 0.0, 0.0)
+        return FieldCandidate(dark, size, 0, 0.0, 0.0)
     diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
     typical = float(np.median(diameter))
     alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
@@ -129,10 +129,10 @@ def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
     score = alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))
     round_ = float(np.median(segments.roundness[chosen]))
-    return Field(dark, typical * step, int(alike.sum()), area, float(score), round_)
+    return FieldCandidate(dark, typical * step, int(alike.sum()), area, float(score), round_)
 
 
-def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
+def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
     """How far the dots of a size are in order: standard deviations above chance."""
     segments, step = _cut(grey, dark, size, spec)
     chosen = choose_dots(segments, size / step, spec)
@@ -140,16 +140,16 @@ def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     good = (segments.roundness > _ROUND) & (segments.fullness > _FULL) & (np.abs(np.log(diameter / size)) < _ALIKE)
     chosen = chosen[good[chosen]]
     if len(chosen) < _LEAST:
-        return Field(dark, size, len(chosen), 0.0, 0.0)
-    between = lie_half_way(segments.middle_px[chosen])
+        return FieldCandidate(dark, size, len(chosen), 0.0, 0.0)
+    between = is_midpoint(segments.middle_px[chosen])
     above = between.sum() - AT_RANDOM * len(chosen)
     score = above / np.sqrt(len(chosen) * AT_RANDOM * (1.0 - AT_RANDOM))
     typical = float(np.median(diameter[chosen][between])) if between.any() else size
     round_ = float(np.median(segments.roundness[chosen]))
-    return Field(dark, typical, len(chosen), float(between.mean()), float(score), round_)
+    return FieldCandidate(dark, typical, len(chosen), float(between.mean()), float(score), round_)
 
 
-def lie_half_way(points: FloatArray) -> BoolArray:
+def is_midpoint(points: FloatArray) -> BoolArray:
     """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
     if len(points) < 3:
         return np.zeros(len(points), bool)

@@ -11,7 +11,7 @@ from palpate.core import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Laid:
+class PatternFit:
     """Which dot is at which place of the pattern.
 
     Attributes

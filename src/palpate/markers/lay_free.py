@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
 from palpate.core import FloatArray
-from palpate.markers.laid import Laid
+from palpate.markers.laid import PatternFit
 from palpate.markers.pattern import MarkerPattern
 from palpate.markers.warp import fit_warp
 
@@ -54,7 +54,7 @@ class _Grown(NamedTuple):
         return int((self.blob >= 0).sum())
 
 
-def lay_free(blobs_px: FloatArray, pattern: MarkerPattern) -> Laid | None:
+def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit | None:
     """The pattern among dots (n, 2); `None` where there are too few."""
     if len(blobs_px) < 3 or len(pattern) < 3 or len(np.unique(blobs_px, axis=0)) < 3:
         return None
@@ -69,7 +69,7 @@ def lay_free(blobs_px: FloatArray, pattern: MarkerPattern) -> Laid | None:
     rivals = [each.named for each in grown[1:] if not _same(each, best, pattern)]
     marks, axes = _marks(best, blobs_px, pattern)
     doubt = _doubt(best, blobs_px, pattern.spacing_px, max(rivals, default=0))
-    return Laid(best.blob, best.places, best.residual, best.mirror, marks, axes, doubt)
+    return PatternFit(best.blob, best.places, best.residual, best.mirror, marks, axes, doubt)
 
 
 def _anchors(template: FloatArray) -> list[int]:

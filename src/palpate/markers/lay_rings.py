@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.markers.laid import Laid
+from palpate.markers.laid import PatternFit
 from palpate.markers.name_rings import RingFinder, mark_turns
 from palpate.markers.pattern import MarkerPattern
-from palpate.markers.ring_law import TWIST, RingFit, RingsFit, continue_rings, learn_law
-from palpate.markers.rings import Rings, waves
+from palpate.markers.ring_law import TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
+from palpate.markers.rings import Rings, ring_harmonics
 
 _CHANCE = -7.5
 """Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""
@@ -31,7 +31,7 @@ _BENT = 0.08
 """Departure of a ring's radius from the design's at which a print counts as bent."""
 
 
-def lay_rings(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> Laid | None:
+def fit_ring_pattern(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> PatternFit | None:
     """The rings of the pattern among dots (n, 2); `None` where there is no innermost ring."""
     if len(np.unique(blobs_px, axis=0)) < 4:
         return None
@@ -45,10 +45,10 @@ def lay_rings(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> Lai
     for number, ring in enumerate(best.rings):
         members = rings.members(number)
         blob[members] = ring.blob
-        places[members] = waves(rings.azimuth[members], 7) @ ring.weights
+        places[members] = ring_harmonics(rings.azimuth[members], 7) @ ring.weights
     marks, axes = _marks(best, pattern, finder)
     doubt = _doubt(finder, found)
-    return Laid(blob, places, best.residual_px, False, marks, axes, doubt)
+    return PatternFit(blob, places, best.residual_px, False, marks, axes, doubt)
 
 
 def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
@@ -70,11 +70,11 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"
-    if unsure := finder.unsure(best):
+    if unsure := finder.first_unreliable_ring(best):
         return f"ring {unsure} has few dots, and another lies where one of them could be"
-    if lopsided := finder.lopsided(best):
+    if lopsided := finder.first_distorted_ring(best):
         return f"ring {lopsided} is lopsided: one of its dots is not where the others have it"
-    strange = finder.strange(best)
+    strange = finder.count_unassigned(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between them"
     if len(rings) == 1 and finder.other is not None and finder.other.power < best.power + 0.5 * _RIVAL:
@@ -89,9 +89,9 @@ def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[F
     if pattern.marks_px is None or pattern.mark is None or len(fit.rings) <= len(finder.rings):
         return None, None
     outer, turns = fit.rings[-1], mark_turns(pattern)
-    law = learn_law(fit.rings[1:], finder.profile, finder.nominal_px[1:], finder.rings.rho[1:])
-    weights, doubt, aside = continue_rings(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
-    places = waves(turns, 7) @ weights
+    law = fit_ring_model(fit.rings[1:], finder.profile, finder.nominal_px[1:], finder.rings.rho[1:])
+    weights, doubt, aside = extrapolate_ring(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
+    places = ring_harmonics(turns, 7) @ weights
     out = places - weights[0]
     length = np.linalg.norm(out, axis=1, keepdims=True)
     out /= length
@@ -113,6 +113,6 @@ def _scatter(ring: RingFit, expected_px: float) -> float:
     Of few dots more than unknowns, what is told beforehand counts besides.
     """
     unknowns = len(ring.weights)
-    left = float(np.nansum(ring.off_px**2)) / 2.0 + _DOT_BELIEF * expected_px**2
+    left = float(np.nansum(ring.error_px**2)) / 2.0 + _DOT_BELIEF * expected_px**2
     square = left / (max(ring.count - unknowns, 0) + _DOT_BELIEF)
     return float(np.sqrt(square * (1.0 + unknowns / max(ring.count, 1))))

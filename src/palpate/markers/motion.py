@@ -21,7 +21,7 @@ _NOISE_PX = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class MotionModel:
     """Joint motion of m markers from rest.
 
     Attributes
@@ -87,7 +87,7 @@ class Motion:
         return result
 
 
-def learn_motion(rest_px: FloatArray, images_px: FloatArray, share: float = 0.9999) -> Motion:
+def fit_motion_model(rest_px: FloatArray, images_px: FloatArray, share: float = 0.9999) -> MotionModel:
     """The mode model of simulated images.
 
     Parameters
@@ -104,4 +104,4 @@ def learn_motion(rest_px: FloatArray, images_px: FloatArray, share: float = 0.99
     held = np.cumsum(size**2) / np.sum(size**2)
     count = int(np.searchsorted(held, share)) + 1
     deviation = size[:count] / np.sqrt(len(images_px))
-    return Motion(rest_px, (deviation[:, None] * rows[:count]).reshape(count, *rest_px.shape))
+    return MotionModel(rest_px, (deviation[:, None] * rows[:count]).reshape(count, *rest_px.shape))

@@ -13,14 +13,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError
-from palpate.markers.name_markers import Naming
+from palpate.markers.name_markers import MarkerAssignment
 
 _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""
 _REACH = 0.45
 """Distance to the nearest dot that may be the marker's, over the spacing of the markers at rest."""
 _ROUNDS = 3
-_KEPT = 0.8
+_CANDIDATES = 0.8
 """Share of the markers by which motions are compared at first: the others may be lost or merged."""
 _STRAY, _STRAY_PX = 4.0, 0.5
 """A dot this many times the median from where the best numbering expects it, and this far, is another's."""
@@ -50,13 +50,15 @@ class PressFit:
         Factor on the motion for which the best numbering fits: far from 1, the depth was another.
     """
 
-    naming: Naming
+    naming: MarkerAssignment
     misfit_px: FloatArray
     sureness: FloatArray
     gain: float
 
 
-def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float) -> PressFit:
+def disambiguate_by_press(
+    naming: MarkerAssignment, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float
+) -> PressFit:
     """Choose among the numberings that fit the image at rest.
 
     Parameters
@@ -101,7 +103,7 @@ def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray
         misfit = np.sqrt(((seen[have] - laid) ** 2).sum(axis=(1, 2)) / max(have.sum(), 1))
         best = int(np.argmin(misfit))
         gain = float(gains[best])
-    if misfit[best] > _EXPLAINED * moved or have.mean() < _KEPT / 2.0:
+    if misfit[best] > _EXPLAINED * moved or have.mean() < _CANDIDATES / 2.0:
         raise PalpateError(
             f"No numbering explains the press: {have.sum()} of {len(have)} markers found their dot, "
             f"{misfit[best]:.1f} px off.",
@@ -115,7 +117,7 @@ def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray
     return PressFit(replace(choices[best], alternatives=others), misfit, sureness, gain)
 
 
-def _by_dot(choice: Naming, values: FloatArray) -> FloatArray:
+def _by_dot(choice: MarkerAssignment, values: FloatArray) -> FloatArray:
     """(n, 2) values of the found markers in the order of their dots, which is the same under every numbering."""
     return np.asarray(values[choice.found][np.argsort(choice.blob[choice.found])])
 
@@ -124,7 +126,7 @@ def _begin(rest: FloatArray, motions: FloatArray, pressed: FloatArray, reach: fl
     """The numbering and the factor on its motion whose markers lie nearest to dots."""
     if not len(pressed):
         return 0, 1.0
-    tree, kept = cKDTree(pressed), max(int(_KEPT * len(rest)), 1)
+    tree, kept = cKDTree(pressed), max(int(_CANDIDATES * len(rest)), 1)
     best = (np.inf, 0, 1.0)
     for number, motion in enumerate(motions):
         for gain in _GAINS:

@@ -1,7 +1,7 @@
 """Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
 
 1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
-   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.lay_free`).
+   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.fit_free_pattern`).
 2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
    other, or what dots strewn at random would show.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.laid import Laid
-from palpate.markers.lay_free import lay_free
-from palpate.markers.lay_rings import lay_rings
+from palpate.markers.laid import PatternFit
+from palpate.markers.lay_free import fit_free_pattern
+from palpate.markers.lay_rings import fit_ring_pattern
 from palpate.markers.pattern import MarkerPattern
 
 _CHANCE = 5e-3
@@ -34,7 +34,7 @@ _LEAST_SHARE = 0.55
 
 
 @dataclass(frozen=True, eq=False)
-class Naming:
+class MarkerAssignment:
     """Which dot is which marker.
 
     Attributes
@@ -60,7 +60,7 @@ class Naming:
     found: BoolArray
     turn_deg: float
     mirrored: bool
-    alternatives: tuple[Naming, ...]
+    alternatives: tuple[MarkerAssignment, ...]
     mark: int
     residual_px: float
 
@@ -70,7 +70,7 @@ class Naming:
         return len(self.alternatives) > 0
 
 
-def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
+def assign_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> MarkerAssignment:
     """Give every marker its dot.
 
     Parameters
@@ -87,7 +87,7 @@ def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
     """
     blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
     rings = pattern.rings
-    laid = lay_rings(blobs_px, pattern, rings) if rings is not None else lay_free(blobs_px, pattern)
+    laid = fit_ring_pattern(blobs_px, pattern, rings) if rings is not None else fit_free_pattern(blobs_px, pattern)
     count = laid.count if laid else 0
     if laid is None or laid.doubt or count < max(3, _LEAST_SHARE * len(pattern)):
         why = f": {laid.doubt}" if laid and laid.doubt else ""
@@ -99,7 +99,7 @@ def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
     return _resolve(blobs_px, pattern, laid)
 
 
-def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> Naming:
+def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> MarkerAssignment:
     """Choose among the turns and mirrors that fit as well: by the mark, else the smallest turn, and say so."""
     blob = laid.blob
     expected = np.where(blob[:, None] >= 0, blobs[blob], laid.places_px)
@@ -112,7 +112,7 @@ def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> Naming:
         # the dot at the place of marker i is marker order[i]
         order = np.argsort(pattern.symmetries[choices[rank]])
         namings.append(
-            Naming(
+            MarkerAssignment(
                 blob=blob[order],
                 positions_px=expected[order],
                 found=blob[order] >= 0,
@@ -133,7 +133,7 @@ def _turn_deg(template: FloatArray, places: FloatArray) -> float:
     return float(np.degrees(np.arctan2(across, (a * b).sum())))
 
 
-def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> tuple[NDArray[np.intp], int]:
+def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> tuple[NDArray[np.intp], int]:
     """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
 
     The mark is a dot that belongs to no marker. Under a symmetry, either it lies where the print's law expects it, or

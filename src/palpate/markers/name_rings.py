@@ -16,10 +16,20 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 
 from palpate.core import BoolArray, FloatArray
 from palpate.markers.pattern import MarkerPattern
-from palpate.markers.ring_law import Profile, RingFit, RingsFit, learn_law
+from palpate.markers.ring_law import Profile, RingFit, RingsFit, fit_ring_model
 from palpate.markers.ring_seeds import seed_rings
-from palpate.markers.rings import Rings, waves
-from palpate.markers.settle_ring import ALONE, DROP, INSIDE, LEAST_REACH, LEAST_REACH_PX, NEXT, REACH, STRAY, Settler
+from palpate.markers.rings import Rings, ring_harmonics
+from palpate.markers.settle_ring import (
+    ALONE,
+    DROP,
+    INSIDE,
+    LEAST_REACH,
+    LEAST_REACH_PX,
+    NEXT,
+    REACH,
+    STRAY,
+    RingFitter,
+)
 
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
 """Share of the dots of the innermost ring and its middle that a seed must have, and if none leads to all rings."""
@@ -37,7 +47,7 @@ _WHOLE = 0.85
 """Share of the dots from which on half of the next is enough."""
 _SURE = -80.0
 """Power of ten of the number of prints by chance below which a print is believed before others are looked at."""
-_BESIDE = 0.3
+_NEIGHBOURS = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _LAW_REACH = 0.16
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
@@ -67,10 +77,10 @@ class RingFinder:
 
     def __init__(self, blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> None:
         self.blobs, self.pattern, self.rings = blobs_px, pattern, rings
-        self.settler = Settler(blobs_px)
+        self.settler = RingFitter(blobs_px)
         self.angles = [rings.azimuth[rings.members(k)] for k in range(len(rings) + 1)]
         nominal = [
-            np.linalg.lstsq(waves(phi, 3), pattern.expected_px[rings.members(k)], rcond=None)[0]
+            np.linalg.lstsq(ring_harmonics(phi, 3), pattern.expected_px[rings.members(k)], rcond=None)[0]
             for k, phi in enumerate(self.angles)
             if k
         ]
@@ -118,14 +128,14 @@ class RingFinder:
             every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
             sure_of = _SURE if fit.count < _WHOLE * len(self.pattern) else _SURE / 2.0
             even = every and fit.power < sure_of and fit.even
-            if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
+            if even and self.count_unassigned(fit) <= _FEW + 0.03 * fit.count:
                 sure = fit
         return sure is not None
 
     def _grow(self, weights: FloatArray) -> RingsFit:
         """All rings outwards from the innermost, as far as they are found; then the middle."""
         taken = np.zeros(len(self.blobs), bool)
-        rings = [self.settler.settle(weights, taken, self.angles[1], ALONE)]
+        rings = [self.settler.fit(weights, taken, self.angles[1], ALONE)]
         size = float(np.log(rings[0].radius_px / self.nominal_px[1]) / _SIZE)
         rings[0] = replace(rings[0], power=rings[0].power + 0.5 * size**2 / np.log(10.0))
         while rings[-1].share >= _LEAST_RING:
@@ -168,20 +178,20 @@ class RingFinder:
         fits = []
         for label in range(len(phi) // len(self.angles[1])):
             weights = turned(outer.weights, label * pitch)
-            blob, left = self.settler.nearest(waves(phi, 7) @ weights, REACH * pitch * outer.radius_px, free)
+            blob, left = self.settler.nearest(ring_harmonics(phi, 7) @ weights, REACH * pitch * outer.radius_px, free)
             rings = []
             for number in range(1, len(self.angles) - 1):
                 shrunk = weights * (self.nominal_px[number] / self.nominal_px[-1])
                 shrunk[0] = weights[0]
                 none = np.full(len(self.angles[number]), -1)
                 rings.append(RingFit(shrunk, none, none * np.nan))
-            fits.append(self._finish([*rings, replace(outer, weights=weights, blob=blob, off_px=left)]))
+            fits.append(self._finish([*rings, replace(outer, weights=weights, blob=blob, error_px=left)]))
         return fits
 
     def _assign(self, rings: list[RingFit]) -> list[RingFit]:
         """All dots given to the places of all rings at once, each to the nearest."""
         for _ in range(2):
-            places = [waves(phi, 7) @ ring.weights for phi, ring in zip(self.angles[1:], rings, strict=True)]
+            places = [ring_harmonics(phi, 7) @ ring.weights for phi, ring in zip(self.angles[1:], rings, strict=True)]
             every = cKDTree(np.concatenate(places))
             own = every.query(self.blobs)[1]
             first = 0
@@ -195,9 +205,9 @@ class RingFinder:
                 blob, weights = np.where(good, blob, -1), ring.weights
                 if good.sum() > len(where) / 2:
                     weights = self.settler.fitted(
-                        waves(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, NEXT
+                        ring_harmonics(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, NEXT
                     )
-                rings[number] = replace(ring, weights=weights, blob=blob, off_px=np.where(good, distance, np.nan))
+                rings[number] = replace(ring, weights=weights, blob=blob, error_px=np.where(good, distance, np.nan))
         return rings
 
     def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
@@ -212,7 +222,7 @@ class RingFinder:
                               rings[number].radius_px)  # fmt: skip
             whole = [ring for ring in rings[:number] if ring.even and ring.share > _FULL_RING]
             taken = self._taken([*whole, *rings[number + 1 :]])
-            gap = _BESIDE * (high - low) / 2.0
+            gap = _NEIGHBOURS * (high - low) / 2.0
             grid = gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
             new = self.settler.scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, INSIDE)
             if new.power < rings[number].power + (0.0 if number else DROP):
@@ -234,14 +244,14 @@ class RingFinder:
     def _by_law(self, number: int, rings: list[RingFit], numbers: list[int], taken: BoolArray) -> RingFit:
         """A ring too poor to tell its own shape, as the law of others says, with the dots that lie there."""
         design = self.rings.rho[numbers]
-        law = learn_law(rings, self.profile, self.nominal_px[numbers], design)
+        law = fit_ring_model(rings, self.profile, self.nominal_px[numbers], design)
         rho = float(np.interp(self.rings.rho[number], design, law.rho / design) * self.rings.rho[number])
         like = rings[int(np.argmin(np.abs(np.array(numbers) - number)))]
         weights = like.weights * (law.zoom * rho * float(law.profile.scale(rho)) / like.radius_px)
         weights[0] = law.centre(rho)
         phi = self.angles[number]
         pitch = 2.0 * np.pi * like.radius_px / len(phi) * float(rho / law.rho.max())
-        terms = waves(phi, 7)
+        terms = ring_harmonics(phi, 7)
         held = weights
         for _ in range(3):
             blob, left = self.settler.nearest(terms @ weights, _LAW_REACH * pitch, taken)
@@ -253,7 +263,7 @@ class RingFinder:
 
     def _middle(self, rings: list[RingFit], taken: BoolArray) -> RingFit:
         """The dot within the innermost ring."""
-        law = learn_law(rings, self.profile, self.nominal_px[1:], self.rings.rho[1:])
+        law = fit_ring_model(rings, self.profile, self.nominal_px[1:], self.rings.rho[1:])
         weights = np.vstack([law.centre(0.0), np.zeros((6, 2))])
         blob = np.full(len(self.angles[0]), -1)
         distance, dot = self.settler.tree.query(weights[:1])
@@ -271,7 +281,7 @@ class RingFinder:
             last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken
         )
 
-    def unsure(self, fit: RingsFit) -> int:
+    def first_unreliable_ring(self, fit: RingsFit) -> int:
         """Number of the first ring that has so few dots that a false one could bend it, and such a dot near; or 0."""
         free = self.blobs[~self._taken(fit.rings)]
         rings = fit.rings[1:] if len(free) else ()
@@ -280,28 +290,28 @@ class RingFinder:
             aside = float(np.linalg.norm(ring.weights[0] - beside.weights[0]))
             if ring.count > _FEW_DOTS or aside < _AGREED * 2.0 * np.pi * ring.radius_px / len(ring.blob):
                 continue
-            places = waves(self.angles[number], 7)[ring.blob < 0] @ ring.weights
+            places = ring_harmonics(self.angles[number], 7)[ring.blob < 0] @ ring.weights
             pitch = 2.0 * np.pi * ring.radius_px / len(ring.blob)
             if ring.count and cKDTree(free).query(places)[0].min() < _TEMPTING * pitch:
                 return number
         return 0
 
-    def lopsided(self, fit: RingsFit) -> int:
+    def first_distorted_ring(self, fit: RingsFit) -> int:
         """First ring of few dots one of which is not where an ellipse through the others has it; or 0."""
         for number, ring in enumerate(fit.rings[1:], 1):
             there = np.flatnonzero(ring.blob >= 0)
             if not _LEAST_LEFT < len(there) <= _INNERMOST:
                 continue
-            terms, seen = waves(self.angles[number][there], 3), self.blobs[ring.blob[there]]
+            terms, seen = ring_harmonics(self.angles[number][there], 3), self.blobs[ring.blob[there]]
             hat = terms @ np.linalg.pinv(terms)
             left = (seen - hat @ seen) / (1.0 - np.diag(hat))[:, None]
             if np.linalg.norm(left, axis=1).max() > _LOPSIDED * 2.0 * np.pi * ring.radius_px / len(ring.blob):
                 return number
         return 0
 
-    def strange(self, fit: RingsFit) -> int:
+    def count_unassigned(self, fit: RingsFit) -> int:
         """Number of dots within the outermost ring that are of none."""
-        outer = waves(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
+        outer = ring_harmonics(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
         free = ~self._taken(fit.rings)
         hull = Delaunay(outer[ConvexHull(outer).vertices])
         return int((hull.find_simplex(self.blobs[free]) >= 0).sum())
@@ -330,7 +340,9 @@ class RingFinder:
         radii = np.arange(radius + _GAPS[0] * gap, radius + _GAPS[1] * gap + step, step)
         best = self.settler.scan(last, phi, radii / radius, np.zeros((1, 2)), taken)
         if best.share < _FULL_RING:
-            grid = _BESIDE * gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            grid = (
+                _NEIGHBOURS * gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            )
             other = self.settler.scan(last, phi, radii / radius, grid, taken)
             best = min(best, other, key=lambda ring: ring.power)
         return best
@@ -355,8 +367,9 @@ def _mark_radius(pattern: MarkerPattern) -> float:
     """Distance of the orientation mark from the axis of the nominal image, px; 0 without a mark."""
     if pattern.marks_px is None or pattern.mark is None:
         return 0.0
-    return float(np.linalg.svd(np.linalg.lstsq(waves(mark_turns(pattern), 3), pattern.marks_px, rcond=None)[0][1:],
-                               compute_uv=False).mean())  # fmt: skip
+    waves = ring_harmonics(mark_turns(pattern), 3)
+    fitted = np.linalg.lstsq(waves, pattern.marks_px, rcond=None)[0][1:]
+    return float(np.linalg.svd(fitted, compute_uv=False).mean())
 
 
 def mark_turns(pattern: MarkerPattern) -> FloatArray:

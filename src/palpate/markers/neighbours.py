@@ -23,7 +23,7 @@ def nearest(points: FloatArray, others: FloatArray) -> tuple[IntArray, FloatArra
 
 
 @kernel
-def room(points: FloatArray, most: float) -> FloatArray:
+def nearest_distance(points: FloatArray, most: float) -> FloatArray:
     """(n,) distance of each point to the nearest other one, at most `most`."""
     square = np.full(len(points), most**2)
     for i in range(len(points)):

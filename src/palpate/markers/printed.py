@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray
 from palpate.markers.blobs import Blobs
-from palpate.markers.choose_field import AT_RANDOM, Field, lie_half_way
+from palpate.markers.choose_field import AT_RANDOM, FieldCandidate, is_midpoint
 
 _IN_ORDER, _ABOVE_CHANCE = 0.25, 5.0
 """Share of dots half way between two neighbours, and standard deviations of that above chance, of a field in order.
@@ -27,7 +27,7 @@ _ALIKE, _FEWEST, _ROUND = 0.06, 8, 0.75
 up to seven lamps about a dome are as alike as print."""
 
 
-def is_printed(blobs: Blobs, field: Field) -> bool:
+def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
     """Whether blobs look printed.
 
     Parameters
@@ -41,7 +41,7 @@ def is_printed(blobs: Blobs, field: Field) -> bool:
     if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
         return False
     clear = float(np.median(blobs.contrast)) / blobs.noise * float(np.median(blobs.diameter_px)) > _CLEAR
-    share = float(lie_half_way(blobs.positions_px).mean())
+    share = float(is_midpoint(blobs.positions_px).mean())
     above = (share - AT_RANDOM) * np.sqrt(count / (AT_RANDOM * (1.0 - AT_RANDOM)))
     in_order = share > _IN_ORDER and above > _ABOVE_CHANCE
     alike = _spread(np.log(np.maximum(blobs.contrast, 1e-9))) < _ALIKE and field.roundness > _ROUND

@@ -18,7 +18,7 @@ from palpate.core import FloatArray
 
 _EVEN = 0.07
 """Greatest residual of a ring's dots over the distance of neighbours."""
-_BELIEF = 2.0
+_PRIOR = 2.0
 """Rings that what is said beforehand of the scatter of centres weighs as much as."""
 _FLAT = 1e-6
 """Differences of height over the radius below which a skin is flat."""
@@ -53,7 +53,7 @@ class RingFit:
         (7, 2) factors of `waves`, px.
     blob
         (n,) dot of each of its markers, -1 where there is none.
-    off_px
+    error_px
         (n,) how far the dots lie from the ring; NaN where there is none.
     power
         Power of ten of the number of such rings that as many dots strewn at random would show in one place.
@@ -61,7 +61,7 @@ class RingFit:
 
     weights: FloatArray
     blob: NDArray[np.intp]
-    off_px: FloatArray
+    error_px: FloatArray
 
     power: float = 0.0
 
@@ -78,7 +78,7 @@ class RingFit:
     @property
     def residual_px(self) -> float:
         """Root of the mean squared distance of its dots from it; infinite without a dot."""
-        off = self.off_px[np.isfinite(self.off_px)]
+        off = self.error_px[np.isfinite(self.error_px)]
         return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
 
     @property
@@ -140,7 +140,7 @@ class RingsFit:
     @property
     def residual_px(self) -> float:
         """Root of the mean squared distance of the dots from their rings, the middle left out."""
-        off = np.concatenate([ring.off_px[np.isfinite(ring.off_px)] for ring in self.rings[1:]])
+        off = np.concatenate([ring.error_px[np.isfinite(ring.error_px)] for ring in self.rings[1:]])
         return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
 
 
@@ -197,7 +197,7 @@ class Profile:
 
 
 @dataclass(frozen=True, eq=False)
-class RingLaw:
+class RingModel:
     """Centres and radii of the rings of a print, and what they say of another ring.
 
     Attributes
@@ -226,8 +226,8 @@ class RingLaw:
     def centre_sd_px(self, expected_px: float) -> float:
         """How far the centres scatter, where `expected_px` is what one would say beforehand."""
         free = max(len(self.left_px) - 2, 0)
-        square = (self.left_px**2).sum() / 2.0 + _BELIEF * expected_px**2
-        return float(np.sqrt(square / (free + _BELIEF)))
+        square = (self.left_px**2).sum() / 2.0 + _PRIOR * expected_px**2
+        return float(np.sqrt(square / (free + _PRIOR)))
 
     def radius_px(self, of_px: float, growth: float, share: float) -> float:
         """Radius in the image of the ring `growth` times as wide on the dome as one of radius `of_px`.
@@ -248,7 +248,9 @@ class RingLaw:
         return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
 
 
-def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray) -> RingLaw:
+def fit_ring_model(
+    rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray
+) -> RingModel:
     """The law of some rings, from the innermost, the middle left out.
 
     `nominal_px` and `design_rho` are the design's radii (k,) in px of the nominal image and in mm.
@@ -262,13 +264,13 @@ def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray
     bent = float(np.abs(rho / design_rho - 1.0).max())
     drift, sd = _drift(centres, scale, np.sqrt(rho / rho.max()), min(bent, _BENT) * _OFF)
     left = centres - drift[0] - scale[:, None] * drift[1]
-    return RingLaw(profile, zoom, rho, drift, left, sd)
+    return RingModel(profile, zoom, rho, drift, left, sd)
 
 
-def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: float) -> tuple[FloatArray, float]:
+def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, error_mm: float) -> tuple[FloatArray, float]:
     """The line a + b g through the centres of rings, b held near zero as far as they scatter, and b's deviation."""
     middle = float(np.average(scale, weights=weight**2))
-    expected = np.hypot(_LEAST_OFF_PX, off_mm * scale.mean())
+    expected = np.hypot(_LEAST_OFF_PX, error_mm * scale.mean())
     sd = expected
     for _ in range(2):
         rows = np.column_stack([weight, weight * (scale - middle)])
@@ -277,12 +279,12 @@ def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: f
         drift = np.vstack([fit[0] - middle * fit[1], fit[1]])
         left = centres - drift[0] - scale[:, None] * drift[1]
         free = max(len(centres) - 2, 0)
-        sd = float(np.sqrt(((left**2).sum() / 2.0 + _BELIEF * expected**2) / (free + _BELIEF)))
+        sd = float(np.sqrt(((left**2).sum() / 2.0 + _PRIOR * expected**2) / (free + _PRIOR)))
     spread = (weight**2 * (scale - middle) ** 2).sum()
     return drift, float(1.0 / np.sqrt(spread / sd**2 + 1.0 / _ASIDE_MM**2))
 
 
-def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
+def extrapolate_ring(law: RingModel, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
     """A ring outside the outermost one, as its own shape goes on.
 
     Parameters

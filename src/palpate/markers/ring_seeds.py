@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.markers.rings import waves
-from palpate.markers.settle_ring import Settler
+from palpate.markers.rings import ring_harmonics
+from palpate.markers.settle_ring import RingFitter
 
 _NEAR = 8
 """Neighbours of a dot among which those beside it on the innermost ring are looked for."""
@@ -21,7 +21,7 @@ _SEED = 0.3
 
 
 def seed_rings(
-    settler: Settler, azimuth: FloatArray, nominal: FloatArray, least: float
+    settler: RingFitter, azimuth: FloatArray, nominal: FloatArray, least: float
 ) -> tuple[list[FloatArray], int]:
     """Innermost rings that three dots give and others confirm.
 
@@ -56,7 +56,7 @@ def seed_rings(
     across = side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]
     alike = (lengths > _SIDES[0] * others) & (lengths < _SIDES[1] * others)
     keep = alike & (np.sign(across) == -handed) & (lengths > 1.0) & (others > 1.0)
-    three = np.linalg.inv(waves(turn, 3)) @ np.stack([blobs[a], blobs[b], blobs[c]], axis=1)[keep]
+    three = np.linalg.inv(ring_harmonics(turn, 3)) @ np.stack([blobs[a], blobs[b], blobs[c]], axis=1)[keep]
     keep = alike & (np.sign(across) == handed) & (lengths > 1.0) & (others > 1.0)
     design = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, np.cos(step), np.sin(step)]])
     two = np.linalg.inv(design) @ np.stack([blobs[b], blobs[a], blobs[c]], axis=1)[keep]
@@ -68,13 +68,13 @@ def seed_rings(
 
 
 def _confirmed(
-    settler: Settler, weights: FloatArray, azimuth: FloatArray, least: float
+    settler: RingFitter, weights: FloatArray, azimuth: FloatArray, least: float
 ) -> tuple[list[FloatArray], int]:
     """Those of the seeds (n, 3, 2) that have dots enough, each set of dots once."""
     if not len(weights):
         return [], 0
     radius = np.linalg.svd(weights[:, 1:], compute_uv=False).mean(axis=1)
-    places = waves(azimuth, 3) @ weights
+    places = ring_harmonics(azimuth, 3) @ weights
     places = np.concatenate([places, weights[:, :1]], axis=1)
     distance, blob = settler.tree.query(places)
     hit = distance < _SEED * radius[:, None]

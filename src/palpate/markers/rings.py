@@ -71,7 +71,7 @@ def _even(azimuth: FloatArray) -> bool:
     return len(azimuth) >= _LEAST_DOTS and bool(np.ptp(steps) < _SAME)
 
 
-def waves(azimuth: FloatArray, terms: int) -> FloatArray:
+def ring_harmonics(azimuth: FloatArray, terms: int) -> FloatArray:
     """(n, terms) 1, cos φ, sin φ, and of five or seven terms cos and sin of 2φ and 3φ: what a bent ring is made of.
 
     With weights (3, 2) they are an ellipse of any centre on which the dots keep their order; the higher harmonics are

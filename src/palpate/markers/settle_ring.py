@@ -16,7 +16,7 @@ from scipy.special import gammaln
 
 from palpate.core import BoolArray, FloatArray
 from palpate.markers.ring_law import RingFit
-from palpate.markers.rings import waves
+from palpate.markers.rings import ring_harmonics
 
 _TRIED = 4
 """Radii and shifts of the next ring that are looked at more closely."""
@@ -43,7 +43,7 @@ _MORE = 0.5
 """Share of the places between those of a ring at which it is another ring of more dots."""
 
 
-class Hold(NamedTuple):
+class RingPrior(NamedTuple):
     """How far a ring may differ from its forecast, and how many dots its own freedom costs when chance is counted."""
 
     centre_px: float
@@ -52,15 +52,15 @@ class Hold(NamedTuple):
     spent: float
 
 
-ALONE = Hold(50.0, (1.0, 0.01, 0.002), 3.0)
+ALONE = RingPrior(50.0, (1.0, 0.01, 0.002), 3.0)
 """The innermost ring, of which nothing is known."""
-NEXT = Hold(4.0, (0.15, 0.03, 0.015), 3.0)
+NEXT = RingPrior(4.0, (0.15, 0.03, 0.015), 3.0)
 """A ring as the one inside forecasts it."""
-INSIDE = Hold(3.0, (0.08, 0.015, 0.005), 1.5)
+INSIDE = RingPrior(3.0, (0.08, 0.015, 0.005), 1.5)
 """A ring as the one outside forecasts it."""
 
 
-class Settler:
+class RingFitter:
     """Settles rings on dots (n, 2)."""
 
     def __init__(self, blobs_px: FloatArray) -> None:
@@ -75,10 +75,10 @@ class Settler:
         growths: FloatArray,
         shifts: FloatArray,
         taken: BoolArray,
-        hold: Hold = NEXT,
+        hold: RingPrior = NEXT,
     ) -> RingFit:
         """The ring of the growth and shift under which most dots are on it."""
-        shape = waves(phi, 7)[:, 1:] @ last.weights[1:]
+        shape = ring_harmonics(phi, 7)[:, 1:] @ last.weights[1:]
         centre = last.weights[0] + shifts
         places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
         distance, blob = self.tree.query(places)
@@ -89,13 +89,13 @@ class Settler:
         for _ in range(_TRIED):
             grown = int(np.argmax(by_growth))
             weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
-            tried.append(self.settle(weights, taken, phi, hold))
+            tried.append(self.fit(weights, taken, phi, hold))
             by_growth[max(grown - 1, 0) : grown + 2] = -1.0
         return min(tried, key=lambda ring: ring.power)
 
-    def settle(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: Hold) -> RingFit:
+    def fit(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: RingPrior) -> RingFit:
         """Nearest dots and the ring in turn; at last what is too far from it is left out."""
-        terms, held = waves(phi, 7), weights
+        terms, held = ring_harmonics(phi, 7), weights
         blob = np.full(len(phi), -1)
         left = np.full(len(phi), np.nan)
         for again in range(6):
@@ -120,7 +120,7 @@ class Settler:
     def _without_worst(
         self,
         terms: FloatArray,
-        held: tuple[FloatArray, Hold],
+        held: tuple[FloatArray, RingPrior],
         blob: NDArray[np.intp],
         left: FloatArray,
     ) -> tuple[FloatArray, NDArray[np.intp], FloatArray] | None:
@@ -154,7 +154,7 @@ class Settler:
             kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
-    def fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: Hold) -> FloatArray:
+    def fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: RingPrior) -> FloatArray:
         """The ring through dots (n, 2), as near to its forecast as it is held."""
         radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
         sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
@@ -168,7 +168,7 @@ class Settler:
             step = 2.0 * np.pi / len(phi) / parts
             between = np.concatenate([phi + step * part for part in range(1, parts)])
             pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
-            distance = self.tree.query(waves(between, 7) @ weights)[0]
+            distance = self.tree.query(ring_harmonics(between, 7) @ weights)[0]
             if np.mean(distance < REACH * pitch) > _MORE:
                 return True
         return False

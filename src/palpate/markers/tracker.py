@@ -19,10 +19,10 @@ from scipy.spatial import cKDTree
 from palpate.core import FloatArray, PalpateError
 from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector
-from palpate.markers.motion import Motion
-from palpate.markers.name_markers import Naming
-from palpate.markers.neighbours import agree, nearest, room
-from palpate.markers.tracks import Sighting, Tracks
+from palpate.markers.motion import MotionModel
+from palpate.markers.name_markers import MarkerAssignment
+from palpate.markers.neighbours import agree, nearest, nearest_distance
+from palpate.markers.tracks import TrackedMarkers, Tracks
 
 _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""
@@ -56,10 +56,10 @@ class Tracker:
     motion
         Model of the joint motion; its rest is where the markers were named.
     state
-        After the last image that `step` was given; `follow` and `look` leave it alone.
+        After the last image that `step` was given; `follow` and `reassign` leave it alone.
     """
 
-    motion: Motion
+    motion: MotionModel
 
     def __post_init__(self) -> None:
         if len(self.motion.rest_px) < 1:
@@ -78,18 +78,18 @@ class Tracker:
         """The state before any image: all markers at rest."""
         return TrackState(self.motion.rest_px, self.motion.rest_px)
 
-    def step(self, blobs_px: FloatArray) -> Sighting:
+    def step(self, blobs_px: FloatArray) -> TrackedMarkers:
         """Find every marker among the dots (n, 2) of the next image, and go on from there."""
         sighting, self.state = self.follow(blobs_px, self.state)
         return sighting
 
-    def follow(self, blobs_px: FloatArray, state: TrackState) -> tuple[Sighting, TrackState]:
+    def follow(self, blobs_px: FloatArray, state: TrackState) -> tuple[TrackedMarkers, TrackState]:
         """Find every marker among the dots (n, 2) of the image after a state; its sighting, and the next state."""
         blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
         predicted = 2.0 * state.last_px - state.before_px
         if not len(blobs_px):
             nowhere = np.zeros(len(predicted), bool), np.full(len(predicted), -1)
-            return Sighting(state.last_px, *nowhere, True), state
+            return TrackedMarkers(state.last_px, *nowhere, True), state
         blobs_px = np.ascontiguousarray(blobs_px)
         positions, blob, offset = self._try(predicted, blobs_px)
         if offset > _SURE or np.mean(blob >= 0) < _SURE_SHARE or self._roughness(positions) > _ROUGH:
@@ -101,17 +101,17 @@ class Tracker:
         found = blob >= 0
         jumped = bool(offset > _JUMP or found.mean() < 0.5 or self._roughness(positions) > _ROUGH)
         before = positions if jumped else state.last_px  # after a jump there is no motion to go on with
-        return Sighting(positions, found, blob, jumped), TrackState(before, positions)
+        return TrackedMarkers(positions, found, blob, jumped), TrackState(before, positions)
 
-    def look(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> tuple[Sighting, TrackState]:
+    def reassign(self, blobs_px: FloatArray, predicted_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
         """Find every marker among the dots (n, 2) of an image about places (m, 2); its sighting, and the next state.
 
         What foresees them answers for the roughness of the motion.
         """
-        positions, blob, offset = self._try(foreseen_px, np.ascontiguousarray(blobs_px))
+        positions, blob, offset = self._try(predicted_px, np.ascontiguousarray(blobs_px))
         found = blob >= 0
         jumped = bool(offset > _JUMP or found.mean() < 0.5)
-        return Sighting(positions, found, blob, jumped), TrackState(positions, positions)
+        return TrackedMarkers(positions, found, blob, jumped), TrackState(positions, positions)
 
     def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
         """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
@@ -140,7 +140,7 @@ class Tracker:
 
 
 def _room(places: FloatArray) -> FloatArray:
-    return np.maximum(room(places, _ALONE_PX), _LEAST_ROOM_PX)
+    return np.maximum(nearest_distance(places, _ALONE_PX), _LEAST_ROOM_PX)
 
 
 def _assign(
@@ -159,7 +159,7 @@ def _assign(
 
 
 def find_markers(
-    images: Iterable[NDArray[Any]], detector: Detector, naming: Naming, motion: Motion | None = None
+    images: Iterable[NDArray[Any]], detector: Detector, naming: MarkerAssignment, motion: MotionModel | None = None
 ) -> Tracks:
     """Find and follow all markers through images that begin near rest.
 
@@ -172,7 +172,7 @@ def find_markers(
     motion
         Model of the joint motion; without it any smooth one.
     """
-    tracker = Tracker(motion or Motion(naming.positions_px))
+    tracker = Tracker(motion or MotionModel(naming.positions_px))
     seen = [tracker.step(_centres(detector.find(image))) for image in images]
     markers = len(naming.positions_px)
     return Tracks(

@@ -11,7 +11,7 @@ from palpate.core import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Sighting:
+class TrackedMarkers:
     """All markers in one image.
 
     Attributes
@@ -43,7 +43,7 @@ class Tracks:
     found
         (n, m) whether a dot was found; the others are estimates of the motion model.
     jumped
-        (n,) whether the markers jumped (see `Sighting`).
+        (n,) whether the markers jumped (see `TrackedMarkers`).
     """
 
     positions_px: FloatArray

@@ -13,17 +13,16 @@ from palpate.material.make_law import LAWS, list_models
 from palpate.material.material import Material
 from palpate.material.model import LinearModel
 from palpate.material.prepare import prepare_sample
-from palpate.material.rank import predict_unseen, rank_models
-from palpate.material.read_bench import read_bench
+from palpate.material.rank import extrapolate_modes, rank_models
+from palpate.material.read_bench import read_test_file
 from palpate.material.read_relaxation import read_relaxation
 from palpate.material.sample import Loading, Sample
-from palpate.material.secant import DIFFERS, compare_secants
-from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
+from palpate.material.secant import SECANT_TOLERANCE, compare_secants
+from palpate.material.spec import FitSpec, PrepareSpec, TestFileSpec, Weighting
 
 __all__ = [
-    "DIFFERS",
     "LAWS",
-    "BenchSpec",
+    "SECANT_TOLERANCE",
     "Curve",
     "DeckLine",
     "Fit",
@@ -37,21 +36,22 @@ __all__ = [
     "NeoHooke",
     "PrepareSpec",
     "Sample",
+    "TestFileSpec",
     "Weighting",
     "compare_secants",
     "draw_fit",
+    "extrapolate_modes",
     "find_stable_ranges",
     "fit_material",
     "get_material",
     "list_materials",
     "list_models",
     "material_from_data",
-    "predict_unseen",
     "prepare_sample",
     "rank_models",
-    "read_bench",
     "read_material",
     "read_relaxation",
+    "read_test_file",
     "save_figure",
     "stretches",
     "trace_curve",

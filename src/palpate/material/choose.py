@@ -47,7 +47,7 @@ def get_material(text: str) -> Material:
     if not colon or law not in LAWS:
         near = get_close_matches(text if not colon else law, [*library_names(), *LAWS.names], n=1, cutoff=0.3)
         hint = f"Did you mean {near[0]}? " if near else ""
-        laws = ", ".join(f"{name}:{form.written()}" for name, form in LAWS.loadable())
+        laws = ", ".join(f"{name}:{form.constants_text()}" for name, form in LAWS.available())
         raise PalpateError(
             f"There is no material '{text}'.",
             f"{hint}Known: {', '.join(list_materials())}; or {laws} in MPa; or a material file (.yaml).",
@@ -58,7 +58,7 @@ def get_material(text: str) -> Material:
     except ValueError:
         raise PalpateError(
             f"'{numbers}' are not numbers.",
-            f"Write {law}:{LAWS.get(law).written()} in MPa.",
+            f"Write {law}:{LAWS.get(law).constants_text()} in MPa.",
             code="constants-not-numbers",
         ) from None
     return Material(name=text, law=LAWS.get(law).from_numbers(constants))

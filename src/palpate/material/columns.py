@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.material.spec import BenchSpec, StrainUnit, StressUnit
+from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
 from palpate.material.table import Table
 
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|déformation", re.I)
@@ -68,7 +68,7 @@ class Columns:
     sample: int | None
 
 
-def find_columns(table: Table, spec: BenchSpec) -> Columns:
+def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     """Find columns and units from the spec, or else from the header.
 
     Raises
@@ -207,7 +207,7 @@ def _written_units(table: Table, column: int) -> set[str]:
     return {text for text in found if text.lower() in _STRAIN_UNITS or text.lower() in _STRESS_UNITS}
 
 
-def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> StrainUnit:
+def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> StrainUnit:
     if spec.strain_unit is not None:
         return spec.strain_unit
     column = pairs[0].strain
@@ -229,7 +229,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> Stra
     )
 
 
-def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> StressUnit:
+def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> StressUnit:
     if spec.stress_unit is not None:
         return spec.stress_unit
     written = {text for pair in pairs for text in _written_units(table, pair.stress)}
@@ -244,7 +244,7 @@ def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> Stre
     )
 
 
-def _sample_column(table: Table, spec: BenchSpec) -> int | None:
+def _sample_column(table: Table, spec: TestFileSpec) -> int | None:
     if spec.sample is not None:
         return _named(table, spec.sample, "sample")[0]
     found = [at for at, name in enumerate(table.header) if _SAMPLE.search(name) and not _STRESS.search(name)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import PalpateError, writing
+from palpate.core import PalpateError, wrap_write_errors
 from palpate.material.fit import Fit
 from palpate.material.prepare import average_samples
 from palpate.material.sample import Loading, Sample
@@ -67,7 +67,7 @@ def save_figure(path: Path, figure: Figure) -> None:
         raise PalpateError(
             f"{path} does not end in .png, .svg or .pdf.", "Name the picture so.", code="file-ending-unknown"
         )
-    with writing(path, "Name a file in an existing folder."):
+    with wrap_write_errors(path, "Name a file in an existing folder."):
         figure.savefig(path, dpi=DOTS_PER_INCH)
 
 

@@ -21,7 +21,7 @@ _POINTS = 400
 """Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
 _WIDTH = 1e-11
 """Width to which the stretch at which stability ends is halved."""
-_ROUND_OFF = 1e-12
+_ROUNDING = 1e-12
 """Share of the greatest eigenvalue that the smallest one of a large exponent of Ogden's may lose by cancellation."""
 
 
@@ -119,4 +119,4 @@ def _least(law: Law, mode: Mode, stretch: FloatArray) -> FloatArray:
     matrix = drucker_matrix(law, stretches(mode, stretch))
     middle = 0.5 * (matrix[:, 0, 0] + matrix[:, 1, 1])
     radius = np.hypot(0.5 * (matrix[:, 0, 0] - matrix[:, 1, 1]), matrix[:, 0, 1])
-    return np.asarray(middle - radius + _ROUND_OFF * (np.abs(middle) + radius))
+    return np.asarray(middle - radius + _ROUNDING * (np.abs(middle) + radius))

@@ -148,7 +148,7 @@ class Fit:
         )
 
 
-def judge(samples: Sequence[Sample], predicted: Sequence[FloatArray]) -> tuple[ModeQuality, ...]:
+def assess_fit(samples: Sequence[Sample], predicted: Sequence[FloatArray]) -> tuple[ModeQuality, ...]:
     """Judge predicted nominal stresses, (n,) each, by mode of the samples."""
     found = []
     for mode in Mode:

@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 from palpate.core import FloatArray, PalpateError
 from palpate.material.curve import Mode, stretches, uniaxial_range
 from palpate.material.drucker import drucker_matrix, scan_ends
-from palpate.material.fit import Fit, judge
+from palpate.material.fit import Fit, assess_fit
 from palpate.material.law import Model
 from palpate.material.least_squares import lengths, solve_linear, solve_positive_definite, solve_signed
 from palpate.material.make_law import get_model
@@ -135,7 +135,7 @@ def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit |
         condition=_condition(jacobian),
         count=len(data.nominal),
         aicc=_aicc(solution.objective, len(data.nominal), len(model.constants)),
-        quality=judge(samples, [model.terms(s.principal, solution.shapes) @ solution.linear for s in samples]),
+        quality=assess_fit(samples, [model.terms(s.principal, solution.shapes) @ solution.linear for s in samples]),
         scanned=(low, high),
         held=solution.held,
         from_samples=False,
@@ -215,7 +215,7 @@ def _drucker_terms(model: Model, data: _Data, ends: tuple[float, float]) -> Floa
 
 def _fit_shapes(model: Model, data: _Data, spec: FitSpec, near: Fit | None) -> _Solution:
     """Search the shapes: every start is tried for a few steps, the best are followed to the end."""
-    starts = model.starts(data.principal, spec.largest_exponent)
+    starts = model.starts(data.principal, spec.max_exponent)
     if near is not None:
         boxes = [box for box, _ in starts if np.all((box[0] <= near.shapes) & (near.shapes <= box[1]))]
         starts = [(box, near.shapes) for box in boxes[:1]] or starts

@@ -11,7 +11,7 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from palpate.core import PalpateError, writing
+from palpate.core import PalpateError, wrap_write_errors
 from palpate.material.make_law import LAWS
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
 from palpate.relaxation import Moduli, Relaxation
@@ -46,7 +46,7 @@ def write_material(path: Path, material: Material) -> None:
     writer = YAML()
     writer.width = 110
     writer.dump(content, text)
-    with writing(path, "Name a file in an existing folder."):
+    with wrap_write_errors(path, "Name a file in an existing folder."):
         path.write_text(_HEAD + text.getvalue(), encoding="utf-8")
 
 
@@ -130,7 +130,7 @@ def _make(content: dict[str, Any], name: str) -> Material:
             **texts,
         )
     except PalpateError as error:
-        raise PalpateError(f"{name}: {error.what}", error.remedy, code=error.code) from None
+        raise PalpateError(f"{name}: {error.problem}", error.remedy, code=error.code) from None
 
 
 def _relaxation_data(relaxation: Relaxation) -> dict[str, Any]:

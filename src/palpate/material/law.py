@@ -104,7 +104,7 @@ class Law(ABC):
         return {name: float(value) for name, (value, default) in values.items() if value != default}
 
     @classmethod
-    def written(cls) -> str:
+    def constants_text(cls) -> str:
         """How a person writes its constants, e.g. ``C10,C20,C30``."""
         return " or ".join(",".join(form) for form in cls._forms())
 
@@ -120,7 +120,7 @@ class Law(ABC):
         form = next((form for form in cls._forms() if len(form) == len(numbers)), None)
         if form is None:
             raise PalpateError(
-                f"{cls.name} takes {cls.written()}, but {len(numbers)} numbers were given.",
+                f"{cls.name} takes {cls.constants_text()}, but {len(numbers)} numbers were given.",
                 "Write them in MPa.",
                 code="law-constant-count",
             )
@@ -140,7 +140,7 @@ class Law(ABC):
         if not constants or not needed <= set(constants) <= known:
             raise PalpateError(
                 f"The constants of {cls.name} are not {', '.join(constants) or 'none'}.",
-                f"They are {cls.written()}.",
+                f"They are {cls.constants_text()}.",
                 code="law-constants-unknown",
             )
         make: Any = cls

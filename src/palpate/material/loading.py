@@ -26,7 +26,7 @@ _SMOOTH = 2e-3
 """Roughness over the greatest stress below which there is one branch in any case."""
 
 
-def take_loading(sample: Sample) -> Sample:
+def loading_branch(sample: Sample) -> Sample:
     """The rows of loading, sorted outward from rest, without those after break or unloading.
 
     Parameters

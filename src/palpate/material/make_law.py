@@ -51,4 +51,4 @@ def get_model(name: str) -> Model:
 
 
 def _models() -> dict[str, Model]:
-    return {model.name: model for _, law in LAWS.loadable() for model in law.models()}
+    return {model.name: model for _, law in LAWS.available() for model in law.models()}

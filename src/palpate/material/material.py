@@ -69,7 +69,7 @@ class Material:
             )
 
     @property
-    def fills(self) -> bool:
+    def has_gel(self) -> bool:
         """Whether a skin of it has a gel inside."""
         return self.gel is not None
 

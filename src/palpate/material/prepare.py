@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.material.loading import take_loading
+from palpate.material.loading import loading_branch
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
@@ -60,7 +60,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
     notes = list(sample.notes)
     read = len(sample.stretch)
     if spec.until_break:
-        sample = take_loading(sample)
+        sample = loading_branch(sample)
         if len(sample.stretch) < read:
             notes.append(f"{read - len(sample.stretch)} rows after break or unloading left out")
     if spec.toe == "auto":
@@ -70,11 +70,11 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
     if spec.strain_factor != 1:
         sample = replace(sample, stretch=1 + spec.strain_factor * (sample.stretch - 1))
         notes.append(f"strain times {spec.strain_factor:g}")
-    sample = sample.where((sample.stretch >= spec.least_stretch) & (sample.stretch <= spec.greatest_stretch))
+    sample = sample.where((sample.stretch >= spec.min_stretch) & (sample.stretch <= spec.max_stretch))
     if len(sample.stretch) < _LEAST_ROWS:
         raise PalpateError(
-            f"{sample.name}: {len(sample.stretch)} rows are left between stretch {spec.least_stretch:g} and "
-            f"{spec.greatest_stretch:g}.",
+            f"{sample.name}: {len(sample.stretch)} rows are left between stretch {spec.min_stretch:g} and "
+            f"{spec.max_stretch:g}.",
             "Widen the range.",
             code="samples-few-rows-left",
         )

@@ -37,7 +37,7 @@ class Ranked:
         Model.
     fit
         Its fit; none where there is none.
-    behind
+    delta_aicc
         Akaike's criterion above that of the best: beyond 10 the data speak against the model.
     left_out
         RMSE over the greatest stress of samples that were left out of the fit in turn; nan with one sample.
@@ -47,13 +47,13 @@ class Ranked:
 
     name: str
     fit: Fit | None
-    behind: float
+    delta_aicc: float
     left_out: float
     failure: str = ""
 
 
 @dataclass(frozen=True)
-class UnseenError:
+class ModeExtrapolation:
     """What a fit may miss in a mode that was not measured.
 
     Attributes
@@ -100,13 +100,13 @@ def rank_models(
         try:
             fit = fit_rows(samples, chosen)
         except PalpateError as error:
-            found.append(Ranked(name, None, float("inf"), float("nan"), error.what))
+            found.append(Ranked(name, None, float("inf"), float("nan"), error.problem))
             continue
         found.append(Ranked(name, fit, fit.aicc, leave_out_error(samples, fit)))
-    best = min((item.behind for item in found), default=0.0)
+    best = min((item.delta_aicc for item in found), default=0.0)
     if np.isfinite(best):
-        found = [replace(item, behind=item.behind - best) for item in found]
-    return tuple(sorted(found, key=lambda item: item.behind))
+        found = [replace(item, delta_aicc=item.delta_aicc - best) for item in found]
+    return tuple(sorted(found, key=lambda item: item.delta_aicc))
 
 
 def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
@@ -128,7 +128,7 @@ def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
     return float(np.sqrt(np.mean(squares)))
 
 
-def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[UnseenError, ...]:
+def extrapolate_modes(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[ModeExtrapolation, ...]:
     """Predict how far a fit may be off in the modes that were not measured.
 
     Models that describe the measured modes about as well and are stable differ where nothing was measured. Since most
@@ -167,7 +167,7 @@ def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]
         between = float(np.median(distances)) if known else float("nan")
         relative = float(np.hypot(_SHARE * between, _BENCHES))
         names = tuple(peer.model.name for peer in peers)
-        found.append(UnseenError(mode, high, between, relative, _UPPER * relative, names))
+        found.append(ModeExtrapolation(mode, high, between, relative, _UPPER * relative, names))
     return tuple(found)
 
 

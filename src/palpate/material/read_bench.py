@@ -11,7 +11,7 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 from palpate.material.columns import Columns, Pair, find_columns
 from palpate.material.sample import Loading, Sample
-from palpate.material.spec import BenchSpec, StrainUnit, StressUnit
+from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
 from palpate.material.table import Table, read_table
 
 LEAST_ROWS = 5
@@ -44,7 +44,7 @@ _MPA = {
 _FORCES = (StressUnit.MILLINEWTON, StressUnit.NEWTON, StressUnit.KILONEWTON)
 
 
-def read_bench(path: str | Path, spec: BenchSpec | None = None) -> tuple[Sample, ...]:
+def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[Sample, ...]:
     """Read the samples of a file.
 
     Parameters
@@ -64,7 +64,7 @@ def read_bench(path: str | Path, spec: BenchSpec | None = None) -> tuple[Sample,
     PalpateError
         If the file is wrong or ambiguous; the message names row and column, and what to do.
     """
-    path, spec = Path(path), spec or BenchSpec()
+    path, spec = Path(path), spec or TestFileSpec()
     table = read_table(path, spec)
     columns = find_columns(table, spec)
     notes = (f"{table.skipped} of {table.skipped + len(table.values)} rows thinned away",) if table.skipped else ()
@@ -142,7 +142,7 @@ def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, Float
     return strain, stress, np.asarray(lines)
 
 
-def _to_stretch(strain: FloatArray, columns: Columns, spec: BenchSpec, path: Path) -> FloatArray:
+def _to_stretch(strain: FloatArray, columns: Columns, spec: TestFileSpec, path: Path) -> FloatArray:
     if columns.strain_unit is StrainUnit.TRAVEL:
         if spec.gauge_length is None:
             raise PalpateError(
@@ -158,7 +158,7 @@ def _to_stretch(strain: FloatArray, columns: Columns, spec: BenchSpec, path: Pat
     return np.asarray(1 + (0.01 if columns.strain_unit is StrainUnit.PERCENT else 1.0) * strain)
 
 
-def _to_stress(stress: FloatArray, columns: Columns, spec: BenchSpec, path: Path) -> FloatArray:
+def _to_stress(stress: FloatArray, columns: Columns, spec: TestFileSpec, path: Path) -> FloatArray:
     if columns.stress_unit not in _FORCES:
         return _MPA[columns.stress_unit] * stress
     if spec.section is None:
@@ -187,7 +187,7 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
     return stretch, nominal
 
 
-def _find_loading(table: Table, pair: Pair, spec: BenchSpec) -> Loading:
+def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
     """The test of a pair of columns: by the spec, else by the names of file and columns, else by the preamble."""
     if spec.loading is not None:
         return spec.loading

@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.columns import STRETCH, find_column, seek_column, units_of_column
-from palpate.material.spec import BenchSpec, StrainUnit, TimeUnit
+from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit
 from palpate.material.table import Table, read_table
 from palpate.relaxation import RelaxationTest
 
@@ -21,7 +21,7 @@ _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 6
 _UNITS = {"ms": "ms", "s": "s", "sec": "s", "sek": "s", "min": "min", "h": "h", "hour": "h"}
 
 
-def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> RelaxationTest:
+def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> RelaxationTest:
     """Read a relaxation test.
 
     Parameters
@@ -37,7 +37,7 @@ def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> Relaxati
     PalpateError
         If the file is wrong or ambiguous, or holds no relaxation; the message names row and column, and what to do.
     """
-    path, spec = Path(path), spec or BenchSpec()
+    path, spec = Path(path), spec or TestFileSpec()
     table = read_table(path, spec)
     time_at = find_column(table, spec.time, "time", _TIME)
     stress_at = find_column(table, spec.stress, "stress", _STRESS)
@@ -59,7 +59,7 @@ def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> Relaxati
         notes.append("answer to the strain measured")
     test = RelaxationTest(path.name, time, stress, strain, tuple(notes))
     test.check()
-    if strain is None and test.came[1] > test.came[0]:
+    if strain is None and test.ramp_times[1] > test.ramp_times[0]:
         notes.append("no strain: taken to have come evenly until the greatest stress")
     elif strain is None:
         notes.append("no strain: taken to have come as a step at time 0")
@@ -86,7 +86,7 @@ def _take(table: Table, columns: list[int]) -> FloatArray:
     return values
 
 
-def _time_unit(table: Table, column: int, spec: BenchSpec) -> TimeUnit:
+def _time_unit(table: Table, column: int, spec: TestFileSpec) -> TimeUnit:
     if spec.time_unit is not None:
         return spec.time_unit
     written = {_UNITS[text.lower()] for text in units_of_column(table, column) if text.lower() in _UNITS}
@@ -104,7 +104,7 @@ def _signed(stress: FloatArray) -> FloatArray:
     return np.asarray(stress * np.sign(stress[np.argmax(np.abs(stress))] or 1.0))
 
 
-def _strain(table: Table, strain: FloatArray, column: int, spec: BenchSpec) -> FloatArray:
+def _strain(table: Table, strain: FloatArray, column: int, spec: TestFileSpec) -> FloatArray:
     """Strain that grows from zero, in the file's unit."""
     name = table.header[column] if table.header else ""
     if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and STRETCH.search(name)):

@@ -61,6 +61,6 @@ class Sample:
         """Principal stretches (n, 3) of the incompressible specimen."""
         return stretches(self.mode, self.stretch)
 
-    def where(self, kept: BoolArray | IntArray) -> Sample:
+    def where(self, selected: BoolArray | IntArray) -> Sample:
         """The sample with the rows that are kept: a mask (n,), or their numbers in the order wanted."""
-        return replace(self, stretch=self.stretch[kept], nominal=self.nominal[kept])
+        return replace(self, stretch=self.stretch[selected], nominal=self.nominal[selected])

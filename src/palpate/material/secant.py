@@ -19,7 +19,7 @@ STRAIN = 0.1
 _NEAR = 0.5
 """Share of that strain within which rows count beside it."""
 _FEWEST = 3
-DIFFERS = 0.15
+SECANT_TOLERANCE = 0.15
 """Share by which a fit's secant may differ from that of the data: two benches differ by as much."""
 
 

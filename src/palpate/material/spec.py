@@ -47,7 +47,7 @@ _STRAIN_UNITS = ", ".join(StrainUnit)
 _STRESS_UNITS = ", ".join(StressUnit)
 
 
-class BenchSpec(Spec):
+class TestFileSpec(Spec):
     """How the files of a test bench are to be read; what is left open is found in the file or asked for."""
 
     loading: Loading | None = parameter(None, unit="", meaning="the test; empty: as file name or preamble say")
@@ -78,8 +78,8 @@ class BenchSpec(Spec):
 class PrepareSpec(Spec):
     """What is done to a curve before it is fitted or averaged."""
 
-    least_stretch: float = parameter(0.0, unit="1", meaning="rows of smaller stretch are left out", ge=0, le=1)
-    greatest_stretch: float = parameter(1e3, unit="1", meaning="rows of greater stretch are left out", gt=1)
+    min_stretch: float = parameter(0.0, unit="1", meaning="rows of smaller stretch are left out", ge=0, le=1)
+    max_stretch: float = parameter(1e3, unit="1", meaning="rows of greater stretch are left out", gt=1)
     until_break: bool = parameter(True, unit="", meaning="cut where the specimen breaks or is unloaded")
     toe: Literal["none", "auto"] = parameter(
         "none",
@@ -119,4 +119,4 @@ class FitSpec(Spec):
         20.0, unit="1", meaning="uniaxial stretch to which stability is held and scanned", gt=1, le=100
     )
     confidence: float = parameter(0.95, unit="1", meaning="confidence of the intervals", gt=0, lt=1)
-    largest_exponent: float = parameter(30.0, unit="1", meaning="bound of Ogden's exponents", gt=1, le=300)
+    max_exponent: float = parameter(30.0, unit="1", meaning="bound of Ogden's exponents", gt=1, le=300)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.material.spec import DECIMALS, DELIMITERS, BenchSpec
+from palpate.material.spec import DECIMALS, DELIMITERS, TestFileSpec
 
 MOST_ROWS = 50_000
 """Rows beyond these are thinned evenly: no curve needs more."""
@@ -87,7 +87,7 @@ class _Dialect:
         return sum(map(bool, cells)) >= 2 and all(self.number(cell) is not None for cell in cells)
 
 
-def read_table(path: Path, spec: BenchSpec) -> Table:
+def read_table(path: Path, spec: TestFileSpec) -> Table:
     """Read the numbers of a file.
 
     Parameters
@@ -161,7 +161,7 @@ def _decode(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-def _find_dialect(path: Path, lines: list[Line], spec: BenchSpec) -> _Dialect:
+def _find_dialect(path: Path, lines: list[Line], spec: TestFileSpec) -> _Dialect:
     """The delimiter and decimal mark by which most lines are rows of numbers."""
     delimiters = [DELIMITERS[spec.delimiter]] if spec.delimiter else ["\t", ";", ",", " "]
     decimals = [DECIMALS[spec.decimal]] if spec.decimal else [".", ","]

@@ -8,7 +8,7 @@ from palpate.mechanics.friction import ContactLaw
 from palpate.mechanics.increment import Increment
 from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
 from palpate.mechanics.loading import ContactLoading, DeadLoading
-from palpate.mechanics.monitor import Ended, Monitor, Unwatched
+from palpate.mechanics.monitor import EndReason, Monitor, NullMonitor
 from palpate.mechanics.newton import Equilibrium, Problem
 from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
 from palpate.mechanics.sensitivity import Sensitivity, Variation
@@ -29,12 +29,13 @@ __all__ = [
     "Continuation",
     "DeadLoad",
     "DeadLoading",
-    "Ended",
+    "EndReason",
     "Equilibrium",
     "Gap",
     "Increment",
     "LinearSolver",
     "Monitor",
+    "NullMonitor",
     "Obstacle",
     "OuterSurface",
     "Pattern",
@@ -46,7 +47,6 @@ __all__ = [
     "State",
     "System",
     "Term",
-    "Unwatched",
     "Variation",
     "cauchy_stress",
     "fill_nodes",

@@ -25,11 +25,11 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, kernel
 from palpate.mechanics.element import DOFS, System
-from palpate.mechanics.friction import ContactHistory, ContactLaw, Met
+from palpate.mechanics.friction import ContactHistory, ContactLaw, ContactPair
 from palpate.mechanics.obstacle import Obstacle
 from palpate.mechanics.solid import State
 from palpate.mechanics.surface import ContactFaces, OuterSurface
-from palpate.mechanics.term import Assembly, Share, Term
+from palpate.mechanics.term import Assembly, Term, TermContribution
 
 OUTER_FIRST = 18
 """First node of the outer face in a cell."""
@@ -72,33 +72,33 @@ class Contact(Term):
     obstacle: Obstacle
     history: ContactHistory
 
-    def assemble(self, state: State, to: Assembly) -> Share:
+    def assemble(self, state: State, to: Assembly) -> TermContribution:
         return self._assemble(state, to, tangent=True)
 
-    def add_residual(self, state: State, to: Assembly) -> Share:
+    def add_residual(self, state: State, to: Assembly) -> TermContribution:
         """Add the residual alone."""
         return self._assemble(state, to, tangent=False)
 
-    def _assemble(self, state: State, to: Assembly, *, tangent: bool) -> Share:
+    def _assemble(self, state: State, to: Assembly, *, tangent: bool) -> TermContribution:
         points = self._points(self.surface.place(to.nodes + state.u))
         rules = (self.law, self.history)
-        return Share(*_assemble_points(self.surface.faces, to.place, points, rules, to.system, tangent))
+        return TermContribution(*_assemble_points(self.surface.faces, to.place, points, rules, to.system, tangent))
 
     def energy(self, state: State, nodes: FloatArray) -> float:
         """Energy in mJ of a state of the body with these nodes (n, 3) mm."""
         points = self._points(self.surface.place(nodes + state.u))
         return float(_sum_energy(self.surface.faces, points, (self.law, self.history)))
 
-    def meet(self, state: State, nodes: FloatArray) -> Met:
+    def meet(self, state: State, nodes: FloatArray) -> ContactPair:
         """Contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
-        return Met(self.surface.interpolate(nodes + state.u), self.obstacle)
+        return ContactPair(self.surface.interpolate(nodes + state.u), self.obstacle)
 
     def _points(self, x: FloatArray) -> _Points:
         gap, arm = self.obstacle.gap(x), x - self.obstacle.point
         if gap.curvature is None:
-            return _Points(arm, gap.reach, gap.normal, np.zeros((len(x), 3, 3)), gap.reach, gap.normal)
+            return _Points(arm, gap.penetration, gap.normal, np.zeros((len(x), 3, 3)), gap.penetration, gap.normal)
         height = np.einsum("ni,ni->n", arm - self.history.anchor, self.history.normal)
-        return _Points(arm, gap.reach, gap.normal, gap.curvature, height, self.history.normal)
+        return _Points(arm, gap.penetration, gap.normal, gap.curvature, height, self.history.normal)
 
 
 @kernel

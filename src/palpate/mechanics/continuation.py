@@ -23,9 +23,9 @@ from palpate.core import FloatArray
 from palpate.mechanics.friction import ContactHistory
 from palpate.mechanics.increment import Increment
 from palpate.mechanics.loading import PathLoading
-from palpate.mechanics.monitor import Ended, Monitor
+from palpate.mechanics.monitor import EndReason, Monitor
 from palpate.mechanics.newton import Equilibrium, Loads, Problem, SolveOutcome
-from palpate.mechanics.sensitivity import Advance, Sensitivity
+from palpate.mechanics.sensitivity import IncrementTransition, Sensitivity
 from palpate.mechanics.solid import State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.term import Damping
@@ -92,7 +92,7 @@ class Continuation:
     sensitivity
         Follows derivatives up to the first jump, if there is one; begun by its `start`.
     ended, message
-        Why the path could not go on, and that in one sentence; `Ended.DEPTH_REACHED` while it can.
+        Why the path could not go on, and that in one sentence; `EndReason.DEPTH_REACHED` while it can.
     """
 
     problem: Problem
@@ -104,7 +104,7 @@ class Continuation:
     iterations: int = 0
     jumps: bool = True
     sensitivity: Sensitivity | None = None
-    ended: Ended = Ended.DEPTH_REACHED
+    ended: EndReason = EndReason.DEPTH_REACHED
     message: str = ""
     _step: float = field(default=0.0, init=False)
     _history: ContactHistory = field(init=False)
@@ -182,7 +182,7 @@ class Continuation:
         factor = next((factor for most, factor in _GROWTH if iterations <= most), _SHRINK)
         largest = self.spec.largest_step * self.unit
         edge = self.spec.edge_share * self.problem.length
-        advance = self.loading.longest(self.last.depth, edge, BASE_RADIUS * self.unit)
+        advance = self.loading.max_increment(self.last.depth, edge, BASE_RADIUS * self.unit)
         advance *= min(1.0, (_STIFFENING / max(self._exponent, _STIFFENING)) ** 2)
         largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
@@ -190,7 +190,7 @@ class Continuation:
     @property
     def _exponent(self) -> float:
         """Exponent n of the force as a power of the depth, from the last two increments."""
-        thrust = self.loading.thrust
+        thrust = self.loading.axial_force
         (d0, f0), (d1, f1) = ((point.depth, thrust(point.loads.force)) for point in self.increments[-2:])
         return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 and d1 != d0 else 0.0
 
@@ -261,7 +261,7 @@ class Continuation:
         if self.sensitivity is not None:
             self._differentiate(self.sensitivity, found.state, depth, jumped=jumped)
         power = self._power(depth, found)
-        history, lost = self.loading.keep(self._history, depth, found.state)
+        history, lost = self.loading.update_history(self._history, depth, found.state)
         self.increments.append(
             Increment(
                 depth,
@@ -288,7 +288,9 @@ class Continuation:
         if asked or self.loading.remembers:
             last = self.last
             earlier = last.history._replace(stabilisation=self._stabilisation)
-            step = Advance(len(self.increments), last.depth, depth, last.state, state, earlier, self._history)
+            step = IncrementTransition(
+                len(self.increments), last.depth, depth, last.state, state, earlier, self._history
+            )
             sensitivity.accept(step, memory=self.loading.remembers, asked=asked)
 
     def release(self) -> None:
@@ -322,14 +324,14 @@ class Continuation:
             self._end(*fault)
             return False
         if not self.jumps:
-            self._end(Ended.BRANCH_ENDED, "where the branch ends")
+            self._end(EndReason.BRANCH_ENDED, "where the branch ends")
             return False
         self.release()
         if sum(increment.jumped for increment in self.increments) >= _JUMPS:
-            self._end(Ended.NOT_CONVERGED, f"after {_JUMPS} jumps: no branch can be followed further")
+            self._end(EndReason.NOT_CONVERGED, f"after {_JUMPS} jumps: no branch can be followed further")
             return False
         for push in (0.0, 1.0, 2.0) if self.monitor.inverted(last.depth, last.state) else (1.0, 2.0):
-            shape = self.monitor.pushed(last.depth, last.state, push * self.problem.length)
+            shape = self.monitor.perturbed(last.depth, last.state, push * self.problem.length)
             found = self.relax(depth, shape, last.state)
             if found.converged:
                 self._accept(found, depth, jumped=True)
@@ -337,13 +339,13 @@ class Continuation:
                 self._step = self._first_step
                 return True
         self._end(
-            Ended.NOT_CONVERGED,
+            EndReason.NOT_CONVERGED,
             f"where no equilibrium was found: {found.outcome} after {found.iterations} iterations, residual "
             f"{found.residual:.2g} N is above {self.problem.tolerance:.2g} N",
         )
         return False
 
-    def _end(self, ended: Ended, reason: str) -> None:
+    def _end(self, ended: EndReason, reason: str) -> None:
         self.ended, self.message = ended, f"The press ended at {self.last.depth:.4g} mm, {reason}."
 
     def attempt(self, depth: float, start: State) -> bool:

@@ -75,20 +75,20 @@ class ContactHistory(NamedTuple):
     stabilisation: FloatArray
 
 
-class Met(NamedTuple):
+class ContactPair(NamedTuple):
     """Contact points (n_points, 3) mm and the obstacle that they meet."""
 
     points: FloatArray
     obstacle: Obstacle
 
 
-def untouched(points: int) -> ContactHistory:
+def empty_history(points: int) -> ContactHistory:
     """Nothing has touched yet."""
     return ContactHistory(np.zeros((points, 3)), np.zeros((points, 3)), np.zeros(points), np.zeros(points))
 
 
 def correct_history(
-    law: ContactLaw, history: ContactHistory, before: Met, after: Met, area: FloatArray
+    law: ContactLaw, history: ContactHistory, before: ContactPair, after: ContactPair, area: FloatArray
 ) -> ContactHistory:
     """Correct sticking places and limits by a solution in which points that touch anew slid freely.
 
@@ -100,8 +100,8 @@ def correct_history(
     share a = x / L of the increment, moves ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, where the solution gives
     ``sqrt(x)`` (docs/decisions/0063). In the first increment nothing sticks yet, and a point slides up to its time.
     """
-    reach0, place0 = before.obstacle.foot(before.points)
-    reach1, place1 = after.obstacle.foot(after.points)
+    reach0, place0 = before.obstacle.closest_points(before.points)
+    reach1, place1 = after.obstacle.closest_points(after.points)
     fresh = (history.limit == 0) & (reach1 > 0)
     swept = arrival(-reach0, fresh, area)
     if (history.limit > 0).any():
@@ -121,9 +121,9 @@ def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatAr
     return share
 
 
-def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> ContactHistory:
+def return_to_limit(law: ContactLaw, history: ContactHistory, at: ContactPair) -> ContactHistory:
     """What the points keep of an equilibrium: where they stick, after any slip (return mapping)."""
-    reach, place = at.obstacle.foot(at.points)
+    reach, place = at.obstacle.closest_points(at.points)
     spring = np.where(history.limit[:, None] > 0, place - history.anchor, 0.0)
     length = law.tangential_stiffness * np.linalg.norm(spring, axis=1)
     kept = np.divide(history.limit, length, out=np.ones_like(length), where=length > history.limit)
@@ -132,11 +132,11 @@ def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> Contac
     return ContactHistory(anchor, at.obstacle.normal_at(anchor), limit, history.stabilisation)
 
 
-def dissipated(law: ContactLaw, history: ContactHistory, at: Met, weight: FloatArray) -> float:
+def dissipated(law: ContactLaw, history: ContactHistory, at: ContactPair, weight: FloatArray) -> float:
     """Work in mJ of friction in the increment that ends here: traction times slip, over areas (n_points,) mm²."""
     if not 0 < law.friction < np.inf:
         return 0.0
-    _, place = at.obstacle.foot(at.points)
+    _, place = at.obstacle.closest_points(at.points)
     length = np.linalg.norm(place - history.anchor, axis=1)
     slip = np.maximum(length - history.limit / law.tangential_stiffness, 0.0)
     return float((weight * history.limit * slip).sum())

@@ -14,11 +14,11 @@ from palpate.mechanics.contact import Contact
 from palpate.mechanics.friction import (
     ContactHistory,
     ContactLaw,
-    Met,
+    ContactPair,
     correct_history,
     dissipated,
+    empty_history,
     return_to_limit,
-    untouched,
 )
 from palpate.mechanics.obstacle import Obstacle
 from palpate.mechanics.solid import State
@@ -42,7 +42,7 @@ class PathLoading(ABC):
         """History before anything acts."""
 
     @abstractmethod
-    def longest(self, at: float, edge: float, radius: float) -> float:
+    def max_increment(self, at: float, edge: float, radius: float) -> float:
         """Longest increment in mm from a depth in mm: the patch's edge advances by some `edge` mm in it.
 
         On a sphere of that radius in mm the patch has the radius ``sqrt(2 R d)``, so its edge goes `edge` on while
@@ -59,9 +59,9 @@ class PathLoading(ABC):
         On the `side` of a greater (1) or lesser (-1) parameter, where the way may have a kink. Of what moves along
         one way it is the force along that.
         """
-        return self.thrust(force)
+        return self.axial_force(force)
 
-    def thrust(self, force: FloatArray) -> float:
+    def axial_force(self, force: FloatArray) -> float:
         """Share in N of a force (3,) N that acts against the way of what moves: along the axis."""
         return float(force[2])
 
@@ -76,7 +76,7 @@ class PathLoading(ABC):
         """History corrected by a solution `after` the equilibrium `before`, each a parameter and a state."""
 
     @abstractmethod
-    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+    def update_history(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
         """History that an equilibrium leaves, and the work in mJ dissipated in the increment that led to it."""
 
 
@@ -112,12 +112,12 @@ class ContactLoading(PathLoading):
     def remembers(self) -> bool:  # type: ignore[override]
         return self.law.friction > 0
 
-    def longest(self, at: float, edge: float, radius: float) -> float:
+    def max_increment(self, at: float, edge: float, radius: float) -> float:
         share = 1.0 if np.isinf(self.law.friction) else _SLIPPING if self.remembers else _FRICTIONLESS
         return float(share * edge * np.sqrt(2.0 * at / radius))
 
     def start(self) -> ContactHistory:
-        return untouched(len(self.surface.points))
+        return empty_history(len(self.surface.points))
 
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
         return (self.contact(at, history),)
@@ -125,7 +125,9 @@ class ContactLoading(PathLoading):
     def contact(self, at: float, history: ContactHistory) -> Contact:
         """Contact with the obstacle at a depth in mm, with this history."""
         obstacle = self.obstacle(at)
-        return Contact(self.surface, self.law, obstacle, history._replace(anchor=obstacle.seen(history.anchor)))
+        return Contact(
+            self.surface, self.law, obstacle, history._replace(anchor=obstacle.to_global_frame(history.anchor))
+        )
 
     def power(self, at: float, state: State, history: ContactHistory, force: FloatArray, side: float) -> float:
         """See `PathLoading`; of one that goes aside too, by the energy of contact of a state that holds still."""
@@ -134,8 +136,8 @@ class ContactLoading(PathLoading):
         there, here = (self.contact(at + step, history).energy(state, self.nodes) for step in (side * _TINY, 0.0))
         return (there - here) / (side * _TINY)
 
-    def thrust(self, force: FloatArray) -> float:
-        return super().thrust(force) if self.way is None else float(force @ self.way)
+    def axial_force(self, force: FloatArray) -> float:
+        return super().axial_force(force) if self.way is None else float(force @ self.way)
 
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
         pull = np.where(self.touching(last, state), self.law.stiffness, history.stabilisation)
@@ -145,25 +147,25 @@ class ContactLoading(PathLoading):
         self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
     ) -> ContactHistory:
         area = self.surface.faces.weight.ravel()
-        return correct_history(self.law, history, self.meet(*before), self.meet(*after), area)
+        return correct_history(self.law, history, self.contact_pair(*before), self.contact_pair(*after), area)
 
-    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
-        met = self.meet(at, state)
+    def update_history(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+        met = self.contact_pair(at, state)
         lost = dissipated(self.law, history, met, self.surface.faces.weight.ravel())
         return return_to_limit(self.law, history, met), lost
 
-    def meet(self, at: float, state: State) -> Met:
+    def contact_pair(self, at: float, state: State) -> ContactPair:
         """Contact points of a state and the obstacle at a depth in mm."""
-        return Met(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
+        return ContactPair(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
 
-    def reach(self, at: float, state: State) -> FloatArray:
+    def penetration(self, at: float, state: State) -> FloatArray:
         """Penetration (n_points,) mm of a state into the obstacle at a depth in mm."""
-        met = self.meet(at, state)
-        return met.obstacle.reach(met.points)
+        met = self.contact_pair(at, state)
+        return met.obstacle.penetration(met.points)
 
     def touching(self, at: float, state: State) -> BoolArray:
         """Contact points (n_points,) of a state that touch the obstacle at a depth in mm."""
-        return self.reach(at, state) > 0
+        return self.penetration(at, state) > 0
 
 
 @final
@@ -180,11 +182,11 @@ class DeadLoading(PathLoading):
     load: DeadLoad
     remembers = False
 
-    def longest(self, at: float, edge: float, radius: float) -> float:
+    def max_increment(self, at: float, edge: float, radius: float) -> float:
         return np.inf
 
     def start(self) -> ContactHistory:
-        return untouched(0)
+        return empty_history(0)
 
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
         return (replace(self.load, factor=at),)
@@ -197,5 +199,5 @@ class DeadLoading(PathLoading):
     ) -> ContactHistory:
         return history
 
-    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+    def update_history(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
         return history, 0.0

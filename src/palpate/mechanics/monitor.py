@@ -11,7 +11,7 @@ from palpate.core import FloatArray
 from palpate.mechanics.solid import State
 
 
-class Ended(StrEnum):
+class EndReason(StrEnum):
     """Why a press ended."""
 
     DEPTH_REACHED = "depth reached"
@@ -49,17 +49,17 @@ class Monitor(ABC):
         """Greatest tension in MPa that the springs (n_points,) MPa/mm bear."""
 
     @abstractmethod
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         """Displacement (n, 3) mm of a state pushed by so many mm towards the other branch."""
 
     @abstractmethod
-    def fault(self, state: State) -> tuple[Ended, str] | None:
+    def fault(self, state: State) -> tuple[EndReason, str] | None:
         """Why what follows a state is not modelled, or None."""
 
 
 @final
 @dataclass(frozen=True)
-class Unwatched(Monitor):
+class NullMonitor(Monitor):
     """A path of one branch; nothing is stabilised."""
 
     modulus: float = 1.0
@@ -74,8 +74,8 @@ class Unwatched(Monitor):
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
         return 0.0
 
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         return state.u
 
-    def fault(self, state: State) -> tuple[Ended, str] | None:
+    def fault(self, state: State) -> tuple[EndReason, str] | None:
         return None

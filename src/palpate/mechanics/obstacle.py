@@ -21,15 +21,15 @@ class Gap(NamedTuple):
 
     Attributes
     ----------
-    reach
+    penetration
         (n,) mm penetration, positive inside the obstacle.
     normal
-        (n, 3) unit gradient of `reach`, from the surface into the obstacle.
+        (n, 3) unit gradient of `penetration`, from the surface into the obstacle.
     curvature
-        (n, 3, 3) 1/mm Hessian of `reach`; None for a flat obstacle.
+        (n, 3, 3) 1/mm Hessian of `penetration`; None for a flat obstacle.
     """
 
-    reach: FloatArray
+    penetration: FloatArray
     normal: FloatArray
     curvature: FloatArray | None
 
@@ -82,24 +82,24 @@ class Obstacle(ABC):
             code="obstacle-no-patch",
         )
 
-    def reach(self, points: FloatArray) -> FloatArray:
+    def penetration(self, points: FloatArray) -> FloatArray:
         """Penetration (n,) mm of points (n, 3) mm; negative off the obstacle."""
-        return self.gap(points).reach
+        return self.gap(points).penetration
 
     def normal_at(self, place: FloatArray) -> FloatArray:
         """Normals (n, 3) at places (n, 3) mm seen from `point`, in the obstacle's axes."""
-        return self.gap(self.point + self.seen(place)).normal
+        return self.gap(self.point + self.to_global_frame(place)).normal
 
-    def seen(self, place: FloatArray) -> FloatArray:
+    def to_global_frame(self, place: FloatArray) -> FloatArray:
         """Places (n, 3) mm of the obstacle's own axes in those of space."""
         return place if self.axes is None else place @ self.axes.T
 
-    def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def closest_points(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Penetration (n,) mm of points (n, 3) mm, and the places (n, 3) mm nearest to them.
 
         A place is seen from `point`, in the obstacle's own axes.
         """
-        reach = self.reach(points)
+        reach = self.penetration(points)
         place = points - self.point - reach[:, None] * self.gap(points).normal
         return reach, place if self.axes is None else place @ self.axes
 

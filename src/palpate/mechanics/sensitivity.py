@@ -61,7 +61,7 @@ class Variation:
         The body likewise; None where the parameter leaves it alone.
     lasting
         Whether the parameter has been different since rest; otherwise it changes at the increment alone.
-    across
+    antisymmetric
         Whether it breaks the mirror symmetry of half a body.
     sideways
         Whether it moves the obstacle in its own surface alone, so that no point is reached sooner or later for it.
@@ -73,7 +73,7 @@ class Variation:
     below: ContactLoading
     solids: tuple[Solid, Solid] | None = None
     lasting: bool = True
-    across: bool = False
+    antisymmetric: bool = False
     sideways: bool = False
 
     def loading(self, side: float) -> ContactLoading:
@@ -81,7 +81,7 @@ class Variation:
         return self.above if side > 0 else self.below
 
 
-class Rate(NamedTuple):
+class StateDerivative(NamedTuple):
     """Derivative by one parameter: displacement (n, 3) mm, force (3,) N of the modelled part, and history."""
 
     u: FloatArray
@@ -89,7 +89,7 @@ class Rate(NamedTuple):
     history: ContactHistory
 
 
-class Advance(NamedTuple):
+class IncrementTransition(NamedTuple):
     """An increment whose derivative is sought.
 
     Attributes
@@ -147,8 +147,8 @@ class Sensitivity:
     loading: ContactLoading
     variations: tuple[Variation, ...]
     across: Problem | None = None
-    rates: dict[str, Rate] = field(default_factory=dict)
-    found: dict[int, dict[str, Rate]] = field(default_factory=dict)
+    rates: dict[str, StateDerivative] = field(default_factory=dict)
+    found: dict[int, dict[str, StateDerivative]] = field(default_factory=dict)
     _pace: FloatArray = field(init=False)
     _still: ContactHistory = field(init=False)
     _ahead: dict[str, tuple[float, FloatArray]] = field(default_factory=dict, init=False)
@@ -157,14 +157,14 @@ class Sensitivity:
         """Begin at rest, with this history."""
         self._still = ContactHistory(*(np.zeros_like(part) for part in history))
         self._pace = np.zeros_like(self.problem.body.nodes)
-        self.rates = {each.name: Rate(self._pace, np.zeros(3), self._still) for each in self.variations}
+        self.rates = {each.name: StateDerivative(self._pace, np.zeros(3), self._still) for each in self.variations}
 
     def stand(self, number: int, at: float, state: State, history: ContactHistory) -> None:
         """Take an equilibrium of the path by itself, where contact remembers nothing."""
         self.start(history)
-        self.accept(Advance(number, at, at, state, state, history, history), memory=False, asked=True)
+        self.accept(IncrementTransition(number, at, at, state, state, history, history), memory=False, asked=True)
 
-    def accept(self, step: Advance, *, memory: bool, asked: bool) -> None:
+    def accept(self, step: IncrementTransition, *, memory: bool, asked: bool) -> None:
         """Take an increment: with `memory`, also the derivatives of the history that it leaves.
 
         Where it is not `asked` for, only what goes on is computed: no force, and nothing that changes there alone.
@@ -186,8 +186,8 @@ class Sensitivity:
             if asked:
                 high, low = (self._assemble(each, step, side, history, u)[1] for side in _SIDES)
                 force = (high - low) / (2 * each.step)
-            kept = self._kept(each, step, u, history) if each.lasting and memory else old.history
-            rates[each.name] = Rate(u, force, kept)
+            kept = self._stored(each, step, u, history) if each.lasting and memory else old.history
+            rates[each.name] = StateDerivative(u, force, kept)
         if memory:
             self._pace = self._solve(self._path, step, self._still)
         if asked:
@@ -200,22 +200,27 @@ class Sensitivity:
     def _limited(each: Variation) -> bool:
         return 0 < each.above.law.friction < np.inf
 
-    def _factor(self, step: Advance, variations: Sequence[Variation]) -> None:
+    def _factor(self, step: IncrementTransition, variations: Sequence[Variation]) -> None:
         """Factor the tangents at the end of a step that these variations need."""
         terms = self.loading.terms(step.end, step.history)
         for problem in {id(each): each for each in map(self._problem, variations)}.values():
             problem.factor(step.after, terms)
 
     def _problem(self, each: Variation) -> Problem:
-        return self.across if each.across and self.across is not None else self.problem
+        return self.across if each.antisymmetric and self.across is not None else self.problem
 
-    def _solve(self, each: Variation, step: Advance, rate: ContactHistory) -> FloatArray:
+    def _solve(self, each: Variation, step: IncrementTransition, rate: ContactHistory) -> FloatArray:
         """Derivative (n, 3) mm of the displacement for that of the history."""
         high, low = (self._assemble(each, step, side, rate)[0] for side in _SIDES)
         return self._problem(each).back_substitute((low - high) / (2 * each.step))
 
     def _assemble(
-        self, each: Variation, step: Advance, side: float, rate: ContactHistory, u: FloatArray | None = None
+        self,
+        each: Variation,
+        step: IncrementTransition,
+        side: float,
+        rate: ContactHistory,
+        u: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Residual (3 n,) N of the state at the end of a step, or of that moved along `u`, and the force (3,) N."""
         loading, by = each.loading(side), side * each.step
@@ -227,16 +232,18 @@ class Sensitivity:
         share = loading.contact(step.end, _moved(step.history, rate, by)).add_residual(state, to)
         return to.system.residual, share.force
 
-    def _arrive(self, step: Advance) -> _Arrivals:
+    def _arrive(self, step: IncrementTransition) -> _Arrivals:
         """Which points touch anew in an increment, when, and how fast they were on their way."""
         fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
         reach, place = self._foot_rate(self._path, step, self._pace)
         slowest = _SLOWEST * float(np.abs(reach[fresh] if fresh.any() else reach).max())
         area = self.loading.surface.faces.weight.ravel()
-        share = arrival(-self.loading.reach(step.start, step.before), fresh, area)
+        share = arrival(-self.loading.penetration(step.start, step.before), fresh, area)
         return _Arrivals(fresh, share * (step.end - step.start), np.maximum(reach, slowest), place)
 
-    def _corrected(self, each: Variation, step: Advance, old: Rate, arrivals: _Arrivals) -> ContactHistory:
+    def _corrected(
+        self, each: Variation, step: IncrementTransition, old: StateDerivative, arrivals: _Arrivals
+    ) -> ContactHistory:
         """Derivative of the history with which the increment was solved.
 
         What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
@@ -263,13 +270,13 @@ class Sensitivity:
         normal = np.where(arrivals.fresh[:, None], (high - low) / (2 * each.step), old.history.normal)
         return old.history._replace(anchor=anchor, normal=normal)
 
-    def _foot_rate(self, each: Variation, step: Advance, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _foot_rate(self, each: Variation, step: IncrementTransition, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Derivatives of penetration (n_points,) and place (n_points, 3) at the last equilibrium."""
         feet = []
         for side in _SIDES:
             state = State(step.before.u + side * each.step * u, step.before.p)
-            met = each.loading(side).meet(step.start, state)
-            feet.append(met.obstacle.foot(met.points))
+            met = each.loading(side).contact_pair(step.start, state)
+            feet.append(met.obstacle.closest_points(met.points))
         (reach1, place1), (reach0, place0) = feet
         twice = 2 * each.step
         return (reach1 - reach0) / twice, (place1 - place0) / twice
@@ -282,21 +289,23 @@ class Sensitivity:
         )
         return Variation("", _STEP, high, low, lasting=False)
 
-    def _limits(self, each: Variation, step: Advance, u: FloatArray) -> FloatArray:
+    def _limits(self, each: Variation, step: IncrementTransition, u: FloatArray) -> FloatArray:
         """Derivative (n_points,) MPa of the limit of friction for that of the displacement."""
         found = []
         for side in _SIDES:
             state = State(step.after.u + side * each.step * u, step.after.p)
-            found.append(each.loading(side).law.friction_limit(each.loading(side).reach(step.end, state)))
+            found.append(each.loading(side).law.friction_limit(each.loading(side).penetration(step.end, state)))
         return np.where(step.history.limit > 0, (found[0] - found[1]) / (2 * each.step), 0.0)
 
-    def _kept(self, each: Variation, step: Advance, u: FloatArray, rate: ContactHistory) -> ContactHistory:
+    def _stored(
+        self, each: Variation, step: IncrementTransition, u: FloatArray, rate: ContactHistory
+    ) -> ContactHistory:
         """Derivative of the history that the increment leaves."""
         found = []
         for side in _SIDES:
             by = side * each.step
             state = State(step.after.u + by * u, step.after.p)
-            found.append(each.loading(side).keep(_moved(step.history, rate, by), step.end, state)[0])
+            found.append(each.loading(side).update_history(_moved(step.history, rate, by), step.end, state)[0])
         return _difference(found[0], found[1], each.step)
 
 

@@ -13,7 +13,7 @@ from palpate.mechanics.element import System
 from palpate.mechanics.solid import State
 
 
-class Share(NamedTuple):
+class TermContribution(NamedTuple):
     """What a term adds: energy, mJ, and force (3,) N on the obstacle."""
 
     energy: float
@@ -51,7 +51,7 @@ class Term(ABC):
     """One summand of the energy."""
 
     @abstractmethod
-    def assemble(self, state: State, to: Assembly) -> Share:
+    def assemble(self, state: State, to: Assembly) -> TermContribution:
         """Add the first derivative of the energy to the residual and the second to the upper triangle."""
 
 
@@ -71,10 +71,10 @@ class DeadLoad(Term):
     force: FloatArray
     factor: float = 1.0
 
-    def assemble(self, state: State, to: Assembly) -> Share:
+    def assemble(self, state: State, to: Assembly) -> TermContribution:
         to.system.residual[:] -= self.factor * self.force.ravel()
         way = float((self.force * state.u).sum())
-        return Share(-self.factor * way, np.array([0.0, 0.0, -way]))
+        return TermContribution(-self.factor * way, np.array([0.0, 0.0, -way]))
 
 
 @final
@@ -93,8 +93,8 @@ class Damping(Term):
     coefficient: float
     origin: FloatArray
 
-    def assemble(self, state: State, to: Assembly) -> Share:
+    def assemble(self, state: State, to: Assembly) -> TermContribution:
         viscous = self.coefficient * np.repeat(to.volume, 3)
         to.system.residual[:] += viscous * (state.u - self.origin).ravel()
         to.system.data[to.diagonal] += viscous[to.free]
-        return Share(0.0, np.zeros(3))
+        return TermContribution(0.0, np.zeros(3))

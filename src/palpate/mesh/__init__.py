@@ -1,11 +1,11 @@
 """Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
 
-from palpate.core import renamed
+from palpate.core import deprecated_names
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.mesh_skin import centre_mesh, default_core, mesh_skin, reshape_mesh
-from palpate.mesh.pins import follow_marked, follow_rate
+from palpate.mesh.pins import marker_displacement, marker_displacement_derivative
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -16,11 +16,11 @@ __all__ = [
     "SurfacePoints",
     "centre_mesh",
     "default_core",
-    "follow_marked",
-    "follow_rate",
     "gauss_points",
     "locate_inner",
     "locate_nodes",
+    "marker_displacement",
+    "marker_displacement_derivative",
     "measure_quality",
     "mesh_skin",
     "reshape_mesh",
@@ -28,4 +28,4 @@ __all__ = [
     "shape_quadrilateral",
 ]
 
-__getattr__ = renamed(__name__, {"mesh_dome": ("mesh_skin", "0.3.0")})
+__getattr__ = deprecated_names(__name__, {"mesh_dome": ("mesh_skin", "0.3.0")})

@@ -43,7 +43,7 @@ class Filling(NamedTuple):
     base: IntArray
 
 
-def fill_hollow(grid: DiscGrid, inner: FloatArray, first: int, *, whole: bool) -> Filling:
+def mesh_filling(grid: DiscGrid, inner: FloatArray, first: int, *, whole: bool) -> Filling:
     """Mesh the hollow under a grid.
 
     Parameters

@@ -11,7 +11,7 @@ from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.mesh.hexahedron import shape_quadrilateral
 from palpate.mesh.mesh import Mesh
 
-_OFF_SURFACE_MM = 0.05
+_SURFACE_DISTANCE_MM = 0.05
 _CANDIDATES = 24
 """Faces that may hold a point: those nearest by their middles; faces are up to ten times as long as broad."""
 _INSIDE = 1.0 + 1e-9
@@ -100,12 +100,12 @@ def _unroll(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
     off = np.abs(mesh.skin.distance(points))
-    if off.max(initial=0.0) > _OFF_SURFACE_MM:
+    if off.max(initial=0.0) > _SURFACE_DISTANCE_MM:
         worst = int(np.argmax(off))
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the "
             f"{'tips of the pins' if mesh.skin.pin else 'inner surface'} of {mesh.skin.name}.",
-            f"Give points within {_OFF_SURFACE_MM} mm of it.",
+            f"Give points within {_SURFACE_DISTANCE_MM} mm of it.",
             code="point-off-surface",
         )
     place = mesh.skin.disc(points)

@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
 from palpate.mesh.disc import DiscGrid, grid_disc
-from palpate.mesh.fill import fill_hollow
+from palpate.mesh.fill import mesh_filling
 from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
@@ -124,7 +124,7 @@ def _sweep(skin: Skin, spec: MeshSpec, flat: _Flat, pole: FloatArray | None) -> 
 def _fill(mesh: Mesh, grid: DiscGrid) -> Mesh:
     """The mesh with its hollow filled."""
     n = len(mesh.nodes)
-    fill = fill_hollow(grid, mesh.nodes[: len(grid.points)], n, whole=mesh.spec.whole)
+    fill = mesh_filling(grid, mesh.nodes[: len(grid.points)], n, whole=mesh.spec.whole)
     nodes = np.concatenate([mesh.nodes, fill.nodes])
     inside = np.arange(n, len(nodes))
     on_mirror = inside[:0] if mesh.spec.whole else inside[np.abs(fill.nodes[:, 0]) < 1e-9 * mesh.skin.base_radius]

@@ -19,7 +19,7 @@ _AT_NODES = shape_quadrilateral(np.array([[i, j] for j in (-1.0, 0.0, 1.0) for i
 """(9, 9, 2) derivatives of the shape functions at the nodes of a face."""
 
 
-def follow_marked(mesh: Mesh, places: SurfacePoints, displacement: FloatArray) -> FloatArray:
+def marker_displacement(mesh: Mesh, places: SurfacePoints, displacement: FloatArray) -> FloatArray:
     """Displacement (n, m, 3) mm of marked points under a displacement (n, n_nodes, 3) mm of the nodes.
 
     Marked points of a skin with pins are the tips of these, and `places` their roots.
@@ -33,10 +33,10 @@ def follow_marked(mesh: Mesh, places: SurfacePoints, displacement: FloatArray) -
     return tips
 
 
-def follow_rate(
+def marker_displacement_derivative(
     mesh: Mesh, places: SurfacePoints, displacement: FloatArray, rate: FloatArray, *, across: bool = False
 ) -> FloatArray:
-    """Derivative (n, m, 3) of `follow_marked`, where that of the displacement (n, n_nodes, 3) is `rate`.
+    """Derivative (n, m, 3) of `marker_displacement`, where that of the displacement (n, n_nodes, 3) is `rate`.
 
     `across` says that the rate is antisymmetric about the mirror plane of a half model.
     """

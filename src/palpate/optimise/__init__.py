@@ -1,52 +1,59 @@
 """Design search: requirements in, the best sensors that a workshop can build out."""
 
-from palpate.optimise.choose_rings import ChosenRings, PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
+from palpate.optimise.choose_rings import (
+    PrintLimits,
+    RingCandidates,
+    RingSelection,
+    bound_rings,
+    choose_rings,
+    measure_ring_candidates,
+)
 from palpate.optimise.design_study import write_packs
-from palpate.optimise.front import Entry, Front, TriedSkin
-from palpate.optimise.influence import Influences, find_influences
-from palpate.optimise.optimise_design import optimise_design, prove_front
-from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
-from palpate.optimise.proposal import Proposal, Variant
-from palpate.optimise.search_folder import FoundDesign, SearchFolder, is_search, read_search
-from palpate.optimise.search_skins import Judged, SearchPlan, Tried, search_skins
+from palpate.optimise.front import DesignCandidate, Front, SkinTrial
+from palpate.optimise.influence import SobolIndices, compute_sobol_indices
+from palpate.optimise.optimise_design import optimise_design, validate_front
+from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
+from palpate.optimise.proposal import LayoutOption, SkinEvaluation
+from palpate.optimise.search_folder import SearchDesign, SearchFolder, is_search, read_search
+from palpate.optimise.search_skins import Evaluation, SearchPlan, SearchTrial, search_skins
 from palpate.optimise.space import SkinSpace
-from palpate.optimise.spec import CameraChoice, RequirementsSpec, RivalSpec, read_requirements
+from palpate.optimise.spec import BaselineDesignSpec, CameraChoice, RequirementsSpec, read_requirements
 from palpate.optimise.write_front import describe_front, write_front
 
 __all__ = [
-    "BenchFigure",
+    "BaselineDesignSpec",
     "CameraChoice",
-    "ChosenRings",
-    "Entry",
-    "FoundDesign",
+    "DesignCandidate",
+    "Evaluation",
     "Front",
-    "Influences",
-    "Judged",
+    "LayoutOption",
     "PrintLimits",
-    "Proof",
-    "Proposal",
-    "ProvenDesign",
     "RequirementsSpec",
-    "RingPlaces",
-    "RivalSpec",
+    "RingCandidates",
+    "RingSelection",
+    "SearchDesign",
     "SearchFolder",
     "SearchPlan",
-    "SecondSolver",
+    "SearchTrial",
+    "SimulatedAccuracy",
+    "SkinEvaluation",
     "SkinSpace",
-    "Tried",
-    "TriedSkin",
-    "Variant",
+    "SkinTrial",
+    "SobolIndices",
+    "SolverComparison",
+    "ValidatedDesign",
+    "ValidationResult",
     "bound_rings",
     "choose_rings",
+    "compute_sobol_indices",
     "describe_front",
-    "find_influences",
     "is_search",
+    "measure_ring_candidates",
     "optimise_design",
-    "place_rings",
-    "prove_front",
     "read_requirements",
     "read_search",
     "search_skins",
+    "validate_front",
     "write_front",
     "write_packs",
 ]

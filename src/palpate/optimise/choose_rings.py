@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built import ForeseeSpec, RingInformation, ToleranceSpec, measure_rings
+from palpate.built import AccuracySpec, RingInformation, ToleranceSpec, compute_ring_information
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
@@ -43,15 +43,15 @@ class PrintLimits:
 
     Attributes
     ----------
-    most
+    max_markers
         Markers at most.
     dot, gap
         Diameter of a dot, and smallest gap between two, mm.
-    least_dot
+    min_marker_diameter
         Diameter of the smallest dots that are tried, mm; empty: `dot`.
     apart_px
         Least distance of two of the smallest dots in the image at rest; larger ones have as much between their edges.
-    steepest_deg
+    max_slope_deg
         Slope of the skin up to which it can be printed.
     on_arc
         Whether the pad carries dots along the meridian; else along the axis, where steep rings come close on it.
@@ -59,12 +59,12 @@ class PrintLimits:
         Places along the meridian that a ring may take.
     """
 
-    most: int = 169
+    max_markers: int = 169
     dot: float = 1.0
     gap: float = 0.3
-    least_dot: float | None = None
+    min_marker_diameter: float | None = None
     apart_px: float = 8.0
-    steepest_deg: float = 65.0
+    max_slope_deg: float = 65.0
     on_arc: bool = False
     places: int = 28
 
@@ -72,13 +72,13 @@ class PrintLimits:
     def rings(self) -> int:
         """Most rings."""
         count = 0
-        while markers_in_rings(count + 1) <= self.most:
+        while markers_in_rings(count + 1) <= self.max_markers:
             count += 1
         return count
 
 
 @dataclass(frozen=True, eq=False)
-class ChosenRings:
+class RingSelection:
     """Rings that were chosen.
 
     Attributes
@@ -94,7 +94,7 @@ class ChosenRings:
 
 
 @dataclass(frozen=True, eq=False)
-class RingPlaces:
+class RingCandidates:
     """All rings that might be printed on a skin, and what they tell.
 
     Attributes
@@ -124,15 +124,15 @@ class RingPlaces:
         found[1 + np.arange(len(places)) * len(self.radii) + places] = 1.0
         return found
 
-    def may_be(self, places: IntArray) -> bool:
+    def is_compatible(self, places: IntArray) -> bool:
         """Whether rings can be at these places together."""
         fit = bool(self.allowed[np.arange(len(places)), places].all())
         return fit and bool(self.steps[places[:-1], places[1:]].all())
 
 
-def place_rings(
-    twin: Twin, camera: Camera, tolerance: ToleranceSpec, spec: ForeseeSpec, limits: PrintLimits
-) -> RingPlaces:
+def measure_ring_candidates(
+    twin: Twin, camera: Camera, tolerance: ToleranceSpec, spec: AccuracySpec, limits: PrintLimits
+) -> RingCandidates:
     """Measure every ring that might be printed on the skin of a twin."""
     skin, count = twin.skin, limits.rings
     radii = _radii(skin, limits)
@@ -143,22 +143,24 @@ def place_rings(
             positions.append(skin.inner_point(np.full(6 * k, radius), azimuth))
             group.append(np.full(6 * k, 1 + (k - 1) * len(radii) + j))
     layout = MarkerLayout(np.concatenate(positions), limits.dot)
-    information = measure_rings(twin, layout, np.concatenate(group), camera, tolerance, spec)
-    return RingPlaces(information, radii, *_allow(skin, camera, limits, radii, information.inside), limits)
+    information = compute_ring_information(twin, layout, np.concatenate(group), camera, tolerance, spec)
+    return RingCandidates(information, radii, *_allow(skin, camera, limits, radii, information.inside), limits)
 
 
-def resize_dots(places: RingPlaces, skin: Skin, camera: Camera, dot: float, noise_px: float) -> RingPlaces:
+def resize_dots(places: RingCandidates, skin: Skin, camera: Camera, dot: float, noise_px: float) -> RingCandidates:
     """The same rings with dots of another diameter (mm), as large as the first or larger.
 
     Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of 4.4 px in
     the image, and where they may be by their size.
     """
-    limits = replace(places.limits, dot=dot, least_dot=places.limits.least_dot or places.limits.dot)
+    limits = replace(
+        places.limits, dot=dot, min_marker_diameter=places.limits.min_marker_diameter or places.limits.dot
+    )
     radii = np.append(0.0, np.tile(places.radii, limits.rings))
     layout = MarkerLayout(skin.inner_point(radii, np.zeros(len(radii))), dot)
-    information = places.information.printed(skin, layout, np.arange(len(radii)), camera, noise_px)
+    information = places.information.with_markers(skin, layout, np.arange(len(radii)), camera, noise_px)
     allowed, steps = _allow(skin, camera, limits, places.radii, places.information.inside)
-    return RingPlaces(information, places.radii, allowed, steps, limits)
+    return RingCandidates(information, places.radii, allowed, steps, limits)
 
 
 def _allow(
@@ -181,7 +183,7 @@ def _allow(
     return allowed, steps
 
 
-def choose_rings(places: RingPlaces, markers: int) -> ChosenRings:
+def choose_rings(places: RingCandidates, markers: int) -> RingSelection:
     """Choose the rings of one number of markers.
 
     Raises
@@ -191,10 +193,10 @@ def choose_rings(places: RingPlaces, markers: int) -> ChosenRings:
     """
     starts = [_spread(places, markers, share) for share in _SPREADS]
     best, least = min((_exchange(places, start) for start in starts), key=lambda found: found[1])
-    return ChosenRings(_markers(places, best), float(np.sqrt(least)))
+    return RingSelection(_markers(places, best), float(np.sqrt(least)))
 
 
-def spread_rings(places: RingPlaces, markers: int) -> ChosenRings:
+def space_rings_evenly(places: RingCandidates, markers: int) -> RingSelection:
     """Rings of one number of markers as even along the meridian as they can be printed.
 
     Raises
@@ -203,10 +205,10 @@ def spread_rings(places: RingPlaces, markers: int) -> ChosenRings:
         If so many cannot be printed on this skin.
     """
     even = _spread(places, markers, 1.0)
-    return ChosenRings(_markers(places, even), float(np.sqrt(places.information.variance(places.share(even)))))
+    return RingSelection(_markers(places, even), float(np.sqrt(places.information.variance(places.share(even)))))
 
 
-def _spread(places: RingPlaces, markers: int, share: float) -> IntArray:
+def _spread(places: RingCandidates, markers: int, share: float) -> IntArray:
     """Places of rings that are even over a share of the meridian."""
     count = next((n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers), None)
     if count is None:
@@ -243,7 +245,7 @@ def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
     rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
     points = skin.inner_point(rho, np.zeros(len(rho)))
     steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
-    fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
+    fine = (steep <= limits.max_slope_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
         raise PalpateError(
             "No ring can be printed on this skin.",
@@ -259,18 +261,18 @@ def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -
     near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
     seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
     scale = seen / np.linalg.norm(points - near, axis=1)
-    larger = limits.dot - (limits.least_dot or limits.dot)
+    larger = limits.dot - (limits.min_marker_diameter or limits.dot)
     return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6) + larger)
 
 
-def _exchange(places: RingPlaces, start: IntArray) -> tuple[IntArray, float]:
+def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]:
     """Move single rings, and pairs of neighbours together, as long as that helps."""
     now, known = start.copy(), dict[tuple[int, ...], float]()
 
     def judge(chosen: IntArray) -> float:
         key = tuple(int(place) for place in chosen)
         if key not in known:
-            known[key] = places.information.variance(places.share(chosen)) if places.may_be(chosen) else np.inf
+            known[key] = places.information.variance(places.share(chosen)) if places.is_compatible(chosen) else np.inf
         return known[key]
 
     least = judge(now)
@@ -297,17 +299,17 @@ def _moves(rings: int, places: int) -> list[IntArray]:
     return single + runs
 
 
-def _markers(places: RingPlaces, chosen: IntArray) -> MarkerSpec:
+def _markers(places: RingCandidates, chosen: IntArray) -> MarkerSpec:
     diameters = tuple(round(2.0 * float(radius), 3) for radius in places.radii[chosen])
     return MarkerSpec(count=markers_in_rings(len(diameters)), ring_diameters=diameters, diameter=places.limits.dot)
 
 
-def bound_rings(places: RingPlaces, markers: int, steps: int = 40) -> float:
+def bound_rings(places: RingCandidates, markers: int, steps: int = 40) -> float:
     """Expected error of rx and ry, degrees, that no rings of so many markers go below.
 
     Parts of rings may be mixed here, of every set of rings that can be printed.
     """
-    information = places.information.at_best()
+    information = places.information.lower_bound()
     count = next(n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers)
     share, bound = places.share(_best_chain(places, np.zeros((count, len(places.radii))))), 0.0
     for step in range(steps):
@@ -327,7 +329,7 @@ def bound_rings(places: RingPlaces, markers: int, steps: int = 40) -> float:
     return float(np.sqrt(bound))
 
 
-def _best_chain(places: RingPlaces, cost: FloatArray) -> IntArray:
+def _best_chain(places: RingCandidates, cost: FloatArray) -> IntArray:
     """Places of as many rings as `cost` (n, J) has rows, of least cost in all: the shortest path outward."""
     least = np.where(places.allowed[0], cost[0], np.inf)
     came = np.zeros(cost.shape, dtype=int)

@@ -13,7 +13,7 @@ from palpate.camera import CameraSpec
 from palpate.design import MarkerSpec, MountSpec, SkinSpec
 from palpate.fabricate import FabricationPack, PackSpec, write_pack
 from palpate.material import get_material
-from palpate.optimise.front import Entry, Front
+from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import Study
 
@@ -21,7 +21,7 @@ PACKS = "packs"
 """Folder of the packs in that of a search."""
 
 
-def camera_of(spec: RequirementsSpec, entry: Entry) -> CameraSpec:
+def camera_of(spec: RequirementsSpec, entry: DesignCandidate) -> CameraSpec:
     """The camera of a design, at its distance."""
     camera = next(choice.camera for choice in spec.cameras if choice.name == entry.option.camera)
     return camera.model_copy(update={"distance": entry.option.distance})
@@ -34,9 +34,9 @@ def design_study(
     return Study.model_validate(_study_data(spec, name, skin, material, markers, camera))
 
 
-def winner_study(front: Front, winner: Entry) -> str:
+def winner_study(front: Front, winner: DesignCandidate) -> str:
     """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
-    proposal, spec = winner.tried.known, front.spec
+    proposal, spec = winner.trial.finest, front.spec
     study = _study_data(
         spec,
         f"{spec.name}-winner",
@@ -50,9 +50,9 @@ def winner_study(front: Front, winner: Entry) -> str:
     return text.getvalue()
 
 
-def pack_name(entry: Entry) -> str:
+def pack_name(entry: DesignCandidate) -> str:
     """Name of a design's pack."""
-    return f"skin{entry.tried.number}_{entry.option.markers.count}"
+    return f"skin{entry.trial.number}_{entry.option.markers.count}"
 
 
 def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
@@ -64,8 +64,8 @@ def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
         If one cannot be made, or the folder cannot be written.
     """
     found = []
-    for entry in front.best:
-        place, proposal = folder / PACKS / pack_name(entry), entry.tried.known
+    for entry in front.pareto:
+        place, proposal = folder / PACKS / pack_name(entry), entry.trial.finest
         if place.exists():
             continue
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -92,9 +92,12 @@ def _study_data(
         },
         "material": {"name": material},
         "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
-        "wall": {"depth": spec.depth, "image_step": spec.depth / 10.0},
+        "wall": {"depth": spec.depth, "depth_step": spec.depth / 10.0},
         "camera": camera.model_dump(mode="json", exclude_defaults=True),
-        "built": {"known": max(spec.known, 1), "tolerance": spec.tolerance.model_dump(exclude_defaults=True)},
+        "built": {
+            "calibration_presses": max(spec.calibration_presses, 1),
+            "tolerance": spec.tolerance.model_dump(exclude_defaults=True),
+        },
     }
 
 

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from palpate.camera import CameraSpec, build_camera, render, wrap_dots
+from palpate.camera import CameraSpec, build_camera, marker_outlines, render
 from palpate.design import MarkerLayout, Skin, place_markers, place_orientation_mark
-from palpate.optimise.front import Entry, Front, TriedSkin, coarse_errors, find_least
+from palpate.optimise.front import DesignCandidate, Front, SkinTrial, coarse_errors, find_best
 
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
 """Units of the objectives."""
@@ -22,15 +22,15 @@ _SILICONE, _CAMERA = "#e8c9a8", "#343a40"
 def draw_search(front: Front) -> Figure:
     """Least error found so far over the skins tried, beside chance and the best of a grid where there are such."""
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
-    axis, most, control = figure.add_subplot(), front.spec.markers, front.control
+    axis, most, control = figure.add_subplot(), front.spec.markers, front.search_baselines
     for meets, colour, words in ((True, _BLUE, "meets the limits"), (False, _GREY, "does not")):
-        if found := coarse_errors(front.tried, most, meets=meets):
+        if found := coarse_errors(front.trials, most, meets=meets):
             axis.plot(*np.array(found).T, "o", ms=4, color=colour, label=words)
-    _step(axis, front.tried, most, _BLUE, "least so far")
-    _step(axis, control.chance, most, _ORANGE, "least by chance")
-    rival = find_least(control.grid, most)
+    _step(axis, front.trials, most, _BLUE, "least so far")
+    _step(axis, control.random, most, _ORANGE, "least by chance")
+    rival = find_best(control.grid, most)
     if rival is not None:
-        words = f"best of the grid: {rival.tried.proposal.skin.build().name}, {rival.option.markers.count} dots"
+        words = f"best of the grid: {rival.trial.coarse.skin.build().name}, {rival.option.markers.count} dots"
         axis.axhline(rival.value("error"), color=_GREEN, lw=1.0, ls="-.", label=words)
     axis.set(xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
     _plain_logarithm(axis)
@@ -41,7 +41,7 @@ def draw_search(front: Front) -> Figure:
     return figure
 
 
-def _step(axis: Axes, skins: Sequence[TriedSkin], markers: int, colour: str, words: str) -> None:
+def _step(axis: Axes, skins: Sequence[SkinTrial], markers: int, colour: str, words: str) -> None:
     """Draw the least error so far of skins that meet the limits, to the last of all."""
     if found := coarse_errors(skins, markers, meets=True):
         numbers, errors = np.array([*found, (skins[-1].number, np.inf)]).T
@@ -55,17 +55,17 @@ def draw_front(front: Front) -> Figure:
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axis = figure.add_subplot()
     for entries, style, colour, words in (
-        (front.entries, ".", _GREY, "every design that meets the limits"),
-        (front.best, "o", _BLUE, "front"),
+        (front.candidates, ".", _GREY, "every design that meets the limits"),
+        (front.pareto, "o", _BLUE, "front"),
     ):
         if entries:
             places = [(entry.value(second), entry.value(first)) for entry in entries]
             axis.plot(*np.array(places).T, style, color=colour, label=words)
     if second != "markers":
-        _write_dots(axis, front.best, second, first)
-    if front.rival is not None and first == "error":
-        words = f"the rival, foreseen: {front.rival.worst_deg:.3f}°"
-        axis.axhline(front.rival.worst_deg, color=_GREEN, lw=1.0, ls="-.", label=words)
+        _write_dots(axis, front.pareto, second, first)
+    if front.baseline is not None and first == "error":
+        words = f"the rival, foreseen: {front.baseline.p95_deg:.3f}°"
+        axis.axhline(front.baseline.p95_deg, color=_GREEN, lw=1.0, ls="-.", label=words)
     axis.set(xlabel=_label(second), ylabel=_label(first))
     axis.margins(x=0.12)
     _plain_logarithm(axis)
@@ -74,7 +74,7 @@ def draw_front(front: Front) -> Figure:
     return figure
 
 
-def _write_dots(axis: Axes, entries: Sequence[Entry], second: str, first: str) -> None:
+def _write_dots(axis: Axes, entries: Sequence[DesignCandidate], second: str, first: str) -> None:
     """The number of dots beside each design, left and right by turns."""
     for turn, entry in enumerate(sorted(entries, key=lambda entry: entry.value(first))):
         right = turn % 2 == 0
@@ -101,15 +101,15 @@ def _label(objective: str) -> str:
     return f"{words}, {UNITS[objective]}".removesuffix(", ")
 
 
-def draw_design(entry: Entry, camera: CameraSpec) -> Figure:
+def draw_design(entry: DesignCandidate, camera: CameraSpec) -> Figure:
     """A design in section before its camera, to scale, and what the camera sees at rest."""
-    skin, eye = entry.tried.known.skin.build(), build_camera(camera)
+    skin, eye = entry.trial.finest.skin.build(), build_camera(camera)
     layout = place_markers(skin, entry.option.markers)
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     section, image = figure.subplots(1, 2, width_ratios=(1, 1.25))
     _draw_section(section, skin, layout, camera.distance)
     printed = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
-    edges = wrap_dots(skin, printed, layout.diameter)
+    edges = marker_outlines(skin, printed, layout.diameter)
     image.imshow(render(eye, edges), cmap="gray", vmin=0, vmax=255)
     image.set(title=f"what the camera sees at rest, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
     return figure

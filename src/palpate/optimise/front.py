@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from palpate.built import BuiltFigure
-from palpate.optimise.proof import Proof
-from palpate.optimise.proposal import Proposal, Variant
+from palpate.built import PredictedAccuracy
+from palpate.optimise.proof import ValidationResult
+from palpate.optimise.proposal import LayoutOption, SkinEvaluation
 from palpate.optimise.spec import RequirementsSpec
 
 WORDS = {
@@ -23,49 +23,49 @@ ENDS = {"force": "least force", "markers": "fewest markers", "price": "least pri
 
 
 @dataclass(frozen=True)
-class TriedSkin:
+class SkinTrial:
     """One skin that was tried.
 
     Attributes
     ----------
     number
         In the order of the search.
-    proposal
+    coarse
         What was found of it.
     violations
         By how much each constraint is not met, over what is allowed; 0 or below where it is met.
-    full
+    fine
         What was found of it at full fidelity; `None` where it is no finalist.
     """
 
     number: int
-    proposal: Proposal
+    coarse: SkinEvaluation
     violations: Mapping[str, float]
-    full: Proposal | None = None
+    fine: SkinEvaluation | None = None
 
     @property
-    def meets(self) -> bool:
+    def feasible(self) -> bool:
         """Whether every constraint is met."""
         return all(violation <= 0 for violation in self.violations.values())
 
     @property
-    def known(self) -> Proposal:
+    def finest(self) -> SkinEvaluation:
         """The best that is known of it."""
-        return self.full or self.proposal
+        return self.fine or self.coarse
 
 
 @dataclass(frozen=True)
-class Entry:
+class DesignCandidate:
     """A skin with one of its options."""
 
-    tried: TriedSkin
-    option: Variant
+    trial: SkinTrial
+    option: LayoutOption
 
     def value(self, objective: str) -> float:
         """What is made least by an objective: degrees, N, number, price, or mm."""
-        proposal = self.tried.known
+        proposal = self.trial.finest
         return {
-            "error": self.option.figure.worst_deg,
+            "error": self.option.accuracy.p95_deg,
             "force": proposal.force_n,
             "markers": float(self.option.markers.count),
             "price": self.option.price,
@@ -73,33 +73,33 @@ class Entry:
         }[objective]
 
 
-def coarse_errors(skins: Sequence[TriedSkin], markers: int, *, meets: bool) -> list[tuple[int, float]]:
+def coarse_errors(skins: Sequence[SkinTrial], markers: int, *, meets: bool) -> list[tuple[int, float]]:
     """Number and least error (degrees) by coarse presses of the skins that meet the constraints, or of the others."""
-    chosen = ((one, one.proposal.best(markers)) for one in skins if one.meets is meets)
-    return [(one.number, best.figure.worst_deg) for one, best in chosen if best is not None]
+    chosen = ((one, one.coarse.best(markers)) for one in skins if one.feasible is meets)
+    return [(one.number, best.accuracy.p95_deg) for one, best in chosen if best is not None]
 
 
-def find_least(skins: Sequence[TriedSkin], markers: int) -> Entry | None:
+def find_best(skins: Sequence[SkinTrial], markers: int) -> DesignCandidate | None:
     """The design of least error by coarse presses, of those that meet the constraints; `None` where none does."""
-    fine = ((one, one.proposal.best(markers)) for one in skins if one.meets)
-    entries = (Entry(replace(one, full=None), option) for one, option in fine if option is not None)
+    fine = ((one, one.coarse.best(markers)) for one in skins if one.feasible)
+    entries = (DesignCandidate(replace(one, fine=None), option) for one, option in fine if option is not None)
     return min(entries, key=lambda entry: entry.value("error"), default=None)
 
 
 @dataclass(frozen=True)
-class Control:
+class SearchBaselines:
     """What a search is held against, judged by the same presses as its skins.
 
     Attributes
     ----------
-    chance
+    random
         Skins drawn by chance, in their order.
     grid
         Skins of a grid, with its layouts.
     """
 
-    chance: tuple[TriedSkin, ...] = ()
-    grid: tuple[TriedSkin, ...] = ()
+    random: tuple[SkinTrial, ...] = ()
+    grid: tuple[SkinTrial, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,52 +110,55 @@ class Front:
     ----------
     spec
         The requirements.
-    tried
+    trials
         Every skin, in the order of the search.
-    proof
+    validation
         What winner and rivals gave on the bench; `None` where they were not played.
-    rival
+    baseline
         What is foreseen of the rival; `None` where it was not asked.
-    control
+    search_baselines
         What the search is held against.
     """
 
     spec: RequirementsSpec
-    tried: tuple[TriedSkin, ...]
-    proof: Proof | None = None
-    rival: BuiltFigure | None = None
-    control: Control = Control()
+    trials: tuple[SkinTrial, ...]
+    validation: ValidationResult | None = None
+    baseline: PredictedAccuracy | None = None
+    search_baselines: SearchBaselines = SearchBaselines()
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
+    def candidates(self) -> tuple[DesignCandidate, ...]:
         """Every option of every skin that meets the constraints; of finalists alone where there are any."""
-        final = [one for one in self.tried if one.full is not None and one.meets]
-        skins = final or [one for one in self.tried if one.meets]
-        return tuple(Entry(one, option) for one in skins for option in one.known.options)
+        final = [one for one in self.trials if one.fine is not None and one.feasible]
+        skins = final or [one for one in self.trials if one.feasible]
+        return tuple(DesignCandidate(one, option) for one in skins for option in one.finest.options)
 
     @cached_property
-    def best(self) -> tuple[Entry, ...]:
+    def pareto(self) -> tuple[DesignCandidate, ...]:
         """Entries that no other beats in every objective, by the first; one only where there is one objective."""
-        found = [entry for entry in self.entries if not any(self._beats(other, entry) for other in self.entries)]
+        found = [
+            entry for entry in self.candidates if not any(self._beats(other, entry) for other in self.candidates)
+        ]
         first = self.spec.objectives[0]
-        found.sort(key=lambda entry: (entry.value(first), entry.tried.number, entry.option.markers.count))
+        found.sort(key=lambda entry: (entry.value(first), entry.trial.number, entry.option.markers.count))
         return tuple(found[:1] if len(self.spec.objectives) == 1 else found)
 
     @property
-    def winner(self) -> Entry | None:
+    def winner(self) -> DesignCandidate | None:
         """Of the front the first that meets the error wanted, or else the one of least error."""
-        fine = [entry for entry in self.best if entry.value("error") <= self.spec.error_deg]
-        return next(iter(fine), min(self.best, key=lambda entry: entry.value("error"), default=None))
+        fine = [entry for entry in self.pareto if entry.value("error") <= self.spec.error_deg]
+        return next(iter(fine), min(self.pareto, key=lambda entry: entry.value("error"), default=None))
 
     @property
-    def bar_deg(self) -> float:
+    def error_threshold_deg(self) -> float:
         """Error that the ends of the front may have: what is foreseen of the rival, or what is wanted."""
-        return self.rival.worst_deg if self.rival else self.spec.error_deg
+        return self.baseline.p95_deg if self.baseline else self.spec.error_deg
 
     @property
-    def ends(self) -> tuple[tuple[str, Entry], ...]:
-        """For each objective beside the error the design that is least in it, of those no worse than `bar_deg`."""
-        fine = [entry for entry in self.entries if entry.value("error") <= self.bar_deg]
+    def extremes(self) -> tuple[tuple[str, DesignCandidate], ...]:
+        """For each objective beside the error the design that is least in it, of those no worse than
+        `error_threshold_deg`."""
+        fine = [entry for entry in self.candidates if entry.value("error") <= self.error_threshold_deg]
         names = [name for name in self.spec.objectives if name in ENDS] if len(self.spec.objectives) > 1 else []
         return tuple(
             (ENDS[name], min(fine, key=lambda entry: (entry.value(name), entry.value("error"))))
@@ -167,13 +170,13 @@ class Front:
     def shortfall(self) -> str:
         """What stands in the way, in a sentence; empty where the requirements are met."""
         if self.winner is None:
-            reasons = [name for one in self.tried for name, by in one.violations.items() if by > 0]
+            reasons = [name for one in self.trials for name, by in one.violations.items() if by > 0]
             if not reasons:
                 return "No skin was tried."
             often = max(dict.fromkeys(reasons), key=reasons.count)
-            nearest = min(self.tried, key=lambda one: max(one.violations.values()))
+            nearest = min(self.trials, key=lambda one: max(one.violations.values()))
             return (
-                f"No skin of {len(self.tried)} meets the limits; of {reasons.count(often)} {WORDS[often]}. "
+                f"No skin of {len(self.trials)} meets the limits; of {reasons.count(often)} {WORDS[often]}. "
                 f"The nearest is number {nearest.number}, over by {100 * max(nearest.violations.values()):.0f} %."
             )
         error = self.winner.value("error")
@@ -181,7 +184,7 @@ class Front:
             return f"The least error found is {error:.3f}°, and {self.spec.error_deg:g}° is wanted."
         return ""
 
-    def _beats(self, one: Entry, other: Entry) -> bool:
+    def _beats(self, one: DesignCandidate, other: DesignCandidate) -> bool:
         names = self.spec.objectives
         pairs = [(one.value(name), other.value(name)) for name in names]
         return all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)

@@ -15,7 +15,7 @@ from scipy.interpolate import RBFInterpolator
 from scipy.stats import sobol_indices, uniform
 
 from palpate.core import FloatArray
-from palpate.optimise.front import TriedSkin
+from palpate.optimise.front import SkinTrial
 from palpate.optimise.space import SkinSpace
 
 _FEWEST = 4
@@ -27,24 +27,24 @@ _SAMPLES = 1024
 
 
 @dataclass(frozen=True)
-class Influence:
+class SobolIndex:
     """How much of the error's spread a variable explains.
 
     Attributes
     ----------
     name
         Of the variable.
-    alone, together
+    first_order, total
         Sobol's first and total index: by itself, and with all that it does together with others.
     """
 
     name: str
-    alone: float
-    together: float
+    first_order: float
+    total: float
 
 
 @dataclass(frozen=True)
-class Influences:
+class SobolIndices:
     """What matters in a search.
 
     Attributes
@@ -55,36 +55,36 @@ class Influences:
         Share of the variance of skins left out, a tenth at a time, that the surface explains; 1 is all.
     """
 
-    variables: tuple[Influence, ...]
+    variables: tuple[SobolIndex, ...]
     explained: float
 
     @property
-    def sentence(self) -> str:
+    def summary(self) -> str:
         """What matters and what does not, in plain words."""
         if not self.variables:
             return "Too few skins were tried to say what matters."
         if self.explained < _LEAST_EXPLAINED:
             return "What matters cannot be told: no smooth surface goes through the skins tried."
-        matter = [one.name for one in self.variables if one.together >= 0.15]
-        idle = [one.name for one in self.variables if one.together < 0.05]
+        matter = [one.name for one in self.variables if one.total >= 0.15]
+        idle = [one.name for one in self.variables if one.total < 0.05]
         words = f"What matters most: {', '.join(matter) or 'nothing by itself'}."
         return words + (f" What hardly matters: {', '.join(idle)}." if idle else "")
 
 
-def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, seed: int = 0) -> Influences:
+def compute_sobol_indices(tried: Sequence[SkinTrial], space: SkinSpace, markers: int, seed: int = 0) -> SobolIndices:
     """Sobol's indices of the log of the least error over the ranges of a space, by skins that reach the depth.
 
     The error of a skin that does not reach it is that of other poses, up to some times as large.
     """
     names, rows, values = list(space.ranges), [], []
     for one in tried:
-        best = one.proposal.best(markers)
+        best = one.coarse.best(markers)
         if best is not None and one.violations.get("reach", 0.0) <= 0.0:
             rows.append(_unit_place(space, one))
-            values.append(log10(best.figure.worst_deg))
+            values.append(log10(best.accuracy.p95_deg))
     x, y = np.array(rows), np.array(values)
     if not names or len(y) < _FEWEST * len(names) + 2 or np.ptp(y) == 0:
-        return Influences((), 0.0)
+        return SobolIndices((), 0.0)
     explained = _explained(x, y)
     surface = _surface(x, y)
     found = sobol_indices(
@@ -94,12 +94,12 @@ def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, 
         rng=np.random.default_rng(seed),
     )
     first, total = np.ravel(found.first_order), np.ravel(found.total_order)
-    variables = [Influence(name, float(a), float(b)) for name, a, b in zip(names, first, total, strict=True)]
-    return Influences(tuple(sorted(variables, key=lambda one: -one.together)), explained)
+    variables = [SobolIndex(name, float(a), float(b)) for name, a, b in zip(names, first, total, strict=True)]
+    return SobolIndices(tuple(sorted(variables, key=lambda one: -one.total)), explained)
 
 
-def _unit_place(space: SkinSpace, one: TriedSkin) -> list[float]:
-    place = space.place(one.proposal.skin)
+def _unit_place(space: SkinSpace, one: SkinTrial) -> list[float]:
+    place = space.place(one.coarse.skin)
     return [(float(place[name]) - low) / (high - low) for name, (low, high) in space.ranges.items()]
 
 

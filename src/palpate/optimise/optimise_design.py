@@ -10,22 +10,22 @@ from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
 from palpate.design import DomeSpec
-from palpate.optimise.front import Control, Front, TriedSkin
-from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import ProposalTask, plan_proposal
-from palpate.optimise.prove import foresee_rival, prove
+from palpate.optimise.front import Front, SearchBaselines, SkinTrial
+from palpate.optimise.proposal import SkinEvaluation
+from palpate.optimise.propose import SkinEvaluationTask, plan_skin_evaluation
+from palpate.optimise.prove import predict_baseline, validate_designs
 from palpate.optimise.search_skins import (
-    Judged,
+    Evaluation,
     Sampler,
     SearchPlan,
-    Tried,
-    read_tried,
+    SearchTrial,
+    read_trials,
     rewrite_journal,
     search_skins,
 )
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import Observer, Task, find_made, run_tasks, writable
+from palpate.study import Observer, Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
@@ -50,7 +50,7 @@ def optimise_design(
     sampler: Sampler = "gp",
     cluster: str = "",
 ) -> Front:
-    """Search for the designs that meet requirements best; `prove_front` plays what was found.
+    """Search for the designs that meet requirements best; `validate_front` plays what was found.
 
     Parameters
     ----------
@@ -73,55 +73,62 @@ def optimise_design(
         If optuna, torch or OpenCV is not installed.
     """
     load_opencv()  # layouts are offered where images are read: not to be missed as skins that cannot be made
-    space, judge = SkinSpace.of(spec), _Judge(spec, out, workers, observer, cluster)
+    space, judge = SkinSpace.of(spec), _Evaluator(spec, out, workers, observer, cluster)
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
     plan = SearchPlan(
-        spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
+        spec.skins,
+        spec.seed,
+        sampler,
+        (space.place(DomeSpec()),),
+        n_objectives=len(searched),
+        max_hours=spec.max_hours,
     )
-    tried = judge.search(space, plan, out / JOURNAL, judge.say_best)
-    rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
-    control = Control(tuple(judge.draw(space, plan)), tuple(judge.grid()))
-    front = Front(spec, tuple(map(judge.skin, tried)), rival=rival, control=control)
-    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+    tried = judge.search(space, plan, out / JOURNAL, judge.report_best)
+    rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
+    control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
+    front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
+    return replace(front, trials=judge.finish(front)) if spec.finalists else front
 
 
-def prove_front(
+def validate_front(
     front: Front, out: Path, workers: int | None = None, observer: Observer | None = None, cluster: str = ""
 ) -> Front:
     """Play the winner of a front and its rivals, as its requirements ask; the same front where they ask for none.
 
     Parameters are those of `optimise_design`, which found the front; `out` is where it did.
     """
-    if front.spec.proof == "none" or front.winner is None:
+    if front.spec.validation == "none" or front.winner is None:
         return front
-    return replace(front, proof=prove(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
+    return replace(
+        front, validation=validate_designs(front, out, _Evaluator(front.spec, out, workers, observer, cluster).run)
+    )
 
 
-def values(spec: RequirementsSpec, proposal: Proposal) -> tuple[float, ...]:
+def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[float, ...]:
     """What the search makes least; infinite where it is not known of a skin, for which the worst known stands in."""
     best = proposal.best(spec.markers)
     known = {
-        "error": math.log10(best.figure.worst_deg) if best else math.inf,
+        "error": math.log10(best.accuracy.p95_deg) if best else math.inf,
         "force": math.log10(proposal.force_n) if proposal.force_n else math.inf,
         "size": proposal.size_mm,
     }
     return tuple(known[name] for name in spec.objectives if name in known) or (known["error"],)
 
 
-def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
+def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> dict[str, float]:
     """By how much a skin misses each constraint, over what is allowed."""
-    found = {"reach": 1.0 - _SLACK - proposal.reach_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
+    found = {"reach": 1.0 - _SLACK - proposal.max_depth_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
     if spec.force_n is not None:
         found["force"] = proposal.force_n / spec.force_n - 1.0 if proposal.force_n else 0.0
     if spec.single_state:
-        second = proposal.second_state_mm
+        second = proposal.bistable_from_mm
         found["state"] = -1.0 if second is None else 1.0 - second / spec.depth
     return found
 
 
 @dataclass(frozen=True)
-class _Judge:
+class _Evaluator:
     """Judges skins by tasks in the search's folder."""
 
     spec: RequirementsSpec
@@ -135,90 +142,92 @@ class _Judge:
         space: SkinSpace,
         plan: SearchPlan,
         journal: Path,
-        watch: Callable[[Sequence[Tried]], None] | None = None,
-    ) -> tuple[Tried, ...]:
+        watch: Callable[[Sequence[SearchTrial]], None] | None = None,
+    ) -> tuple[SearchTrial, ...]:
         """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
-        before = read_tried(journal, plan.objectives)
-        now = self.judge_again(before)
+        before = read_trials(journal, plan.n_objectives)
+        now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
-        return search_skins(space, self.judge, plan, journal, watch)
+        return search_skins(space, self.evaluate, plan, journal, watch)
 
-    def judge(self, places: Sequence[Place]) -> list[Judged]:
+    def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
-        tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
-        return [self._judged(proposal) for proposal in self._do(tasks)]
+        tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
+        return [self._evaluation(proposal) for proposal in self._do(tasks)]
 
-    def judge_again(self, tried: Sequence[Tried]) -> tuple[Tried, ...]:
+    def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
-        old = [one for one in tried if one.judged.note.get("version") != stage_version("skin_evaluation")]
-        anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
+        old = [one for one in tried if one.evaluation.record.get("version") != stage_version("skin_evaluation")]
+        anew = dict(zip((one.number for one in old), self.evaluate([one.place for one in old]), strict=True))
         return tuple(
-            replace(one, judged=anew.get(one.number) or self._judged(self.skin(one).proposal)) for one in tried
+            replace(one, evaluation=anew.get(one.number) or self._evaluation(self.skin(one).coarse)) for one in tried
         )
 
-    def _judged(self, proposal: Proposal) -> Judged:
+    def _evaluation(self, proposal: SkinEvaluation) -> Evaluation:
         note = {"proposal": proposal.to_data(), "version": stage_version("skin_evaluation")}
-        return Judged(values(self.spec, proposal), violations(self.spec, proposal), note)
+        return Evaluation(objective_values(self.spec, proposal), constraint_violations(self.spec, proposal), note)
 
-    def say_best(self, tried: Sequence[Tried]) -> None:
+    def report_best(self, tried: Sequence[SearchTrial]) -> None:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
         if self.observer is None:
             return
         best = min(
-            Front(self.spec, tuple(map(self.skin, tried))).entries,
+            Front(self.spec, tuple(map(self.skin, tried))).candidates,
             key=lambda entry: entry.value("error"),
             default=None,
         )
         so_far = (
-            f"skin {best.tried.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
+            f"skin {best.trial.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
-        self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
+        self.observer.message(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
     @staticmethod
-    def skin(tried: Tried) -> TriedSkin:
+    def skin(tried: SearchTrial) -> SkinTrial:
         """What was found of a skin, as the journal has it."""
-        judged = tried.judged
-        return TriedSkin(tried.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
+        judged = tried.evaluation
+        return SkinTrial(tried.number, SkinEvaluation.from_data(judged.record["proposal"]), judged.violations)
 
-    def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[TriedSkin]:
+    def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[SkinTrial]:
         """What is known of the skins of the control, drawn by chance and else as those of the search."""
-        if self.spec.control:
-            chance = replace(plan, trials=self.spec.control, sampler="random")
+        if self.spec.random_skins:
+            chance = replace(plan, trials=self.spec.random_skins, sampler="random")
             yield from map(self.skin, self.search(space, chance, self.out / CONTROL))
 
-    def grid(self) -> Iterator[TriedSkin]:
+    def grid(self) -> Iterator[SkinTrial]:
         """What is known of the designs of the grid."""
-        grid, material = self.spec.grid, self.spec.materials[0]
+        grid, material = self.spec.baseline_grid, self.spec.materials[0]
         skins = grid.designs.skins() if grid else ()
-        found = self._do([plan_proposal(self.spec, skin, material, grid=grid) for skin in skins])
-        return (TriedSkin(number, one, violations(self.spec, one)) for number, one in enumerate(found))
+        found = self._do([plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins])
+        return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
 
-    def finish(self, front: Front) -> tuple[TriedSkin, ...]:
+    def finish(self, front: Front) -> tuple[SkinTrial, ...]:
         """The same skins, the best pressed at full fidelity; the next in place of those that break a limit there."""
-        by_number = {one.number: one for one in front.tried}
+        by_number = {one.number: one for one in front.trials}
         candidates, wanted = _candidates(front), self.spec.finalists
         for _ in range(_ROUNDS):
             asked = [by_number[number] for number in candidates[:wanted]]
             del candidates[:wanted]
-            tasks = [plan_proposal(self.spec, one.proposal.skin, one.proposal.material, full=True) for one in asked]
+            tasks = [
+                plan_skin_evaluation(self.spec, one.coarse.skin, one.coarse.material, full=True) for one in asked
+            ]
             for one, full in zip(asked, self._do(tasks), strict=True):
-                by_number[one.number] = replace(one, full=full, violations=violations(self.spec, full))
-            wanted = sum(not by_number[one.number].meets for one in asked)
+                by_number[one.number] = replace(one, fine=full, violations=constraint_violations(self.spec, full))
+            wanted = sum(not by_number[one.number].feasible for one in asked)
         return tuple(by_number.values())
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
         """Do tasks; why some failed, by their keys."""
         return run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
 
-    def _do(self, tasks: Sequence[ProposalTask]) -> list[Proposal]:
+    def _do(self, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         reasons = self.run(tasks)
         store = ArtefactStore(self.out / "store")
         return [
-            Proposal(task.skin, task.material, problem=reasons[task.recipe.key])
+            SkinEvaluation(task.skin, task.material, problem=reasons[task.recipe.key])
             if task.recipe.key in reasons
-            else Proposal.from_data(json.loads(find_made(store, task).read_text("utf-8")))
+            else SkinEvaluation.from_data(json.loads(find_artefact(store, task).read_text("utf-8")))
             for task in tasks
         ]
 
@@ -226,22 +235,32 @@ class _Judge:
 def _candidates(front: Front) -> list[int]:
     """Numbers of skins that meet the limits, each skin once: winner, ends and front before others by their error."""
     first, best = front.spec.objectives[0], dict[int, float]()
-    for entry in front.entries:
+    for entry in front.candidates:
         value = entry.value(first)
-        best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
-    chosen = [front.winner.tried.number] if front.winner else []
-    chosen += [entry.tried.number for _, entry in front.ends]
-    chosen += [entry.tried.number for entry in front.best if len(front.spec.objectives) > 1]
+        best[entry.trial.number] = min(value, best.get(entry.trial.number, value))
+    chosen = [front.winner.trial.number] if front.winner else []
+    chosen += [entry.trial.number for _, entry in front.extremes]
+    chosen += [entry.trial.number for entry in front.pareto if len(front.spec.objectives) > 1]
     chosen += sorted(best, key=lambda number: (best[number], number))
-    first_of = {repr(front.tried[number].proposal.skin): number for number in reversed(chosen)}
+    first_of = {repr(front.trials[number].coarse.skin): number for number in reversed(chosen)}
     return sorted(first_of.values(), key=chosen.index)
 
 
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    free = {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival", "control", "grid"}
-    file = writable(out) / ASKED
+    free = {
+        "skins",
+        "max_hours",
+        "finalists",
+        "error_deg",
+        "name",
+        "validation",
+        "baseline",
+        "random_skins",
+        "baseline_grid",
+    }
+    file = ensure_writable(out) / ASKED
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

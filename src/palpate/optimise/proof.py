@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.core import FloatArray, generator
 
 _DRAWS = 4000
@@ -19,7 +19,7 @@ _SURE = 0.95
 
 
 @dataclass(frozen=True)
-class BenchFigure:
+class SimulatedAccuracy:
     """What built units of one design gave on the bench.
 
     Attributes
@@ -30,7 +30,7 @@ class BenchFigure:
         Images that counted, and those of them that gave no pose.
     rmse_deg
         Over rx and ry of all images of all units.
-    worst_deg
+    p95_deg
         Greatest error of rx or ry that 19 of 20 units stay below.
     depth_rmse
         Of the depth, mm.
@@ -44,33 +44,33 @@ class BenchFigure:
     images: int
     without_pose: int
     rmse_deg: float
-    worst_deg: float
+    p95_deg: float
     depth_rmse: float
     failures: tuple[str, ...] = ()
     by_unit: tuple[tuple[float, float] | None, ...] = ()
 
     @property
-    def spans(self) -> FloatArray:
+    def bootstrap_intervals(self) -> FloatArray:
         """Between what RMSE and 19 of 20 (2, 2), degrees, lie nine times in ten for units drawn from those played."""
         return np.quantile(_draw_figures([self])[0], [0.05, 0.95], axis=0).T
 
 
-def _draw_figures(played: Sequence[BenchFigure]) -> FloatArray:
+def _draw_figures(simulated: Sequence[SimulatedAccuracy]) -> FloatArray:
     """RMSE and error of 19 of 20 (d, draws, 2), degrees, of d designs by units drawn, alike for all of them.
 
     Drawn with replacement (the bootstrap) from the units that gave a pose with every design; nan without any.
     """
-    together = zip(*(figure.by_unit for figure in played), strict=True)
+    together = zip(*(figure.by_unit for figure in simulated), strict=True)
     units = np.array([unit for unit in together if None not in unit])
     if not len(units):
-        return np.full((len(played), _DRAWS, 2), np.nan)
+        return np.full((len(simulated), _DRAWS, 2), np.nan)
     drawn = units[generator(0, "units drawn again").integers(0, len(units), (_DRAWS, len(units)))]
     rmse, worst = np.sqrt(np.mean(drawn[..., 0] ** 2, axis=1)), np.quantile(drawn[..., 1], 0.95, axis=1)
     return np.stack([rmse, worst], axis=-1).swapaxes(0, 1)
 
 
 @dataclass(frozen=True)
-class ProvenDesign:
+class ValidatedDesign:
     """One design of the proof.
 
     Attributes
@@ -81,9 +81,9 @@ class ProvenDesign:
         Its skin, number of dots, and the camera's distance in mm.
     force_n
         Greatest force in any press of its twin, N.
-    foreseen
+    predicted
         From its twin.
-    played
+    simulated
         By its twin on the bench; `None` where it could not be.
     trained
         By a trained network, which no known press tells about a unit; `None` where none was asked for.
@@ -96,22 +96,22 @@ class ProvenDesign:
     markers: int
     distance: float
     force_n: float
-    foreseen: BuiltFigure | None
-    played: BenchFigure | None
-    trained: BenchFigure | None = None
+    predicted: PredictedAccuracy | None
+    simulated: SimulatedAccuracy | None
+    trained: SimulatedAccuracy | None = None
     problem: str = ""
 
     @property
-    def off(self) -> float:
+    def relative_error(self) -> float:
         """Share by which what was played is farthest from what was foreseen: of RMSE and of 19 of 20 units."""
-        if self.played is None or self.foreseen is None:
+        if self.simulated is None or self.predicted is None:
             return float("nan")
-        told, found = self.foreseen, self.played
-        return max(abs(found.rmse_deg / told.rmse_deg - 1.0), abs(found.worst_deg / told.worst_deg - 1.0))
+        told, found = self.predicted, self.simulated
+        return max(abs(found.rmse_deg / told.rmse_deg - 1.0), abs(found.p95_deg / told.p95_deg - 1.0))
 
 
 @dataclass(frozen=True)
-class SecondSolver:
+class SolverComparison:
     """The winner pressed by CalculiX, without friction at the greatest tilt, beside palpate's press.
 
     Attributes
@@ -122,7 +122,7 @@ class SecondSolver:
         Force on the wall there by CalculiX and by palpate, N.
     markers_mm
         Root of the mean square distance of the dots of one from those of the other there.
-    parts_mm
+    branches_differ_from_mm
         Depth from which one shows the inverted state and the other does not; `None` where they agree.
     """
 
@@ -130,11 +130,11 @@ class SecondSolver:
     force_n: float
     own_force_n: float
     markers_mm: float
-    parts_mm: float | None = None
+    branches_differ_from_mm: float | None = None
 
 
 @dataclass(frozen=True)
-class Proof:
+class ValidationResult:
     """What the bench and a second solver say of a search.
 
     Attributes
@@ -147,25 +147,25 @@ class Proof:
         What CalculiX found; why it did not press.
     """
 
-    designs: tuple[ProvenDesign, ...]
+    designs: tuple[ValidatedDesign, ...]
     known: int
-    second: SecondSolver | None = None
+    second: SolverComparison | None = None
     second_problem: str = ""
 
     @property
-    def same_order(self) -> bool:
+    def order_preserved(self) -> bool:
         """Whether designs that were played stand in the order that was foreseen, by RMSE and by 19 of 20 units."""
         return all((told * found >= 0.0).all() for _, told, found in self._pairs())
 
     @property
-    def contradicted(self) -> tuple[str, ...]:
+    def reversed_pairs(self) -> tuple[str, ...]:
         """Pairs of designs that stand the other way round in a figure, and would by other units as well."""
         pairs = self._pairs(draw=True)
         return tuple(title for title, told, found in pairs if (np.mean(told * found < 0.0, axis=0) > _SURE).any())
 
     def _pairs(self, *, draw: bool = False) -> Iterator[tuple[str, FloatArray, FloatArray]]:
         """Of every two designs what is foreseen (2,) and was played (n, 2) of one less that of the other."""
-        both = [(one.title, one.foreseen, one.played) for one in self.designs if one.foreseen and one.played]
+        both = [(one.title, one.predicted, one.simulated) for one in self.designs if one.predicted and one.simulated]
         for (title, told, found), (other_title, other_told, other_found) in combinations(both, 2):
             pair = [found, other_found]
             first, second = _draw_figures(pair) if draw else np.array([[_figures(one)] for one in pair])
@@ -173,25 +173,25 @@ class Proof:
 
     def as_dict(self) -> dict[str, Any]:
         """As JSON data."""
-        return {**asdict(self), "same_order": self.same_order, "contradicted": self.contradicted}
+        return {**asdict(self), "order_preserved": self.order_preserved, "contradicted": self.reversed_pairs}
 
 
-def proof_lines(proof: Proof | None) -> Iterator[str]:
+def validation_lines(proof: ValidationResult | None) -> Iterator[str]:
     """The proof as lines of a page."""
     yield from ("## Proof", "")
     if proof is None:
-        yield "Nothing was played: `--prove played` plays the winner and its rivals on the bench."
+        yield "Nothing was played: `--validate simulated` plays the winner and its rivals on the bench."
     else:
         yield from _table(proof.designs)
         yield from ("", " ".join(_sentences(proof)))
     yield ""
 
 
-def _figures(found: BuiltFigure | BenchFigure) -> FloatArray:
+def _figures(found: PredictedAccuracy | SimulatedAccuracy) -> FloatArray:
     return np.array([getattr(found, name) for name in _FIGURES])
 
 
-def _table(designs: Sequence[ProvenDesign]) -> Iterator[str]:
+def _table(designs: Sequence[ValidatedDesign]) -> Iterator[str]:
     head = [
         "design",
         "skin",
@@ -209,40 +209,40 @@ def _table(designs: Sequence[ProvenDesign]) -> Iterator[str]:
     head += ["network: RMSE", "19 of 20"] if trained else []
     yield from ("| " + " | ".join(head) + " |", "|" + "---|" * len(head))
     for one in designs:
-        spans = one.played.spans if one.played else np.full((2, 2), np.nan)
+        spans = one.simulated.bootstrap_intervals if one.simulated else np.full((2, 2), np.nan)
         cells = []
         for name, (least, most) in zip(_FIGURES, spans, strict=True):
-            cells += [f"{getattr(figure, name):.4f}°" if figure else "" for figure in (one.foreseen, one.played)]
-            cells.append(f"{least:.4f} to {most:.4f}°" if one.played else "")
+            cells += [f"{getattr(figure, name):.4f}°" if figure else "" for figure in (one.predicted, one.simulated)]
+            cells.append(f"{least:.4f} to {most:.4f}°" if one.simulated else "")
         cells += [f"{getattr(one.trained, name):.3f}°" if one.trained else "" for name in _FIGURES] if trained else []
         first = [one.title, one.name, str(one.markers), f"{one.distance:g}", f"{one.force_n:.2f}"]
         yield "| " + " | ".join([*first, *cells]) + " |"
 
 
-_FIGURES = ("rmse_deg", "worst_deg")
+_FIGURES = ("rmse_deg", "p95_deg")
 
 
-def _order(proof: Proof) -> str:
-    if proof.same_order:
+def _order(proof: ValidationResult) -> str:
+    if proof.order_preserved:
         return "their order is the same"
-    if not proof.contradicted:
+    if not proof.reversed_pairs:
         return "their order is the same but for designs that so few units do not tell apart"
-    return f"their order is not the same: of {', of '.join(proof.contradicted)} the other one is better"
+    return f"their order is not the same: of {', of '.join(proof.reversed_pairs)} the other one is better"
 
 
-def _sentences(proof: Proof) -> Iterator[str]:
-    played = [one for one in proof.designs if one.played and one.foreseen]
+def _sentences(proof: ValidationResult) -> Iterator[str]:
+    played = [one for one in proof.designs if one.simulated and one.predicted]
     if played:
-        counts = " and ".join(sorted({f"{one.played.units} units" for one in played if one.played}))
+        counts = " and ".join(sorted({f"{one.simulated.units} units" for one in played if one.simulated}))
         yield (
             f"{counts} of each design, pressed by finite elements on another mesh, read from rendered images after "
             f"{proof.known} known presses."
         )
-        yield f"Foreseen and played are within {100 * max(one.off for one in played):.0f} % of each other"
+        yield f"Foreseen and played are within {100 * max(one.relative_error for one in played):.0f} % of each other"
         yield f"and {_order(proof)}." if len(played) > 1 else "in both figures."
         yield "Nine in ten sets of units drawn again from those that were played give figures *by other units*."
     for one in proof.designs:
-        lost = [one.problem] if one.problem else list(one.played.failures if one.played else ())
+        lost = [one.problem] if one.problem else list(one.simulated.failures if one.simulated else ())
         yield from (f"{one.title} ({one.name}): {problem}" for problem in lost)
     if proof.second is not None:
         two = proof.second
@@ -251,7 +251,10 @@ def _sentences(proof: Proof) -> Iterator[str]:
             f"{two.own_force_n:.3f} N ({100 * (two.own_force_n / two.force_n - 1):+.1f} %); dots are "
             f"{two.markers_mm:.3f} mm apart (rms)."
         )
-        if two.parts_mm is not None:
-            yield f"From {two.parts_mm:.1f} mm on one of them shows the inverted state: ask for a single state."
+        if two.branches_differ_from_mm is not None:
+            yield (
+                f"From {two.branches_differ_from_mm:.1f} mm on one of them shows the inverted state: "
+                "ask for a single state."
+            )
     elif proof.second_problem:
         yield f"CalculiX did not press the winner: {proof.second_problem}"

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 
 
 @dataclass(frozen=True)
-class Variant:
+class LayoutOption:
     """Markers and camera on one skin, and what units of it will be.
 
     Attributes
@@ -20,7 +20,7 @@ class Variant:
         The rings that were chosen.
     camera, distance, price
         Name of the camera, its distance below the base plane (mm), and its price.
-    figure
+    accuracy
         What is foreseen of built units, at the requirements' number of known presses.
     """
 
@@ -28,22 +28,22 @@ class Variant:
     camera: str
     distance: float
     price: float
-    figure: BuiltFigure
+    accuracy: PredictedAccuracy
 
 
 @dataclass(frozen=True)
-class Proposal:
+class SkinEvaluation:
     """What is known of one skin.
 
     Attributes
     ----------
     skin, material
         The skin.
-    reach_mm
+    max_depth_mm
         Depth to which it can be pressed on its flat branch under every tilt and friction.
     force_n
         Greatest force in any press, N.
-    second_state_mm
+    bistable_from_mm
         Depth from which it has a second, inverted state when pressed straight; `None`: none found, or not asked.
     options
         Markers and cameras, best of their number; empty where there is a problem.
@@ -53,10 +53,10 @@ class Proposal:
 
     skin: SkinSpec
     material: str
-    reach_mm: float = 0.0
+    max_depth_mm: float = 0.0
     force_n: float = 0.0
-    second_state_mm: float | None = None
-    options: tuple[Variant, ...] = ()
+    bistable_from_mm: float | None = None
+    options: tuple[LayoutOption, ...] = ()
     problem: str = ""
 
     @property
@@ -65,45 +65,45 @@ class Proposal:
         skin = self.skin.build()
         return 2.0 * (skin.widest[0] + skin.thickness)
 
-    def best(self, most: int) -> Variant | None:
+    def best(self, most: int) -> LayoutOption | None:
         """The option of least error among those of at most so many markers."""
         fit = [option for option in self.options if option.markers.count <= most]
-        return min(fit, key=lambda option: option.figure.worst_deg, default=None)
+        return min(fit, key=lambda option: option.accuracy.p95_deg, default=None)
 
     def to_data(self) -> dict[str, Any]:
         """As JSON holds it."""
         return {
             "skin": dict(self.skin.build().spec_data),
             "material": self.material,
-            "reach_mm": self.reach_mm,
+            "max_depth_mm": self.max_depth_mm,
             "force_n": self.force_n,
-            "second_state_mm": self.second_state_mm,
+            "bistable_from_mm": self.bistable_from_mm,
             "options": [_option_data(option) for option in self.options],
             "problem": self.problem,
         }
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Proposal:
+    def from_data(cls, data: Mapping[str, Any]) -> SkinEvaluation:
         """From what `to_data` gave."""
         return cls(**{**data, "skin": skin_from_data(data["skin"]), "options": tuple(_options_from(data["options"]))})
 
 
-def _option_data(option: Variant) -> dict[str, Any]:
-    figure = option.figure
+def _option_data(option: LayoutOption) -> dict[str, Any]:
+    figure = option.accuracy
     return {
         "ring_diameters_mm": list(option.markers.ring_diameters or ()),
-        "dot_mm": option.markers.diameter,
+        "marker_diameter_mm": option.markers.diameter,
         "camera": option.camera,
         "distance": option.distance,
         "price": option.price,
-        **{f"figure_{name}": getattr(figure, name) for name in BuiltFigure.__dataclass_fields__},
+        **{f"figure_{name}": getattr(figure, name) for name in PredictedAccuracy.__dataclass_fields__},
     }
 
 
-def _options_from(rows: Iterable[Mapping[str, Any]]) -> Iterable[Variant]:
+def _options_from(rows: Iterable[Mapping[str, Any]]) -> Iterable[LayoutOption]:
     for row in rows:
         markers = MarkerSpec.model_validate(
-            {"ring_diameters": list(row["ring_diameters_mm"]), "diameter": row["dot_mm"]}
+            {"ring_diameters": list(row["ring_diameters_mm"]), "diameter": row["marker_diameter_mm"]}
         )
-        figure = BuiltFigure(**{name: row[f"figure_{name}"] for name in BuiltFigure.__dataclass_fields__})
-        yield Variant(markers, row["camera"], row["distance"], row["price"], figure)
+        figure = PredictedAccuracy(**{name: row[f"figure_{name}"] for name in PredictedAccuracy.__dataclass_fields__})
+        yield LayoutOption(markers, row["camera"], row["distance"], row["price"], figure)

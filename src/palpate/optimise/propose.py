@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.bench import DEGRADED, set_scene
+from palpate.bench import DEGRADED, build_scene
 from palpate.built import (
-    BuiltFigure,
+    AccuracySpec,
     ContradictionError,
-    ForeseeSpec,
-    TwinChecks,
-    draw_deviation,
-    foresee,
+    PredictedAccuracy,
+    ValidationPresses,
+    predict_accuracy,
+    sample_deviation,
 )
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe, stage_version
@@ -24,20 +24,20 @@ from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec
-from palpate.optimise.choose_rings import choose_rings, spread_rings
-from palpate.optimise.proposal import Proposal, Variant
-from palpate.optimise.setting import Setting, measure_settings, rank_settings
-from palpate.optimise.spec import GridSpec, RequirementsSpec
-from palpate.optimise.twin_checks import CheckTasks, plan_checks
+from palpate.optimise.choose_rings import choose_rings, space_rings_evenly
+from palpate.optimise.proposal import LayoutOption, SkinEvaluation
+from palpate.optimise.setting import CameraSetting, measure_settings, rank_settings
+from palpate.optimise.spec import BaselineGridSpec, RequirementsSpec
+from palpate.optimise.twin_checks import ValidationPressTasks, plan_validation_presses
 from palpate.sensor import Unit, open_sensor
 from palpate.study import (
-    BuiltSpec,
+    AsBuiltSpec,
     MaterialSpec,
     PressTask,
     Study,
     Task,
     TwinTask,
-    find_made,
+    find_artefact,
     plan_twin,
     write_json,
 )
@@ -46,15 +46,15 @@ from palpate.twin import Twin, read_twin
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
-_JUDGED_BY = (
+_EVALUATED_BY = (
     "seed",
-    "known",
-    "least_depth",
+    "calibration_presses",
+    "min_depth",
     "depth",
     "max_tilt_deg",
     "markers",
-    "dot",
-    "greatest_dot",
+    "min_marker_diameter",
+    "max_marker_diameter",
     "cameras",
     "tolerance",
     "process",
@@ -69,16 +69,16 @@ _SETTINGS = 3
 
 
 @dataclass(frozen=True)
-class ProposalTask(Task):
+class SkinEvaluationTask(Task):
     """Choose rings and camera on one skin, and foresee its units."""
 
     twin: TwinTask
     inverted: PressTask | None
     spec: RequirementsSpec
     material: str
-    grid: GridSpec | None = None
+    grid: BaselineGridSpec | None = None
     """Whose layouts and camera are foreseen, where none are to be chosen."""
-    checks: tuple[CheckTasks, ...] = ()
+    checks: tuple[ValidationPressTasks, ...] = ()
     """Presses that tell what the twin is off; without them it is taken as off as the bench found of one design."""
 
     suffix = ".json"
@@ -94,14 +94,16 @@ class ProposalTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
+        spec = self.spec.model_dump(mode="json", include=set(_EVALUATED_BY)) | {"material": self.material}
         if self.grid is not None:
-            spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
-        inputs = tuple(task.recipe.key for task in self.needs)
+            spec["baseline_grid"] = self.grid.model_dump(
+                mode="json", include={"designs": {"markers"}, "distance": True}
+            )
+        inputs = tuple(task.recipe.key for task in self.dependencies)
         return Recipe(kind="proposal", spec=spec, inputs=inputs, version=stage_version("skin_evaluation"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (
             self.twin,
             *((self.inverted,) if self.inverted else ()),
@@ -113,19 +115,19 @@ class ProposalTask(Task):
         return 15.0 * len(self.spec.cameras)
 
     def make(self, store: ArtefactStore) -> None:
-        presses = [read_press(find_made(store, press)) for press in self.twin.presses]
+        presses = [read_press(find_artefact(store, press)) for press in self.twin.presses]
         force = max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses)
-        twin = read_twin(find_made(store, self.twin))
-        second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
-        known = Proposal(self.skin, self.material, float(twin.reach_mm.min()), force, second)
+        twin = read_twin(find_artefact(store, self.twin))
+        second = find_bistable_from(read_press(find_artefact(store, self.inverted))) if self.inverted else None
+        known = SkinEvaluation(self.skin, self.material, float(twin.max_depth_mm.min()), force, second)
         checks = [each.find(store) for each in self.checks]
-        proposal = propose(twin, known, self.spec, self.grid, checks)
+        proposal = evaluate_skin(twin, known, self.spec, self.grid, checks)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
 
 
-def plan_proposal(
-    spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False, grid: GridSpec | None = None
-) -> ProposalTask:
+def plan_skin_evaluation(
+    spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False, grid: BaselineGridSpec | None = None
+) -> SkinEvaluationTask:
     """The tasks that judge a skin.
 
     Parameters
@@ -146,24 +148,26 @@ def plan_proposal(
         material=MaterialSpec(name=material),
         mesh=MeshSpec() if full else MeshSpec(cells=_COARSE_CELLS),
         tilts_deg=tuple(round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, tilts)),
-        built=BuiltSpec(inverted=False) if full else BuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
+        built=AsBuiltSpec(inverted=False)
+        if full
+        else AsBuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
     )
-    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "image_step": step})})
+    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "depth_step": step})})
     twin = plan_twin(study, skin)
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
-    inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
-    checks = plan_checks(twin, spec) if full else ()
-    return ProposalTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
+    inverted = PressTask(skin, straight.mesh, straight.material, straight.obstacle, plain, Branch.INVERTED)
+    checks = plan_validation_presses(twin, spec) if full else ()
+    return SkinEvaluationTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
 
 
-def propose(
+def evaluate_skin(
     twin: Twin,
-    known: Proposal,
+    known: SkinEvaluation,
     spec: RequirementsSpec,
-    grid: GridSpec | None = None,
-    checks: Sequence[TwinChecks] = (),
-) -> Proposal:
+    grid: BaselineGridSpec | None = None,
+    checks: Sequence[ValidationPresses] = (),
+) -> SkinEvaluation:
     """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
 
     A skin on which nothing can be printed, or that cannot be made, gets that problem instead.
@@ -187,14 +191,16 @@ def propose(
     except MissingExtraError:
         raise
     except PalpateError as error:
-        return replace(known, problem=str(error.what))
+        return replace(known, problem=str(error.problem))
 
 
-def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[TwinChecks]) -> Iterator[Variant]:
+def _choose(
+    twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[ValidationPresses]
+) -> Iterator[LayoutOption]:
     """The best option of each camera and number of rings that can be read."""
     problems, found = [], False
     for choice in spec.cameras:
-        settings = tuple(measure_settings(twin, spec, choice, foresee_spec(spec)))
+        settings = tuple(measure_settings(twin, spec, choice, accuracy_spec(spec)))
         for rings in range(1, settings[0].places.limits.rings + 1):
             problem = PalpateError(
                 f"{markers_in_rings(rings)} markers cannot be printed on this skin and be seen apart by the camera "
@@ -204,10 +210,10 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
                 refusal = _refuse(twin, markers, material, camera, spec, _LOOKED_AT_FULLY if checks else _LOOKED_AT)
-                figure = refusal or _foresee(twin, markers, camera, spec, checks)
-                if isinstance(figure, BuiltFigure):
+                figure = refusal or _predict(twin, markers, camera, spec, checks)
+                if isinstance(figure, PredictedAccuracy):
                     found = True
-                    yield Variant(markers, choice.name, camera.spec.distance, choice.price, figure)
+                    yield LayoutOption(markers, choice.name, camera.spec.distance, choice.price, figure)
                     break
                 problem = figure
             problems.append(problem)
@@ -215,7 +221,7 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[
         raise problems[0]
 
 
-def _as_given(twin: Twin, spec: RequirementsSpec, grid: GridSpec) -> Iterator[Variant]:
+def _as_given(twin: Twin, spec: RequirementsSpec, grid: BaselineGridSpec) -> Iterator[LayoutOption]:
     """The layouts of a grid before its camera, as far as they have no more markers than allowed."""
     choice = spec.cameras[0]
     camera = build_camera(choice.camera.model_copy(update={"distance": grid.distance}))
@@ -224,17 +230,17 @@ def _as_given(twin: Twin, spec: RequirementsSpec, grid: GridSpec) -> Iterator[Va
             rings = given.ring_diameters or ring_diameters(given.count, twin.skin.base_radius)
             markers = given.model_copy(update={"ring_diameters": rings})
             layout = place_markers(twin.skin, markers)
-            figure = foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec))
-            yield Variant(markers, choice.name, grid.distance, choice.price, figure)
+            figure = predict_accuracy(twin, layout, camera, spec.tolerance, accuracy_spec(spec))
+            yield LayoutOption(markers, choice.name, grid.distance, choice.price, figure)
 
 
-def _offers(settings: Sequence[Setting], markers: int) -> Iterator[tuple[Camera, MarkerSpec]]:
+def _offers(settings: Sequence[CameraSetting], markers: int) -> Iterator[tuple[Camera, MarkerSpec]]:
     """Layouts of so many markers with their camera, best first; rings that are even follow where others are not read.
 
     Distances and diameters of dots are compared by even rings, and rings exchanged in the best few.
     """
     for setting in rank_settings(settings, markers)[:_SETTINGS]:
-        for choose in (choose_rings, spread_rings):
+        for choose in (choose_rings, space_rings_evenly):
             yield setting.camera, choose(setting.places, markers).markers
 
 
@@ -248,10 +254,10 @@ def _refuse(
             return PalpateError(finding.message, finding.remedy, code=finding.code)
     unit = Unit(twin.skin, layout, nominal=camera.spec, tolerance=spec.tolerance)
     for number in range(_FIRST_UNIT, _FIRST_UNIT + units):
-        deviation = draw_deviation(spec.tolerance, spec.seed, number)
-        scene = set_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
+        deviation = sample_deviation(spec.tolerance, spec.seed, number)
+        scene = build_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
         try:
-            open_sensor([scene.at_rest()], unit, twin)
+            open_sensor([scene.render_rest()], unit, twin)
         except MissingExtraError:
             raise
         except PalpateError as error:
@@ -259,29 +265,29 @@ def _refuse(
     return None
 
 
-def second_state(press: Press) -> float | None:
+def find_bistable_from(press: Press) -> float | None:
     """Depth in mm from which a press shows the inverted state; `None` where it shows none."""
     inverted = press.depth[press.branch == Branch.INVERTED]
     return float(inverted.min()) if len(inverted) else None
 
 
-def foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
+def accuracy_spec(spec: RequirementsSpec) -> AccuracySpec:
     """What is foreseen under requirements; the noise of dots follows from their size in the image."""
-    return ForeseeSpec(
-        known=spec.known,
-        least_depth=spec.least_depth,
+    return AccuracySpec(
+        calibration_presses=spec.calibration_presses,
+        min_depth=spec.min_depth,
         max_tilt_deg=spec.max_tilt_deg,
-        by_size=True,
+        scale_noise_by_diameter=True,
         seed=spec.seed,
     )
 
 
-def _foresee(
-    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: Sequence[TwinChecks]
-) -> BuiltFigure | PalpateError:
+def _predict(
+    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: Sequence[ValidationPresses]
+) -> PredictedAccuracy | PalpateError:
     """What is foreseen of a layout, or why known presses tell nothing of its units: they contradict its twin."""
     layout = place_markers(twin.skin, markers)
     try:
-        return foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec), checks)
+        return predict_accuracy(twin, layout, camera, spec.tolerance, accuracy_spec(spec), checks)
     except ContradictionError as error:
         return error

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import Bench, VirtualBenchSpec, play_unit, read_played, unit_recipe
-from palpate.built import BuiltFigure, ContradictionError, Deviation, draw_deviation, foresee
+from palpate.bench import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
+from palpate.built import ContradictionError, Deviation, PredictedAccuracy, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
@@ -25,11 +25,11 @@ from palpate.fea import Press, WallSpec, press_recipe, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
-from palpate.optimise.front import Entry, Front
-from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
-from palpate.optimise.propose import ProposalTask, foresee_spec, plan_proposal
+from palpate.optimise.front import DesignCandidate, Front
+from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
+from palpate.optimise.propose import SkinEvaluationTask, accuracy_spec, plan_skin_evaluation
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study
+from palpate.study import PressTask, Task, TwinTask, find_artefact, plan_study, resolve_device
 from palpate.twin import read_twin
 
 UNITS = 20
@@ -41,7 +41,7 @@ _FINALISTS = 2
 
 
 @dataclass(frozen=True)
-class UnitTask(Task):
+class UnitTrialTask(Task):
     """Play one built unit of a design on the bench."""
 
     reader: Task
@@ -64,39 +64,39 @@ class UnitTask(Task):
         return unit_recipe(self._bench(Path(), ArtefactStore(Path())), self._deviation)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.reader,)
 
     @property
     def cost(self) -> float:
-        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.known)) * self.spec.depth / 8.0
+        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.calibration_presses)) * self.spec.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        bench = self._bench(find_made(store, self.reader), store)
+        bench = self._bench(find_artefact(store, self.reader), store)
         bench.check()
-        play_unit(bench, self._deviation)
+        run_unit_trial(bench, self._deviation)
 
     def read(self, store: ArtefactStore) -> dict[str, Any]:
         """Sums over the unit's images, once it was made."""
-        played = read_played(find_made(store, self), self._deviation)
+        played = read_trial(find_artefact(store, self), self._deviation)
         errors = played.corrected() - played.truth
         seen = np.isfinite(errors).all(axis=1)
         return {
             "images": len(errors),
             "seen": int(seen.sum()),
             "squares": (errors[seen] ** 2).sum(axis=0).tolist(),
-            "worst_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
+            "p95_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
             "failure": played.failure,
         }
 
     @property
     def _deviation(self) -> Deviation:
-        return draw_deviation(self.spec.tolerance, self.spec.seed, self.unit)
+        return sample_deviation(self.spec.tolerance, self.spec.seed, self.unit)
 
-    def _bench(self, model: Path, store: ArtefactStore) -> Bench:
+    def _bench(self, model: Path, store: ArtefactStore) -> VirtualBench:
         """The bench of this design, whose results are known by what makes the model, before that is made."""
         material, key = get_material(self.material), self.reader.recipe.key
-        return Bench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
+        return VirtualBench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
 
 
 @dataclass(frozen=True)
@@ -112,23 +112,23 @@ class CalculixTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
-        return press_recipe(press.skin, press.mesh, press.material, press.wall, solver, press.branch)
+        return press_recipe(press.skin, press.mesh, press.material, press.obstacle, solver, press.branch)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return ()
 
     @property
     def cost(self) -> float:
-        return 60.0 * self.press.wall.depth / 8.0
+        return 60.0 * self.press.obstacle.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.press.skin), self.press.mesh)
-        press = solve_press_calculix(mesh, self.press.material, self.press.wall)
+        press = solve_press_calculix(mesh, self.press.material, self.press.obstacle)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
-def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> Proof:
+def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> ValidationResult:
     """Play the winner of a front and its rivals.
 
     Parameters
@@ -143,31 +143,31 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
     assert front.winner is not None
     spec, store = front.spec, ArtefactStore(out / "store")
     designs = [_Candidate.of(front, title, entry) for title, entry in _finalists(front, front.winner)]
-    designs += [_Candidate.rival(spec)] if spec.rival else []
+    designs += [_Candidate.rival(spec)] if spec.baseline else []
     winner = designs[0]
     second, problem = winner.second_solver()
-    tasks = [task for one in designs for task in (*one.foreseen_by, *one.units, *one.trained_units)]
+    tasks = [task for one in designs for task in (*one.predicted_by, *one.units, *one.trained_units)]
     reasons = do([*tasks, *second])
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
-    return Proof(
-        designs=tuple(design.judge(store, reasons) for design in designs),
-        known=winner.bench.known,
+    return ValidationResult(
+        designs=tuple(design.evaluate(store, reasons) for design in designs),
+        known=winner.bench.calibration_presses,
         second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
         second_problem=problem,
     )
 
 
-def foresee_rival(
+def predict_baseline(
     spec: RequirementsSpec, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]
-) -> BuiltFigure | None:
+) -> PredictedAccuracy | None:
     """What is foreseen of the rival, from the twin that it is read by where it is played; `None` without one.
 
     The parameters are those of `prove`.
     """
-    if spec.rival is None:
+    if spec.baseline is None:
         return None
     rival, store = _Candidate.rival(spec), ArtefactStore(out / "store")
-    return None if do(rival.foreseen_by) else rival.foresee(store)
+    return None if do(rival.predicted_by) else rival.predict(store)
 
 
 @dataclass(frozen=True)
@@ -182,18 +182,18 @@ class _Candidate:
     camera: CameraSpec
 
     @classmethod
-    def of(cls, front: Front, title: str, entry: Entry) -> _Candidate:
+    def of(cls, front: Front, title: str, entry: DesignCandidate) -> _Candidate:
         """A design of a front."""
-        proposal = entry.tried.known
+        proposal = entry.trial.finest
         camera = camera_of(front.spec, entry)
         return cls(front.spec, title, proposal.skin, proposal.material, entry.option.markers, camera)
 
     @classmethod
     def rival(cls, spec: RequirementsSpec) -> _Candidate:
         """The rival of the requirements, in the first of the cameras and elastomers."""
-        assert spec.rival is not None
-        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.rival.distance})
-        return cls(spec, "rival", spec.rival.skin(), spec.materials[0], spec.rival.markers, camera)
+        assert spec.baseline is not None
+        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.baseline.distance})
+        return cls(spec, "rival", spec.baseline.skin(), spec.materials[0], spec.baseline.markers, camera)
 
     @property
     def built(self) -> Skin:
@@ -206,105 +206,108 @@ class _Candidate:
             units=UNITS,
             max_tilt_deg=spec.max_tilt_deg,
             depth=spec.depth,
-            least_depth=spec.least_depth,
-            known=min(spec.known, _MOST_KNOWN),
+            min_depth=spec.min_depth,
+            calibration_presses=min(spec.calibration_presses, _MOST_KNOWN),
             tolerance=spec.tolerance,
             seed=spec.seed,
         )
 
     @cached_property
-    def _proposal(self) -> ProposalTask:
-        return plan_proposal(self.spec, self.skin, self.material, full=True)
+    def _proposal(self) -> SkinEvaluationTask:
+        return plan_skin_evaluation(self.spec, self.skin, self.material, full=True)
 
     @property
     def twin(self) -> TwinTask:
         return self._proposal.twin
 
     @property
-    def foreseen_by(self) -> tuple[Task, ...]:
+    def predicted_by(self) -> tuple[Task, ...]:
         """The twin, and the presses that tell what it is off."""
         return (self.twin, *(press for checks in self._proposal.checks for press in checks.presses))
 
     @cached_property
-    def units(self) -> tuple[UnitTask, ...]:
-        return self._play(self.twin, self.bench)
+    def units(self) -> tuple[UnitTrialTask, ...]:
+        return self._simulate(self.twin, self.bench)
 
     @cached_property
-    def trained_units(self) -> tuple[UnitTask, ...]:
-        if self.spec.proof != "trained":
+    def trained_units(self) -> tuple[UnitTrialTask, ...]:
+        if self.spec.validation != "trained":
             return ()
         study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
-        estimator = plan_study(on_its_device(study)).designs[0].estimator
-        return self._play(estimator, self.bench.model_copy(update={"known": 0}))
+        estimator = plan_study(resolve_device(study)).designs[0].estimator
+        return self._simulate(estimator, self.bench.model_copy(update={"calibration_presses": 0}))
 
-    def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTask, ...]:
+    def _simulate(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
         design = (self.skin, self.material, self.markers, self.camera)
-        return tuple(UnitTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
+        return tuple(UnitTrialTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
 
     def second_solver(self) -> tuple[tuple[Task, ...], str]:
         """A press by palpate and by CalculiX, and why there is none by the latter."""
         wall = WallSpec(tilt_deg=self.spec.max_tilt_deg, contact="frictionless", depth=self.spec.depth)
         straight = self.twin.presses[0]
         plain = straight.solver.model_copy(update={"derivatives": ()})
-        own = replace(straight, wall=wall, solver=plain)
+        own = replace(straight, obstacle=wall, solver=plain)
         try:
             CalculixSolver().check(wall)
         except PalpateError as error:
-            return (), str(error.what)
+            return (), str(error.problem)
         return (own, CalculixTask(own)), ""
 
-    def foresee(self, store: ArtefactStore) -> BuiltFigure | None:
+    def predict(self, store: ArtefactStore) -> PredictedAccuracy | None:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
-        twin, spec = read_twin(find_made(store, self.twin)), replace(foresee_spec(self.spec), known=self.bench.known)
+        twin, spec = (
+            read_twin(find_artefact(store, self.twin)),
+            replace(accuracy_spec(self.spec), calibration_presses=self.bench.calibration_presses),
+        )
         layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
         checks = [each.find(store) for each in self._proposal.checks]
         try:
-            return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
+            return predict_accuracy(twin, layout, camera, self.spec.tolerance, spec, checks)
         except ContradictionError:
             return None
 
-    def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
+    def evaluate(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
         """What was foreseen and what was played."""
-        empty = ProvenDesign(
-            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, foreseen=None, played=None
+        empty = ValidatedDesign(
+            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, predicted=None, simulated=None
         )
-        lacks = next((task for task in self.foreseen_by if store.find(task.recipe) is None), None)
+        lacks = next((task for task in self.predicted_by if store.find(task.recipe) is None), None)
         if lacks is not None:
             return replace(empty, problem=reasons.get(lacks.recipe.key, f"There is no {lacks.name}."))
-        presses = (read_press(find_made(store, press)) for press in self.twin.presses)
+        presses = (read_press(find_artefact(store, press)) for press in self.twin.presses)
         played, failures = _gather(store, self.units, reasons)
         return replace(
             empty,
             problem="" if played else failures[0],
             force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
-            foreseen=self.foresee(store),
-            played=played,
+            predicted=self.predict(store),
+            simulated=played,
             trained=_gather(store, self.trained_units, reasons)[0],
         )
 
 
-def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
+def _finalists(front: Front, winner: DesignCandidate) -> Iterator[tuple[str, DesignCandidate]]:
     """The winner, and the ends of a front of several objectives; of one, the best designs of other finalists."""
-    if front.ends:
-        yield from _together([("winner", winner), *front.ends])
+    if front.extremes:
+        yield from _together([("winner", winner), *front.extremes])
         return
     yield "winner", winner
     others = sorted(
         (
-            Entry(one, option)
-            for one in front.tried
-            if one.full is not None and one.meets and one.number != winner.tried.number
-            if (option := one.full.best(front.spec.markers)) is not None
+            DesignCandidate(one, option)
+            for one in front.trials
+            if one.fine is not None and one.feasible and one.number != winner.trial.number
+            if (option := one.fine.best(front.spec.markers)) is not None
         ),
         key=lambda entry: entry.value("error"),
     )
     for entry in others[:_FINALISTS]:
-        yield f"skin {entry.tried.number}", entry
+        yield f"skin {entry.trial.number}", entry
 
 
-def _together(titled: Sequence[tuple[str, Entry]]) -> Iterator[tuple[str, Entry]]:
+def _together(titled: Sequence[tuple[str, DesignCandidate]]) -> Iterator[tuple[str, DesignCandidate]]:
     """Every design once, with all of its titles."""
-    entries: list[Entry] = []
+    entries: list[DesignCandidate] = []
     for _, entry in titled:
         if entry not in entries:
             entries.append(entry)
@@ -313,8 +316,8 @@ def _together(titled: Sequence[tuple[str, Entry]]) -> Iterator[tuple[str, Entry]
 
 
 def _gather(
-    store: ArtefactStore, tasks: Sequence[UnitTask], reasons: Mapping[str, str]
-) -> tuple[BenchFigure | None, list[str]]:
+    store: ArtefactStore, tasks: Sequence[UnitTrialTask], reasons: Mapping[str, str]
+) -> tuple[SimulatedAccuracy | None, list[str]]:
     """The figures of all units of a design that could be played, and why others could not."""
     failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
     made = (task for task in tasks if task.recipe.key not in reasons)
@@ -325,12 +328,12 @@ def _gather(
         return None, failures or ["No image of any unit gave a pose."]
     images, seen = (sum(unit[name] for unit in units) for name in ("images", "seen"))
     squares = np.sum([unit["squares"] for unit in units], axis=0) / seen
-    figure = BenchFigure(
+    figure = SimulatedAccuracy(
         units=len(units),
         images=images,
         without_pose=images - seen,
         rmse_deg=float(np.sqrt(squares[:2].mean())),
-        worst_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
+        p95_deg=float(np.quantile([unit["p95_deg"] for unit in units], 0.95)),
         depth_rmse=float(np.sqrt(squares[2])),
         failures=tuple(failures),
         by_unit=tuple(_by_unit(found.get(task.recipe.key)) for task in tasks),
@@ -342,12 +345,12 @@ def _by_unit(unit: Mapping[str, Any] | None) -> tuple[float, float] | None:
     """RMSE of rx and ry, and greatest error, of a unit; `None` where it could not be played or gave no pose."""
     if unit is None or not unit["seen"]:
         return None
-    return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["worst_deg"])
+    return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["p95_deg"])
 
 
-def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SecondSolver:
+def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SolverComparison:
     """CalculiX beside palpate at the greatest depth that both reached in the same state."""
-    own, other = (read_press(find_made(store, task)) for task in tasks)
+    own, other = (read_press(find_artefact(store, task)) for task in tasks)
     reached = other.depth[other.depth <= own.depth[-1] + 1e-6]
     nearest = np.abs(own.depth - reached[:, None]).argmin(axis=1)
     parted = np.append(own.branch[nearest] != other.branch[: len(reached)], True)
@@ -357,7 +360,7 @@ def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> S
     (force, here), (second_force, there) = at(own), at(other)
     apart = np.sqrt(np.mean(np.sum((here - there) ** 2, axis=1)))
     parts = float(reached[first]) if first < len(reached) else None
-    return SecondSolver(float(depth), second_force, force, float(apart), parts)
+    return SolverComparison(float(depth), second_force, force, float(apart), parts)
 
 
 def _at_depth(press: Press, depth: float, dots: FloatArray) -> tuple[float, FloatArray]:

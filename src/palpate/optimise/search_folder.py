@@ -15,11 +15,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from palpate.camera import CameraSpec
-from palpate.core import PalpateError
+from palpate.core import PalpateError, rename_columns
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
-from palpate.optimise.front import Entry, Front, TriedSkin
+from palpate.optimise.front import DesignCandidate, Front, SkinTrial
 from palpate.optimise.optimise_design import ASKED, JOURNAL
-from palpate.optimise.proposal import Proposal
+from palpate.optimise.proposal import SkinEvaluation
 from palpate.optimise.spec import RequirementsSpec
 from palpate.optimise.write_front import FRONT, describe_entry
 
@@ -30,7 +30,7 @@ _AGAIN = "Run `palpate optimise` again with this folder: it goes on where it was
 
 
 @dataclass(frozen=True, eq=False)
-class FoundDesign:
+class SearchDesign:
     """One design of a search.
 
     Attributes
@@ -76,7 +76,7 @@ class SearchFolder:
     skins: int
     finished: bool
 
-    def design(self, number: int) -> FoundDesign:
+    def design(self, number: int) -> SearchDesign:
         """The parts of one design.
 
         Raises
@@ -92,7 +92,7 @@ class SearchFolder:
             )
         row = self.rows[number]
         try:
-            return FoundDesign(row, _skin(row), str(row["material"]), _markers(row, self.spec), self._camera(row))
+            return SearchDesign(row, _skin(row), str(row["material"]), _markers(row, self.spec), self._camera(row))
         except (KeyError, TypeError, ValueError, ValidationError) as error:
             raise PalpateError(
                 f"Row {number} of the search is no design: {error}.", _AGAIN, code="design-row-unreadable"
@@ -132,15 +132,29 @@ def read_search(folder: Path) -> SearchFolder:
             f"The search in {folder} cannot be read: {error}.", _AGAIN, code="search-unreadable"
         ) from error
     known = Front(spec, tried)
-    others = [describe_entry(Entry(one, best)) for one in tried if (best := one.known.best(spec.markers)) is not None]
+    others = [
+        describe_entry(DesignCandidate(one, best))
+        for one in tried
+        if (best := one.finest.best(spec.markers)) is not None
+    ]
     finished = ended.get("skins") == len(tried)  # a search that goes on has tried more
-    front: Sequence[Row] = ended["front"] if finished else [describe_entry(entry) for entry in known.best]
-    first: Row | None = ended["winner"] if finished else describe_entry(known.winner) if known.winner else None
+    front: Sequence[Row] = (
+        [rename_columns(row) for row in ended["front"]]
+        if finished
+        else [describe_entry(entry) for entry in known.pareto]
+    )
+    first: Row | None = (
+        ended["winner"] and rename_columns(ended["winner"])
+        if finished
+        else describe_entry(known.winner)
+        if known.winner
+        else None
+    )
     winner = next((number for number, row in enumerate(front) if row == first), -1)
     return SearchFolder(folder, spec, (*front, *others), len(front), winner, len(tried), finished)
 
 
-def _read_journal(path: Path) -> Iterator[TriedSkin]:
+def _read_journal(path: Path) -> Iterator[SkinTrial]:
     """Skins that were judged, by their number; a line that is being written is left for the next time."""
     notes: dict[int, dict[str, Any]] = {}
     done = []
@@ -155,7 +169,7 @@ def _read_journal(path: Path) -> Iterator[TriedSkin]:
             done.append(record["trial_id"])
     for number in sorted(set(done) & set(notes)):
         note = notes[number]
-        yield TriedSkin(number, Proposal.from_data(note["note"]["proposal"]), note["violations"])
+        yield SkinTrial(number, SkinEvaluation.from_data(note["note"]["proposal"]), note["violations"])
 
 
 def _skin(row: Row) -> SkinSpec:
@@ -167,4 +181,6 @@ def _skin(row: Row) -> SkinSpec:
 
 def _markers(row: Row, spec: RequirementsSpec) -> MarkerSpec:
     rings = [float(word) for word in str(row["ring_diameters_mm"]).split()]
-    return MarkerSpec.model_validate({"ring_diameters": rings, "diameter": float(row.get("dot_mm", spec.dot))})
+    return MarkerSpec.model_validate(
+        {"ring_diameters": rings, "diameter": float(row.get("marker_diameter_mm", spec.min_marker_diameter))}
+    )

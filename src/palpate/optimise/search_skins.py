@@ -27,7 +27,7 @@ Sampler = Literal["gp", "random"]
 
 
 @dataclass(frozen=True)
-class Judged:
+class Evaluation:
     """What was found of one place.
 
     Attributes
@@ -36,22 +36,22 @@ class Judged:
         What is made least; infinite where it is not known, for which the process takes the worst that is.
     violations
         Constraints by name: above 0 where one is not met.
-    note
+    record
         Anything that is to be kept with it.
     """
 
     values: tuple[float, ...]
     violations: Mapping[str, float]
-    note: Mapping[str, Any]
+    record: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Tried:
+class SearchTrial:
     """A place that was tried, and what was found; `number` in the order in which they were proposed."""
 
     number: int
     place: Place
-    judged: Judged
+    evaluation: Evaluation
 
 
 @dataclass(frozen=True)
@@ -64,42 +64,42 @@ class SearchPlan:
         How many places are tried, those of earlier runs with the same journal counted.
     seed, sampler
         Of the proposals; ``"random"`` is the control.
-    first
+    initial
         Places to begin with.
-    objectives
+    n_objectives
         How many values there are.
-    hours
+    max_hours
         Time after which no further batch is begun.
     """
 
     trials: int
     seed: int = 0
     sampler: Sampler = "gp"
-    first: tuple[Place, ...] = ()
-    objectives: int = 1
-    hours: float = 1e9
+    initial: tuple[Place, ...] = ()
+    n_objectives: int = 1
+    max_hours: float = 1e9
 
 
 def search_skins(
     space: SkinSpace,
-    judge: Callable[[Sequence[Place]], Sequence[Judged]],
+    evaluate: Callable[[Sequence[Place]], Sequence[Evaluation]],
     plan: SearchPlan,
     journal: Path,
-    watch: Callable[[Sequence[Tried]], None] | None = None,
-) -> tuple[Tried, ...]:
+    on_batch: Callable[[Sequence[SearchTrial]], None] | None = None,
+) -> tuple[SearchTrial, ...]:
     """Try places of a space and return all that were tried, in their order.
 
     Parameters
     ----------
     space
         Ranges of the variables.
-    judge
+    evaluate
         Finds values and violations of several places at once.
     plan
         How many, by whom they are proposed, and where to begin.
     journal
         File of the search; what it holds is not judged again.
-    watch
+    on_batch
         Told of all that were tried after every batch.
 
     Raises
@@ -107,47 +107,47 @@ def search_skins(
     MissingExtraError
         If optuna or torch is not installed.
     """
-    study, begun = _open(journal, plan.objectives), time.monotonic()
+    study, begun = _open(journal, plan.n_objectives), time.monotonic()
     if not study.trials:
-        for place in plan.first:
+        for place in plan.initial:
             study.enqueue_trial(dict(place))
     for start in range(0, plan.trials, BATCH):
         numbers = range(start, min(start + BATCH, plan.trials))
         there = study.get_trials(deepcopy=False)[start : numbers.stop]
         if len([trial for trial in there if trial.state.name == "COMPLETE"]) == len(numbers):
             continue
-        if time.monotonic() - begun > 3600.0 * plan.hours:
+        if time.monotonic() - begun > 3600.0 * plan.max_hours:
             break
         asked = [trial for number in numbers if (trial := _ask(study, space, number, plan)) is not None]
-        for trial, found in zip(asked, judge([trial.params for trial in asked]), strict=True):
-            _tell(study, trial, found)
-        if watch is not None:
-            watch(_tried(study))
+        for trial, found in zip(asked, evaluate([trial.params for trial in asked]), strict=True):
+            _report(study, trial, found)
+        if on_batch is not None:
+            on_batch(_tried(study))
     return _tried(study)
 
 
-def read_tried(journal: Path, objectives: int = 1) -> tuple[Tried, ...]:
+def read_trials(journal: Path, objectives: int = 1) -> tuple[SearchTrial, ...]:
     """Every place that a journal says was judged; none where there is no journal."""
     return _tried(_open(journal, objectives)) if journal.exists() else ()
 
 
-def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[Tried]) -> None:
+def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[SearchTrial]) -> None:
     """Put a journal of the same places in the place of one, as they are judged now: what is proposed goes by it."""
     new = journal.with_name(f"{journal.name}.new")
     new.unlink(missing_ok=True)
-    study, told = _open(new, plan.objectives), replace(plan, sampler="random")  # which need not fit what is given
+    study, told = _open(new, plan.n_objectives), replace(plan, sampler="random")  # which need not fit what is given
     for one in tried:
         study.enqueue_trial(dict(one.place))
         trial = _ask(study, space, one.number, told)
         assert trial is not None
-        _tell(study, trial, one.judged)
+        _report(study, trial, one.evaluation)
     new.replace(journal)
 
 
-def _tried(study: optuna.Study) -> tuple[Tried, ...]:
+def _tried(study: optuna.Study) -> tuple[SearchTrial, ...]:
     """Every place that was judged, in the order in which they were proposed."""
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
-    return tuple(Tried(trial.number, trial.params, _judged(trial)) for trial in done)
+    return tuple(SearchTrial(trial.number, trial.params, _evaluation(trial)) for trial in done)
 
 
 def _open(journal: Path, objectives: int) -> optuna.Study:
@@ -197,15 +197,15 @@ def _sampler(kind: Sampler, seed: int) -> optuna.samplers.BaseSampler:
     return optuna.samplers.GPSampler(seed=seed, n_startup_trials=_STARTUP)
 
 
-def _tell(study: optuna.Study, trial: optuna.Trial, found: Judged) -> None:
+def _report(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
     """Leave what was found in the journal."""
     for name, value in found.violations.items():
         trial.set_constraint(name, value)
     trial.set_user_attr("violations", dict(found.violations))
-    trial.set_user_attr("note", dict(found.note))
+    trial.set_user_attr("note", dict(found.record))
     study.tell(trial, list(found.values))
 
 
-def _judged(trial: optuna.trial.FrozenTrial) -> Judged:
+def _evaluation(trial: optuna.trial.FrozenTrial) -> Evaluation:
     values, attributes = tuple(trial.values or ()), trial.user_attrs
-    return Judged(values, attributes["violations"], attributes["note"])
+    return Evaluation(values, attributes["violations"], attributes["note"])

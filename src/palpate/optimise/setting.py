@@ -11,10 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built import ForeseeSpec
+from palpate.built import AccuracySpec
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError
-from palpate.optimise.choose_rings import PrintLimits, RingPlaces, place_rings, resize_dots, spread_rings
+from palpate.optimise.choose_rings import (
+    PrintLimits,
+    RingCandidates,
+    measure_ring_candidates,
+    resize_dots,
+    space_rings_evenly,
+)
 from palpate.optimise.spec import CameraChoice, RequirementsSpec
 from palpate.twin import Twin
 
@@ -25,7 +31,7 @@ _GRAIN_MM = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class CameraSetting:
     """A distance of a camera with dots of one diameter.
 
     Attributes
@@ -37,12 +43,12 @@ class Setting:
     """
 
     camera: Camera
-    places: RingPlaces
+    places: RingCandidates
 
 
 def measure_settings(
-    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, foreseen: ForeseeSpec
-) -> Iterator[Setting]:
+    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, predicted: AccuracySpec
+) -> Iterator[CameraSetting]:
     """Measure all rings that might be printed, at every distance of a camera, with dots of every diameter.
 
     Raises
@@ -52,35 +58,43 @@ def measure_settings(
     """
     smallest, *larger = dot_diameters(spec)
     limits = PrintLimits(
-        most=spec.markers,
+        max_markers=spec.markers,
         dot=smallest,
-        gap=spec.process.smallest_gap,
-        steepest_deg=spec.process.steepest_deg,
+        gap=spec.process.min_gap,
+        max_slope_deg=spec.process.max_slope_deg,
         on_arc=spec.process.mapping == "arc",
     )
     least, most = choice.distances
     for distance in np.linspace(least, most, _DISTANCES if most > least else 1):
         camera = build_camera(choice.camera.model_copy(update={"distance": round(float(distance), 2)}))
-        places = place_rings(twin, camera, spec.tolerance, replace(foreseen, poses=_POSES), limits)
-        yield Setting(camera, places)
+        places = measure_ring_candidates(twin, camera, spec.tolerance, replace(predicted, poses=_POSES), limits)
+        yield CameraSetting(camera, places)
         for dot in larger:
-            yield Setting(camera, resize_dots(places, twin.skin, camera, dot, foreseen.noise_px))
+            yield CameraSetting(camera, resize_dots(places, twin.skin, camera, dot, predicted.noise_px))
 
 
 def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:
     """Diameters of dots that are tried, mm, the smallest first."""
-    greatest = spec.greatest_dot or spec.dot
-    between = np.geomspace(spec.dot, greatest, _DIAMETERS)[1:-1]
+    greatest = spec.max_marker_diameter or spec.min_marker_diameter
+    between = np.geomspace(spec.min_marker_diameter, greatest, _DIAMETERS)[1:-1]
     rounded = (round(round(float(step) / _GRAIN_MM) * _GRAIN_MM, 2) for step in between)
-    return tuple(dict.fromkeys((spec.dot, *(step for step in rounded if spec.dot < step < greatest), greatest)))
+    return tuple(
+        dict.fromkeys(
+            (
+                spec.min_marker_diameter,
+                *(step for step in rounded if spec.min_marker_diameter < step < greatest),
+                greatest,
+            )
+        )
+    )
 
 
-def rank_settings(settings: Sequence[Setting], markers: int) -> list[Setting]:
+def rank_settings(settings: Sequence[CameraSetting], markers: int) -> list[CameraSetting]:
     """Settings in which so many markers can be printed and told apart, best first, by rings that are even."""
     found = []
     for number, setting in enumerate(settings):
         try:
-            found.append((spread_rings(setting.places, markers).rmse_deg, number))
+            found.append((space_rings_evenly(setting.places, markers).rmse_deg, number))
         except PalpateError:
             continue
     return [settings[number] for _, number in sorted(found)]

@@ -24,7 +24,7 @@ PRESET = "paper_task"
 """Requirements that come with the package."""
 _HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
 Objective = Literal["error", "force", "markers", "price", "size"]
-Proof = Literal["none", "played", "trained"]
+Proof = Literal["none", "simulated", "trained"]
 FIELDS = {
     "heights": "height",
     "base_radii": "base_radius",
@@ -59,7 +59,7 @@ class CameraChoice(Spec):
         return self
 
 
-class RivalSpec(Spec):
+class BaselineDesignSpec(Spec):
     """A design that the winner is held against, in the first of the cameras and elastomers."""
 
     height: float = parameter(
@@ -80,7 +80,7 @@ class RivalSpec(Spec):
         return skin_from_data({**shape, **numbers})
 
 
-class GridSpec(Spec):
+class BaselineGridSpec(Spec):
     """A grid of designs that the search is held against, in the first of the cameras and elastomers."""
 
     designs: DesignsSpec = DesignsSpec()
@@ -106,10 +106,10 @@ class RequirementsSpec(Spec):
     error_deg: float = parameter(
         0.5, unit="deg", meaning="greatest error of rx or ry that 19 of 20 built units are to stay below", gt=0, le=45
     )
-    known: int = parameter(
+    calibration_presses: int = parameter(
         5, unit="1", meaning="known presses by which each unit is identified before it is used", ge=0, le=100
     )
-    least_depth: float = parameter(2.4, unit="mm", meaning="least depth at which it is read", source=PAPER, ge=0.2)
+    min_depth: float = parameter(2.4, unit="mm", meaning="least depth at which it is read", source=PAPER, ge=0.2)
     depth: float = parameter(8.0, unit="mm", meaning="depth to which it is pressed", source=PAPER, gt=0, le=40)
     max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt of the wall", source=PAPER, ge=2, le=30)
     force_n: float | None = parameter(
@@ -128,8 +128,10 @@ class RequirementsSpec(Spec):
         (1.0, 1.0), unit="1", meaning="least and greatest thickness at the rim over that at the apex; 1: an even wall"
     )
     markers: int = parameter(169, unit="1", meaning="markers at most", ge=7, le=397)
-    dot: float = parameter(1.0, unit="mm", meaning="smallest diameter of a dot that is tried", gt=0, le=5)
-    greatest_dot: float | None = parameter(
+    min_marker_diameter: float = parameter(
+        1.0, unit="mm", meaning="smallest diameter of a dot that is tried", gt=0, le=5
+    )
+    max_marker_diameter: float | None = parameter(
         None, unit="mm", meaning="greatest diameter of a dot that is tried; empty: dot alone", gt=0, le=5
     )
     cameras: tuple[CameraChoice, ...] = (CameraChoice(),)
@@ -140,20 +142,20 @@ class RequirementsSpec(Spec):
         ("error",), unit="", meaning="what is made least: error, force, markers, price, size; a front where several"
     )
     skins: int = parameter(60, unit="1", meaning="skins that are tried", ge=1, le=100000)
-    hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is begun", gt=0, le=10000)
+    max_hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is begun", gt=0, le=10000)
     finalists: int = parameter(3, unit="1", meaning="best skins that are pressed at full fidelity", ge=0, le=20)
-    proof: Proof = parameter(
+    validation: Proof = parameter(
         "none",
         unit="",
         meaning="whether winner and rivals are played on the bench: none, played (read by their twins), or trained "
         "(by trained networks as well)",
     )
-    rival: RivalSpec | None = None
+    baseline: BaselineDesignSpec | None = None
     """A design that the winner is held against in the proof."""
-    control: int = parameter(
+    random_skins: int = parameter(
         0, unit="1", meaning="skins drawn by chance that the search is held against", ge=0, le=100000
     )
-    grid: GridSpec | None = None
+    baseline_grid: BaselineGridSpec | None = None
     """Designs that the search is held against as well."""
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()
@@ -192,9 +194,9 @@ class RequirementsSpec(Spec):
     @model_validator(mode="after")
     def _can_be_met(self) -> RequirementsSpec:
         """Refuse what contradicts itself; the numbers are named."""
-        if self.least_depth >= self.depth:
+        if self.min_depth >= self.depth:
             _refuse(
-                f"least_depth is {self.least_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
+                f"min_depth is {self.min_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
                 "depths-not-rising",
             )
         if self.heights[1] <= self.depth:
@@ -207,14 +209,16 @@ class RequirementsSpec(Spec):
                 f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.",
                 "wall-thicker-than-radius",
             )
-        if self.dot < self.process.smallest_dot:
+        if self.min_marker_diameter < self.process.min_marker_diameter:
             _refuse(
-                f"dot is {self.dot:g} mm, less than process.smallest_dot, {self.process.smallest_dot:g} mm.",
+                f"min_marker_diameter is {self.min_marker_diameter:g} mm, less than that of process, "
+                f"{self.process.min_marker_diameter:g} mm.",
                 "markers-not-printable",
             )
-        if self.greatest_dot is not None and self.greatest_dot < self.dot:
+        if self.max_marker_diameter is not None and self.max_marker_diameter < self.min_marker_diameter:
             _refuse(
-                f"greatest_dot is {self.greatest_dot:g} mm and dot {self.dot:g} mm; give the greater one there.",
+                f"max_marker_diameter is {self.max_marker_diameter:g} mm and min_marker_diameter "
+                f"{self.min_marker_diameter:g} mm; give the greater one there.",
                 "marker-sizes-not-rising",
             )
         if "price" in self.objectives and len(self.cameras) == 1:

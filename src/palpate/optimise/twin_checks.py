@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from palpate.bench import FINER
-from palpate.built import KNOWN_TILTS, TwinChecks
+from palpate.built import CALIBRATION_TILTS, ValidationPresses
 from palpate.core import ArtefactStore
 from palpate.fea import read_press
 from palpate.mesh import mesh_skin
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import PressTask, TwinTask, find_made
+from palpate.study import PressTask, TwinTask, find_artefact
 
 _READ = ((1, 0.7887), (4, 0.2113), (6, 0.2113))
 """Tilts that are read: number of a gap between two of the twin's, and share of it. They lie about where Gauss's rule
@@ -24,8 +24,8 @@ slippery walls, others on those that hold."""
 
 
 @dataclass(frozen=True)
-class CheckTasks:
-    """The presses of `TwinChecks`, not done yet."""
+class ValidationPressTasks:
+    """The presses of `ValidationPresses`, not done yet."""
 
     known: tuple[PressTask, ...]
     read: tuple[PressTask, ...]
@@ -35,20 +35,24 @@ class CheckTasks:
         """All of them."""
         return (*self.known, *self.read)
 
-    def find(self, store: ArtefactStore) -> TwinChecks:
+    def find(self, store: ArtefactStore) -> ValidationPresses:
         """The presses, done."""
-        known, read = ([read_press(find_made(store, task)) for task in tasks] for tasks in (self.known, self.read))
-        return TwinChecks(known, read)
+        known, read = (
+            [read_press(find_artefact(store, task)) for task in tasks] for tasks in (self.known, self.read)
+        )
+        return ValidationPresses(known, read)
 
 
-def plan_checks(twin: TwinTask, spec: RequirementsSpec) -> tuple[CheckTasks, ...]:
-    """The presses that a twin is held against, one `CheckTasks` for each friction."""
-    tilts = sorted({press.wall.radial for press in twin.presses})
-    known = [share * spec.max_tilt_deg for share in KNOWN_TILTS]
+def plan_validation_presses(twin: TwinTask, spec: RequirementsSpec) -> tuple[ValidationPressTasks, ...]:
+    """The presses that a twin is held against, one `ValidationPressTasks` for each friction."""
+    tilts = sorted({press.obstacle.radial for press in twin.presses})
+    known = [share * spec.max_tilt_deg for share in CALIBRATION_TILTS]
     between = [tilts[k - 1] + share * (tilts[k] - tilts[k - 1]) for k, share in _READ if k < len(tilts)]
-    tolerance, own = spec.tolerance, twin.presses[0].wall.contact
-    contacts = [round(tolerance.draw_friction(share), 3) for share in _FRICTIONS] if tolerance.friction else [own]
-    return tuple(CheckTasks(tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in contacts)
+    tolerance, own = spec.tolerance, twin.presses[0].obstacle.contact
+    contacts = [round(tolerance.friction_at(share), 3) for share in _FRICTIONS] if tolerance.friction_min else [own]
+    return tuple(
+        ValidationPressTasks(tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in contacts
+    )
 
 
 def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> Iterator[PressTask]:
@@ -59,7 +63,7 @@ def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> I
         changed = {
             "tilt_deg": round(tilt_deg, 3),
             "contact": contact,
-            "image_step": _STEP_SHARE * own.wall.image_step,
+            "depth_step": _STEP_SHARE * own.obstacle.depth_step,
         }
         plain = own.solver.model_copy(update={"derivatives": ()})
-        yield replace(own, mesh=mesh, wall=own.wall.model_copy(update=changed), solver=plain)
+        yield replace(own, mesh=mesh, obstacle=own.obstacle.model_copy(update=changed), solver=plain)

@@ -9,12 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from palpate.core import provenance, writing, written_whole
+from palpate.core import atomic_write, provenance, wrap_write_errors
 from palpate.optimise.design_study import camera_of, winner_study
 from palpate.optimise.draw_front import draw_design, draw_front, draw_search
-from palpate.optimise.front import WORDS, Entry, Front, find_least
-from palpate.optimise.influence import Influences, find_influences
-from palpate.optimise.proof import proof_lines
+from palpate.optimise.front import WORDS, DesignCandidate, Front, find_best
+from palpate.optimise.influence import SobolIndices, compute_sobol_indices
+from palpate.optimise.proof import validation_lines
 from palpate.optimise.space import SkinSpace
 
 FRONT = "front.json"
@@ -30,17 +30,17 @@ _COLUMNS = (
     "camera",
     "distance_mm",
     "markers",
-    "dot_mm",
+    "marker_diameter_mm",
     "ring_diameters_mm",
-    "worst_deg",
+    "p95_deg",
     "rmse_deg",
-    "coarse_worst_deg",
+    "coarse_p95_deg",
     "force_n",
     "size_mm",
-    "reach_mm",
+    "max_depth_mm",
     "price",
     "full_fidelity",
-    "meets",
+    "feasible",
 )
 
 
@@ -52,11 +52,13 @@ def write_front(folder: Path, front: Front, command: str) -> None:
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
+    with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
-        _write_rows(folder / "front.csv", map(describe_entry, front.best))
+        _write_rows(folder / "front.csv", map(describe_entry, front.pareto))
         _write_rows(folder / "tried.csv", map(describe_entry, _best_of_each(front)))
-        influences = find_influences(front.tried, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed)
+        influences = compute_sobol_indices(
+            front.trials, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed
+        )
         (folder / FRONT).write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
         (folder / "report.md").write_text(report(front, influences, command), "utf-8")
         draw_search(front).savefig(folder / "search.svg")
@@ -66,18 +68,16 @@ def write_front(folder: Path, front: Front, command: str) -> None:
             draw_design(front.winner, camera_of(front.spec, front.winner)).savefig(folder / "winner.svg")
 
 
-def describe_entry(entry: Entry) -> dict[str, Any]:
+def describe_entry(entry: DesignCandidate) -> dict[str, Any]:
     """One design by the columns of the tables."""
-    proposal, option = entry.tried.known, entry.option
-    coarse = next(
-        (each for each in entry.tried.proposal.options if each.markers.count == option.markers.count), option
-    )
+    proposal, option = entry.trial.finest, entry.option
+    coarse = next((each for each in entry.trial.coarse.options if each.markers.count == option.markers.count), option)
     skin = proposal.skin
     return dict(
         zip(
             _COLUMNS,
             (
-                entry.tried.number,
+                entry.trial.number,
                 skin.height,
                 skin.base_radius,
                 skin.thickness,
@@ -89,15 +89,15 @@ def describe_entry(entry: Entry) -> dict[str, Any]:
                 option.markers.count,
                 option.markers.diameter,
                 " ".join(f"{ring:g}" for ring in option.markers.ring_diameters or ()),
-                round(option.figure.worst_deg, 4),
-                round(option.figure.rmse_deg, 4),
-                round(coarse.figure.worst_deg, 4),
+                round(option.accuracy.p95_deg, 4),
+                round(option.accuracy.rmse_deg, 4),
+                round(coarse.accuracy.p95_deg, 4),
                 round(proposal.force_n, 4),
                 round(proposal.size_mm, 2),
-                round(proposal.reach_mm, 3),
+                round(proposal.max_depth_mm, 3),
                 option.price,
-                entry.tried.full is not None,
-                entry.tried.meets,
+                entry.trial.fine is not None,
+                entry.trial.feasible,
             ),
             strict=True,
         )
@@ -111,17 +111,17 @@ def describe_front(front: Front) -> dict[str, Any]:
         "made_with": provenance(),
         "shortfall": front.shortfall,
         "winner": describe_entry(front.winner) if front.winner else None,
-        "rival": asdict(front.rival) if front.rival else None,
-        "ends": {title: describe_entry(entry) for title, entry in front.ends},
-        "proof": front.proof.as_dict() if front.proof else None,
-        "control": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
-        "front": [describe_entry(entry) for entry in front.best],
-        "skins": len(front.tried),
-        "meeting_the_limits": sum(one.meets for one in front.tried),
+        "baseline": asdict(front.baseline) if front.baseline else None,
+        "ends": {title: describe_entry(entry) for title, entry in front.extremes},
+        "validation": front.validation.as_dict() if front.validation else None,
+        "random_skins": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
+        "front": [describe_entry(entry) for entry in front.pareto],
+        "skins": len(front.trials),
+        "meeting_the_limits": sum(one.feasible for one in front.trials),
     }
 
 
-def report(front: Front, influences: Influences, command: str) -> str:
+def report(front: Front, influences: SobolIndices, command: str) -> str:
     """The page that a person reads."""
     spec, winner = front.spec, front.winner
     lines = [f"# {spec.name}: designs by search", "", "```", command, "```", ""]
@@ -129,18 +129,18 @@ def report(front: Front, influences: Influences, command: str) -> str:
     if winner is not None:
         lines += [*_winner_lines(winner), "", "![winner](winner.svg)", ""]
     lines += [
-        "Errors are those of rx and ry of built units, foreseen from the twin of each design over the tolerances and "
-        f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
-        "no measurement.",
+        "Errors are those of rx and ry of built units, predicted from the twin of each design over the tolerances "
+        f"and all frictions, after {spec.calibration_presses} calibration presses: `p95_deg` is the 95th percentile "
+        "over units. They are no measurement.",
         "",
         *_dropped_lines(front),
         *_end_lines(front),
-        *proof_lines(front.proof),
+        *validation_lines(front.validation),
         "## The front",
         "",
         "| " + " | ".join(_COLUMNS) + " |",
         "|" + "---|" * len(_COLUMNS),
-        *("| " + " | ".join(str(cell) for cell in describe_entry(entry).values()) + " |" for entry in front.best),
+        *("| " + " | ".join(str(cell) for cell in describe_entry(entry).values()) + " |" for entry in front.pareto),
         "",
         "![front](front.svg)",
         "",
@@ -149,66 +149,68 @@ def report(front: Front, influences: Influences, command: str) -> str:
         *_control_lines(front),
         "## What matters",
         "",
-        f"{influences.sentence} Over the whole of the searched space, by Sobol's indices of a surface through "
+        f"{influences.summary} Over the whole of the searched space, by Sobol's indices of a surface through "
         "the skins that reach the depth, which explains "
         f"{100 * max(influences.explained, 0.0):.0f} % of the variance of skins left out.",
         "",
         "| variable | alone | with others |",
         "|---|---|---|",
-        *(f"| {one.name} | {one.alone:.2f} | {one.together:.2f} |" for one in influences.variables),
+        *(f"| {one.name} | {one.first_order:.2f} | {one.total:.2f} |" for one in influences.variables),
         "",
-        f"{len(front.tried)} skins were tried, {sum(one.meets for one in front.tried)} meet the limits; seed "
+        f"{len(front.trials)} skins were tried, {sum(one.feasible for one in front.trials)} meet the limits; seed "
         f"{spec.seed}. Every one is in `tried.csv`.",
         "",
     ]
     return "\n".join(lines)
 
 
-def _winner_lines(winner: Entry) -> list[str]:
-    proposal, option = winner.tried.known, winner.option
+def _winner_lines(winner: DesignCandidate) -> list[str]:
+    proposal, option = winner.trial.finest, winner.option
     skin = proposal.skin
     return [
-        f"The winner is skin {winner.tried.number}: {skin.build().shape}, {skin.height:g} mm high over a radius of "
+        f"The winner is skin {winner.trial.number}: {skin.build().shape}, {skin.height:g} mm high over a radius of "
         f"{skin.base_radius:g} mm, {skin.thickness:g} mm thick, {option.markers.count} dots of "
         f"{option.markers.diameter:g} mm, camera {option.camera} {option.distance:g} mm below the base. 19 of 20 "
-        f"units stay below {option.figure.worst_deg:.3f}° (RMSE {option.figure.rmse_deg:.3f}°); at most "
+        f"units stay below {option.accuracy.p95_deg:.3f}° (RMSE {option.accuracy.rmse_deg:.3f}°); at most "
         f"{proposal.force_n:.2f} N. `winner.yaml` is its study.",
     ]
 
 
 def _dropped_lines(front: Front) -> Iterator[str]:
     """Finalists that broke a limit when they were pressed finely; nothing where none did."""
-    for one in front.tried:
-        if one.full is not None and not one.meets:
+    for one in front.trials:
+        if one.fine is not None and not one.feasible:
             broken = " and ".join(WORDS[name] for name, by in one.violations.items() if by > 0)
             yield from (f"Skin {one.number} met the limits by coarse presses alone: by fine ones {broken}.", "")
 
 
 def _end_lines(front: Front) -> list[str]:
     """The ends of a front of several objectives; nothing where there is one."""
-    if not front.ends:
+    if not front.extremes:
         return []
-    bar = f"{front.bar_deg:.3f}°, " + ("as is foreseen of the rival" if front.rival else "as is wanted")
+    bar = f"{front.error_threshold_deg:.3f}°, " + (
+        "as is foreseen of the rival" if front.baseline else "as is wanted"
+    )
     lines = [f"Of the designs whose error is no greater than {bar}:", ""]
-    for title, entry in front.ends:
-        proposal, option = entry.tried.known, entry.option
+    for title, entry in front.extremes:
+        proposal, option = entry.trial.finest, entry.option
         lines.append(
-            f"* {title}: skin {entry.tried.number}, {proposal.skin.build().name}, {option.markers.count} dots of "
+            f"* {title}: skin {entry.trial.number}, {proposal.skin.build().name}, {option.markers.count} dots of "
             f"{option.markers.diameter:g} mm, camera {option.camera} at {option.distance:g} mm, "
-            f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.figure.worst_deg:.3f}°"
+            f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.accuracy.p95_deg:.3f}°"
         )
     return [*lines, ""]
 
 
-def _least(front: Front) -> Iterator[tuple[str, int, str, Entry | None]]:
+def _least(front: Front) -> Iterator[tuple[str, int, str, DesignCandidate | None]]:
     """Search, chance and grid: how many of what were judged, and the best by coarse presses that meets the limits."""
-    control = front.control
+    control = front.search_baselines
     parts = (
-        ("search", front.tried, len(front.tried), "skins"),
-        ("chance", control.chance, len(control.chance), "skins"),
-        ("grid", control.grid, sum(len(one.proposal.options) for one in control.grid), "designs"),
+        ("search", front.trials, len(front.trials), "skins"),
+        ("chance", control.random, len(control.random), "skins"),
+        ("grid", control.grid, sum(len(one.coarse.options) for one in control.grid), "designs"),
     )
-    return ((name, count, noun, find_least(skins, front.spec.markers)) for name, skins, count, noun in parts if skins)
+    return ((name, count, noun, find_best(skins, front.spec.markers)) for name, skins, count, noun in parts if skins)
 
 
 def _control_lines(front: Front) -> Iterator[str]:
@@ -218,19 +220,19 @@ def _control_lines(front: Front) -> Iterator[str]:
         return
     yield from ("Least error of 19 of 20 units within the limits, all by the same coarse presses:", "")
     for name, count, noun, best in found:
-        skin = best.tried.proposal.skin.build().name if best else ""
+        skin = best.trial.coarse.skin.build().name if best else ""
         figures = f"{skin}, {best.option.markers.count} dots: {best.value('error'):.4f}°" if best else "none"
         yield f"* {name}, {count} {noun}: {figures}"
     yield ""
 
 
-def _best_of_each(front: Front) -> Sequence[Entry]:
-    found = ((one, one.known.best(front.spec.markers)) for one in front.tried)
-    return [Entry(one, option) for one, option in found if option is not None]
+def _best_of_each(front: Front) -> Sequence[DesignCandidate]:
+    found = ((one, one.finest.best(front.spec.markers)) for one in front.trials)
+    return [DesignCandidate(one, option) for one, option in found if option is not None]
 
 
 def _write_rows(path: Path, rows: Iterable[dict[str, Any]]) -> None:
-    with written_whole(path) as draft, draft.open("w", newline="") as file:
+    with atomic_write(path) as draft, draft.open("w", newline="") as file:
         table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
         table.writeheader()
         table.writerows(rows)

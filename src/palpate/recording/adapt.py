@@ -17,18 +17,18 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
 from palpate.learn import Estimator, read_estimator
-from palpate.recording.correspond import Correspondent
-from palpate.recording.course import CourseSpec
+from palpate.recording.correspond import MarkerMatcher
+from palpate.recording.course import TrainerSpec
 from palpate.recording.curve import PRESSES, CurvePoint
-from palpate.recording.layout import DotLayout
-from palpate.recording.lesson import Lesson
+from palpate.recording.layout import ObservedLayout
+from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import read_model
-from palpate.recording.part import DotsNetwork
-from palpate.recording.see_recording import Say, Seen
-from palpate.recording.train_part import tune_dots_network
+from palpate.recording.part import MarkerNetwork
+from palpate.recording.see_recording import PreparedRecording, Report
+from palpate.recording.train_part import fine_tune_marker_network
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
-_COURSE = CourseSpec(epochs=120, batch=16, rate=3e-4, decay=0.0, noise=0.01, tie=1e-3)
+_COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)
 _HOLD = 0.05
 """Weight of a correction's departure from none, over the number of presses that teach."""
 _DENSITY = 2.5
@@ -36,7 +36,7 @@ _DENSITY = 2.5
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class PretrainedModel:
     """What adaptation begins with.
 
     Attributes
@@ -52,12 +52,12 @@ class Start:
     """
 
     name: str
-    layout: DotLayout
-    network: DotsNetwork
+    layout: ObservedLayout
+    network: MarkerNetwork
     outputs: tuple[str, ...]
 
 
-def read_start(path: Path) -> Start:
+def read_pretrained(path: Path) -> PretrainedModel:
     """Read the model of a recording (.h5) or a network that was trained on a simulation (.onnx).
 
     Raises
@@ -68,17 +68,17 @@ def read_start(path: Path) -> Start:
     if path.suffix == ".onnx":
         return _of_simulation(path.name, read_estimator(path))
     model = read_model(path)
-    found = [part for part in model.parts.values() if isinstance(part, DotsNetwork)]
+    found = [part for part in model.parts.values() if isinstance(part, MarkerNetwork)]
     if not found or model.layout is None:
         raise PalpateError(
             f"{path.name} has no network on dots to begin with; it has {', '.join(model.parts)}.",
             "Give a model whose best estimator reads dots.",
             code="model-no-marker-network",
         )
-    return Start(path.name, model.layout, found[0], model.space.names)
+    return PretrainedModel(path.name, model.layout, found[0], model.space.names)
 
 
-def _of_simulation(name: str, found: Estimator) -> Start:
+def _of_simulation(name: str, found: Estimator) -> PretrainedModel:
     """A network of the simulation as one on displacements: it reads (rest + moved − offset) / scale."""
     scale = np.tile(np.array(found.normalisation.scale_px), len(found.rest_px))
     at_rest = found.normalisation.apply(found.rest_px).reshape(-1)
@@ -87,10 +87,12 @@ def _of_simulation(name: str, found: Estimator) -> Start:
         arrays |= {f"weight_{number}": weight, f"bias_{number}": bias}
     arrays |= {"mean": found.output_mean, "sd": found.output_sd}
     arrays |= {"relu": np.array(1)} if found.activation == "relu" else {}
-    return Start(name, DotLayout(found.rest_px), DotsNetwork("dots-network", arrays), found.space.names)
+    return PretrainedModel(
+        name, ObservedLayout(found.rest_px), MarkerNetwork("dots-network", arrays), found.space.names
+    )
 
 
-def carry_network(start: Start, seen: Seen) -> DotsNetwork:
+def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerNetwork:
     """The other network on this unit's displacements, its outputs in this recording's order.
 
     Raises
@@ -103,7 +105,7 @@ def carry_network(start: Start, seen: Seen) -> DotsNetwork:
     if any(name not in start.outputs for name in wanted):
         raise PalpateError(
             f"{start.name} estimates {', '.join(start.outputs)}, not {', '.join(wanted)}.",
-            "Choose by --learn.",
+            "Choose by --targets.",
             code="model-outputs-differ",
         )
     own, other = seen.assigned.layout.rest_px, start.layout.rest_px
@@ -115,8 +117,8 @@ def carry_network(start: Start, seen: Seen) -> DotsNetwork:
             code="rest-markers-density",
         )
     shrunk = (own - own.mean(axis=0)) / scale + other.mean(axis=0)
-    found = Correspondent(start.layout, seen.eye.shape).find(shrunk)
-    if not found.good:
+    found = MarkerMatcher(start.layout, seen.eye.shape).find(shrunk)
+    if not found.accepted:
         raise PalpateError(
             f"The dots at rest are not those of {start.name}: {found.fault} ({found.agreement:.0%} agree).",
             "Give a unit of the same make, its camera turned by less than half the angle between two dots.",
@@ -137,10 +139,10 @@ def carry_network(start: Start, seen: Seen) -> DotsNetwork:
     arrays[f"weight_{last}"] = arrays[f"weight_{last}"][:, :, order]
     arrays[f"bias_{last}"] = arrays[f"bias_{last}"][:, order]
     arrays["mean"], arrays["sd"] = arrays["mean"][order], arrays["sd"][order]
-    return DotsNetwork("carried", arrays)
+    return MarkerNetwork("carried", arrays)
 
 
-def adapt_parts(start: Start, seen: Seen, say: Say) -> dict[str, DotsNetwork]:
+def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: Report) -> dict[str, MarkerNetwork]:
     """The other network, corrected and adapted to this recording, by name.
 
     Raises
@@ -154,23 +156,25 @@ def adapt_parts(start: Start, seen: Seen, say: Say) -> dict[str, DotsNetwork]:
             "Learn without --from.",
             code="recording-markers-unassigned",
         )
-    carried = carry_network(start, seen)
-    lesson = Lesson(seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good)
+    carried = transfer_network(start, seen)
+    lesson = TrainingSet(
+        seen.moved, seen.targets, seen.split.train & seen.accepted, seen.split.validation & seen.accepted
+    )
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
     for name, part in found.items():
-        error = lesson.error(part.predict(seen.moved[lesson.judge]))
-        say(f"{name}: validation error {error:.4f} of the deviation")
+        error = lesson.error(part.predict(seen.moved[lesson.validation]))
+        report(f"{name}: validation error {error:.4f} of the deviation")
     return found
 
 
-def _correct(carried: DotsNetwork, lesson: Lesson) -> DotsNetwork:
+def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
     """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
-    given = carried.predict(lesson.inputs[lesson.teach])
+    given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
     basis = np.column_stack([given / scale, np.ones(len(given))])
     hold = _HOLD * np.eye(basis.shape[1]) * np.sqrt(len(given))
     hold[-1, -1] = 1e-6
-    left = (lesson.targets[lesson.teach] - given) / scale
+    left = (lesson.targets[lesson.train] - given) / scale
     change = np.linalg.solve(basis.T @ basis + hold, basis.T @ left)
     turn = np.eye(len(scale)) + change[:-1]
     arrays = dict(carried.arrays)
@@ -180,29 +184,29 @@ def _correct(carried: DotsNetwork, lesson: Lesson) -> DotsNetwork:
     arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
     arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
     arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + change[-1] * scale
-    return DotsNetwork(CORRECTED, arrays)
+    return MarkerNetwork(CORRECTED, arrays)
 
 
-def _adapt(carried: DotsNetwork, lesson: Lesson) -> DotsNetwork:
+def _adapt(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
     start = _correct(carried, lesson)
-    return tune_dots_network(ADAPTED, lesson, start.arrays, _COURSE)
+    return fine_tune_marker_network(ADAPTED, lesson, start.arrays, _COURSE)
 
 
-def draw_adapted_curve(start: Start, seen: Seen) -> tuple[CurvePoint, ...]:
+def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
     """Errors of the other network as it is and adapted with ever more presses, on the held-out presses."""
     if seen.assigned is None:
         return ()
-    carried = carry_network(start, seen)
-    taught = np.unique(seen.press[seen.split.teach & seen.good])
-    judge = seen.split.judge & seen.good
+    carried = transfer_network(start, seen)
+    taught = np.unique(seen.press[seen.split.train & seen.accepted])
+    judge = seen.split.test & seen.accepted
 
-    def rmse(part: DotsNetwork) -> tuple[float, ...]:
+    def rmse(part: MarkerNetwork) -> tuple[float, ...]:
         off: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
         return tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))
 
     points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = seen.split.teach & seen.good & np.isin(seen.press, taught[:count])
-        lesson = Lesson(seen.moved, seen.targets, teach, seen.split.choose & seen.good)
+        teach = seen.split.train & seen.accepted & np.isin(seen.press, taught[:count])
+        lesson = TrainingSet(seen.moved, seen.targets, teach, seen.split.validation & seen.accepted)
         points.append(CurvePoint(count, "adapted", rmse(_adapt(carried, lesson))))
     return tuple(points)

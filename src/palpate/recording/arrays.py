@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import refuse_outside_links
+from palpate.core import reject_external_links
 
 _TEXT = "text"
 
@@ -34,7 +34,7 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
         If the file refers to another one.
     """
     with h5py.File(path, "r") as file:
-        refuse_outside_links(file, path)
+        reject_external_links(file, path)
         return {
             name: np.char.decode(kept[()], "utf-8") if kept.attrs[_TEXT] else kept[()] for name, kept in file.items()
         }

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
-from palpate.recording.correspond import Correspondence, Correspondent, describe_dots
-from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
-from palpate.recording.motions import learn_motions
-from palpate.recording.sight import Sight
+from palpate.recording.correspond import Correspondence, MarkerMatcher, marker_descriptor
+from palpate.recording.layout import LEAST_DOTS, ObservedLayout, number_markers
+from palpate.recording.motions import fit_motion_prior
+from palpate.recording.sight import Detections
 
-_SAID = 500
+_REPORTED = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
 many that look alike lead to another."""
@@ -25,7 +25,7 @@ _PLAIN = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Assigned:
+class AssignedMarkers:
     """Dots of all images by number.
 
     Attributes
@@ -48,7 +48,7 @@ class Assigned:
         (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
     """
 
-    layout: DotLayout
+    layout: ObservedLayout
     reference: int
     moved_px: FloatArray
     found: BoolArray
@@ -69,7 +69,7 @@ class Assigned:
         return dict(Counter(self.faults.tolist()))
 
 
-def choose_reference(sight: Sight, count: int) -> int:
+def choose_reference(sight: Detections, count: int) -> int:
     """The image whose dots give the layout: the first at rest, else the most central one.
 
     The most central image has as many dots as most images, and looks most like the mean of where dots are.
@@ -94,14 +94,14 @@ def choose_reference(sight: Sight, count: int) -> int:
     shape = (sight.pictures.shape[1], sight.pictures.shape[2])
     most = np.max([dots.max(axis=0) for dots in sight.dots[:count] if len(dots)], axis=0)
     scale = np.array(shape[::-1]) / np.maximum(most + 1.0, 1.0)
-    seen = np.array([describe_dots(dots * scale, shape) for dots in sight.dots[:count]])
+    seen = np.array([marker_descriptor(dots * scale, shape) for dots in sight.dots[:count]])
     likeness = seen @ seen[numbers > 0].mean(axis=0)
     return int(np.argmax(np.where(numbers >= np.quantile(numbers, 0.7), likeness, -1.0)))
 
 
 def assign_images(
-    sight: Sight, reference: int, shape: tuple[int, int], smooth: bool, say: Callable[[str], None]
-) -> Assigned:
+    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, report: Callable[[str], None]
+) -> AssignedMarkers:
     """Find the correspondence of every image; images that fail are tried again when all others are known.
 
     Parameters
@@ -111,22 +111,25 @@ def assign_images(
     shape
         Height and width of the images, px.
     smooth
-        See `palpate.recording.correspond.Correspondent`.
-    say
+        See `palpate.recording.correspond.MarkerMatcher`.
+    report
         Told how far it is.
     """
-    layout = number_dots(sight.dots[reference])
-    correspondent = Correspondent(layout, shape, smooth=smooth)
+    layout = number_markers(sight.dots[reference])
+    correspondent = MarkerMatcher(layout, shape, smooth=smooth)
     if smooth:
-        _learn_motions(sight, correspondent, say)
+        _learn_motions(sight, correspondent, report)
     total = len(sight.dots)
     found: list[Correspondence] = []
     for number, dots in enumerate(sight.dots):
         found.append(correspondent.find(dots))
         correspondent.remember(dots, found[-1])
-        if (number + 1) % _SAID == 0:
-            say(f"correspondence: {number + 1} of {total} images, {sum(not one.good for one in found)} not believed")
-    return Assigned(
+        if (number + 1) % _REPORTED == 0:
+            report(
+                f"correspondence: {number + 1} of {total} images, "
+                f"{sum(not one.accepted for one in found)} not believed"
+            )
+    return AssignedMarkers(
         layout,
         reference,
         np.array([one.moved_px for one in found], np.float32),
@@ -134,11 +137,11 @@ def assign_images(
         np.array([one.agreement for one in found]),
         np.array([one.rough for one in found]),
         np.array([str(one.fault) for one in found]),
-        *correspondent.kept(),
+        *correspondent.to_arrays(),
     )
 
 
-def _learn_motions(sight: Sight, correspondent: Correspondent, say: Callable[[str], None]) -> None:
+def _learn_motions(sight: Detections, correspondent: MarkerMatcher, report: Callable[[str], None]) -> None:
     """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
     some = np.unique(np.linspace(0, len(sight.dots) - 1, min(_PILOT, len(sight.dots))).astype(int))
     some = some[[len(sight.dots[number]) >= LEAST_DOTS for number in some]]
@@ -146,16 +149,16 @@ def _learn_motions(sight: Sight, correspondent: Correspondent, say: Callable[[st
     for number in some:
         found.append(correspondent.find(sight.dots[number]))
         correspondent.remember(sight.dots[number], found[-1])
-    if np.mean([one.sure for one in found]) >= _PLAIN:
+    if np.mean([one.confident for one in found]) >= _PLAIN:
         return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
-    seen = np.array([describe_dots(sight.dots[number], correspondent.shape) for number in some])
+    seen = np.array([marker_descriptor(sight.dots[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
     for share in _TEACH:
         order = np.argsort([-one.score for one in found])
-        taught = order[: max(int(share * len(found)), sum(one.sure for one in found))]
+        taught = order[: max(int(share * len(found)), sum(one.confident for one in found))]
         if len(taught) < _LEAST_TAUGHT:
             return
-        correspondent.motions = learn_motions([found[k].moved_px for k in taught], spacing)
+        correspondent.motions = fit_motion_prior([found[k].moved_px for k in taught], spacing)
         correspondent.fields = [found[k].moved_px for k in taught]
         correspondent.seen = list(seen[taught])
         for k, number in enumerate(some):
@@ -168,4 +171,4 @@ def _learn_motions(sight: Sight, correspondent: Correspondent, say: Callable[[st
             min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
             max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
         )
-    say(f"motions of the sensor: learnt from {len(taught)} images")
+    report(f"motions of the sensor: learnt from {len(taught)} images")

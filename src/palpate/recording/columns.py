@@ -79,12 +79,12 @@ class PoseColumn:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class ColumnMapping:
     """What a person says about a table where it does not itself.
 
     Attributes
     ----------
-    learn
+    targets
         Columns that are to be estimated, ``pose_4=rx_deg`` for one whose name does not tell what it is; empty for
         rx, ry and depth where there are such, else all.
     image, press
@@ -96,7 +96,7 @@ class Choice:
         angles are learnt as they stand.
     """
 
-    learn: tuple[str, ...] = ()
+    targets: tuple[str, ...] = ()
     image: str = ""
     press: str = ""
     angles: str = ""
@@ -104,7 +104,7 @@ class Choice:
     euler: str = ""
 
 
-def find_image_column(table: RecordingTable, choice: Choice) -> str:
+def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     """Name of the column that names images, or numbers them.
 
     Raises
@@ -134,7 +134,7 @@ def find_image_column(table: RecordingTable, choice: Choice) -> str:
     )
 
 
-def find_press_column(table: RecordingTable, choice: Choice) -> str:
+def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
     """Name of the column that says to which press an image belongs; empty where there is none."""
     if choice.press:
         return _given(table, choice.press, "--press")
@@ -142,7 +142,7 @@ def find_press_column(table: RecordingTable, choice: Choice) -> str:
 
 
 def find_pose_columns(
-    table: RecordingTable, choice: Choice, taken: tuple[str, ...]
+    table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]
 ) -> tuple[tuple[PoseColumn, ...], tuple[PoseColumn, ...], tuple[str, ...]]:
     """Numbers of the pose.
 
@@ -163,8 +163,8 @@ def find_pose_columns(
     PalpateError
         If nothing is left to learn, or a column is not what it must be; the sentence names the column.
     """
-    table, asked = _rename(table, choice.learn)
-    learn = tuple(_given(table, name, "--learn") for name in asked)
+    table, asked = _rename(table, choice.targets)
+    learn = tuple(_given(table, name, "--targets") for name in asked)
     poses, left_out, doubts = [], [], []
     for name in table.columns:
         wanted = name in learn
@@ -174,7 +174,7 @@ def find_pose_columns(
         if why and wanted:
             raise PalpateError(
                 f"Column {name} cannot be learnt: {why}.",
-                "Mend it, or leave it out of --learn.",
+                "Mend it, or leave it out of --targets.",
                 code="column-not-trainable",
             )
         if why:
@@ -184,17 +184,17 @@ def find_pose_columns(
             poses.append(_with_unit(table, name, choice))
         except PalpateError as error:
             if learn and not wanted:
-                left_out.append(f"Column {name} is left out: {error.what}")
+                left_out.append(f"Column {name} is left out: {error.problem}")
             else:
                 doubts.append(error)
     if doubts:
-        raise PalpateError(" ".join(error.what for error in doubts), doubts[0].remedy, code=doubts[0].code)
+        raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
     poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:
         raise PalpateError(
             f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
-            "Give columns of numbers that vary by --learn.",
+            "Give columns of numbers that vary by --targets.",
             code="columns-none",
         )
     if learn:
@@ -206,12 +206,12 @@ def find_pose_columns(
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
     """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
     pairs = [text.partition("=") for text in learn]
-    new = {_given(table, old.strip(), "--learn"): name.strip() for old, mark, name in pairs if mark}
+    new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
     twice = [name for name in new.values() if not name or name in table.columns]
     if twice:
         raise PalpateError(
             f"A column cannot be called '{twice[0]}'.",
-            "Give another name after the = of --learn.",
+            "Give another name after the = of --targets.",
             code="column-name-reserved",
         )
     columns = {new.get(name, name): values for name, values in table.columns.items()}
@@ -289,7 +289,7 @@ def _why_not(table: RecordingTable, name: str) -> str:
     return ""
 
 
-def _with_unit(table: RecordingTable, name: str, choice: Choice) -> PoseColumn:
+def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
     matched = _UNIT.match(low)

@@ -9,11 +9,11 @@ import numpy as np
 
 from palpate.core import FloatArray, provenance
 from palpate.learn import ErrorSummary
-from palpate.recording.correspond import describe_dots
-from palpate.recording.mix import Option, choose_parts, press_quantile_of
-from palpate.recording.model import Choosing, RecordedModel
-from palpate.recording.part import ModelPart
-from palpate.recording.see_recording import Seen
+from palpate.recording.correspond import marker_descriptor
+from palpate.recording.mix import EnsembleCandidate, press_quantile_of, select_ensemble
+from palpate.recording.model import EnsembleWeights, RecordedModel
+from palpate.recording.part import EnsembleMember
+from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.spec import RecordingSpec
 
 WHOLE = "all images, by dots or by picture"
@@ -26,7 +26,7 @@ _BANK = 200
 
 
 @dataclass(frozen=True)
-class PartScore:
+class EstimatorScore:
     """Errors of one estimator on the presses held out.
 
     Attributes
@@ -37,7 +37,7 @@ class PartScore:
         One summary a component, on the images that it reads.
     share
         Share of the held-out images that it reads.
-    chosen_by
+    validation_error
         Root mean square error on the validation presses, over the range's deviations: what choice goes by.
     seconds
         Time of its training; 0 where it was found in the store.
@@ -48,36 +48,36 @@ class PartScore:
     name: str
     errors: tuple[ErrorSummary, ...]
     share: float
-    chosen_by: float
+    validation_error: float
     seconds: float
     coverage: tuple[float, ...]
 
 
-def conclude(
-    seen: Seen, spec: RecordingSpec, parts: dict[str, ModelPart], seconds: dict[str, float]
-) -> tuple[RecordedModel, tuple[PartScore, ...], str]:
+def select_model(
+    seen: PreparedRecording, spec: RecordingSpec, parts: dict[str, EnsembleMember], seconds: dict[str, float]
+) -> tuple[RecordedModel, tuple[EstimatorScore, ...], str]:
     """The model, the errors of all estimators, and the name of the best."""
     count = len(seen.targets)
     estimates = {}
     for name, part in parts.items():
-        readable = seen.good if part.reads_dots else np.ones(count, bool)
+        readable = seen.accepted if part.reads_markers else np.ones(count, bool)
         estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
-        estimates[name][readable] = part.predict((seen.moved if part.reads_dots else seen.pictures)[readable])
-    scale = seen.targets[seen.split.teach].std(axis=0)
-    options = choose_parts(
-        estimates, seen.targets, seen.split.choose, scale, {n for n, p in parts.items() if p.reads_dots}
+        estimates[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
+    scale = seen.targets[seen.split.train].std(axis=0)
+    options = select_ensemble(
+        estimates, seen.targets, seen.split.validation, scale, {n for n, p in parts.items() if p.reads_markers}
     )
     scores = []
     for option in options.ranked:
         found = option.combine(estimates)
-        calm = seen.split.choose & np.isfinite(found).all(axis=1)
+        calm = seen.split.validation & np.isfinite(found).all(axis=1)
         option.half_width = press_quantile_of(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
         score = _score(option, found, option.half_width, seen, seconds)
         scores += [score] if score is not None else []
     best, fallback = options.with_dots, options.without
 
-    def choosing(option: Any) -> Choosing | None:
-        return None if option is None else Choosing(option.parts, option.weights, option.half_width)
+    def choosing(option: Any) -> EnsembleWeights | None:
+        return None if option is None else EnsembleWeights(option.parts, option.weights, option.half_width)
 
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
@@ -93,27 +93,36 @@ def conclude(
         tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
         _about(seen, spec),
     )
-    found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.good)
-    if assigned is not None and not by_dots[seen.split.judge].all():
-        whole = Option(WHOLE, (), np.zeros(0), float("nan"))
-        width = model.without.half_width if model.without is not None else np.full(seen.targets.shape[1], np.nan)
+    found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
+    if assigned is not None and not by_dots[seen.split.test].all():
+        whole = EnsembleCandidate(WHOLE, (), np.zeros(0), float("nan"))
+        width = (
+            model.image_ensemble.half_width
+            if model.image_ensemble is not None
+            else np.full(seen.targets.shape[1], np.nan)
+        )
         widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
         score = _score(whole, found, widths, seen, {})
         scores += [score] if score is not None else []
     return model, tuple(scores), (best or fallback or options.ranked[0]).name
 
 
-def _apart(best: Option | None, fallback: Option | None, estimates: dict[str, FloatArray], seen: Seen) -> FloatArray:
+def _apart(
+    best: EnsembleCandidate | None,
+    fallback: EnsembleCandidate | None,
+    estimates: dict[str, FloatArray],
+    seen: PreparedRecording,
+) -> FloatArray:
     """How far (k,) dots and picture may be apart: what makes the error of the presses that choose least."""
     never = np.full(seen.targets.shape[1], np.inf)
     if best is None or fallback is None or best is fallback:
         return never
     by_dots, by_picture = best.combine(estimates), fallback.combine(estimates)
-    rows = seen.split.choose & seen.good & np.isfinite(by_dots).all(axis=1)
+    rows = seen.split.validation & seen.accepted & np.isfinite(by_dots).all(axis=1)
     if rows.sum() < _LEAST_APART:
         return never
     usual = np.quantile(np.abs(by_dots - by_picture)[rows], 0.9, axis=0)
-    scale = np.maximum(seen.targets[seen.split.teach].std(axis=0), 1e-12)
+    scale = np.maximum(seen.targets[seen.split.train].std(axis=0), 1e-12)
 
     def error(limit: FloatArray) -> float:
         left = (np.abs(by_dots - by_picture) > limit).any(axis=1, keepdims=True)
@@ -125,23 +134,27 @@ def _apart(best: Option | None, fallback: Option | None, estimates: dict[str, Fl
 
 
 def _score(
-    option: Option, found: FloatArray, width: FloatArray, seen: Seen, seconds: dict[str, float]
-) -> PartScore | None:
+    option: EnsembleCandidate,
+    found: FloatArray,
+    width: FloatArray,
+    seen: PreparedRecording,
+    seconds: dict[str, float],
+) -> EstimatorScore | None:
     """Errors of estimates (n, k) on the held-out presses; `None` where it reads none of them."""
     off = found - seen.targets
-    judged = seen.split.judge & np.isfinite(off).all(axis=1)
+    judged = seen.split.test & np.isfinite(off).all(axis=1)
     if not judged.any():
         return None
     errors = tuple(ErrorSummary.of(off[judged, k]) for k in range(off.shape[1]))
     inside = np.abs(off[judged]) <= (width[judged] if width.ndim == 2 else width)
-    share = float(judged.sum() / max(seen.split.judge.sum(), 1))
+    share = float(judged.sum() / max(seen.split.test.sum(), 1))
     coverage = tuple(float(x) for x in inside.mean(axis=0))
-    return PartScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
+    return EstimatorScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
 
 
-def _bank(seen: Seen) -> tuple[FloatArray, FloatArray]:
+def _bank(seen: PreparedRecording) -> tuple[FloatArray, FloatArray]:
     """Displacements of images far from each other, and what they look like: guesses for other images."""
-    sure = np.flatnonzero(seen.good & seen.split.teach)
+    sure = np.flatnonzero(seen.accepted & seen.split.train)
     features = seen.moved[sure].reshape(len(sure), -1)
     chosen = [0]
     near = np.full(len(sure), np.inf)
@@ -149,24 +162,24 @@ def _bank(seen: Seen) -> tuple[FloatArray, FloatArray]:
         near = np.minimum(near, ((features - features[chosen[-1]]) ** 2).sum(axis=1))
         chosen.append(int(np.argmax(near)))
     rows = sure[chosen]
-    dots = [describe_dots(seen.sight.dots[seen.rows[row]], seen.eye.shape) for row in rows]
+    dots = [marker_descriptor(seen.sight.dots[seen.rows[row]], seen.eye.shape) for row in rows]
     return seen.moved[rows], np.array(dots)
 
 
-def _about(seen: Seen, spec: RecordingSpec) -> dict[str, Any]:
+def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
     return {
         "recording": seen.recording.name,
         "images": len(seen.rows),
         "presses": len(np.unique(seen.press)),
-        "teach": int(seen.split.teach.sum()),
-        "choose": int(seen.split.choose.sum()),
-        "judge": int(seen.split.judge.sum()),
+        "train": int(seen.split.train.sum()),
+        "validation": int(seen.split.validation.sum()),
+        "test": int(seen.split.test.sum()),
         "range": [seen.targets.min(axis=0).tolist(), seen.targets.max(axis=0).tolist()],
         "spec": spec.model_dump(mode="json"),
         "made_by": provenance(),
     }
 
 
-def estimate_all(model: RecordedModel, seen: Seen) -> FloatArray:
+def estimate_all(model: RecordedModel, seen: PreparedRecording) -> FloatArray:
     """Estimates (n, k) of the model for all images that are used; NaN where it has none."""
-    return model.estimate_all(seen.moved, seen.pictures, seen.good)[0]
+    return model.estimate_all(seen.moved, seen.pictures, seen.accepted)[0]

@@ -20,9 +20,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.recording.grow import find_tears, grow
-from palpate.recording.layout import DotLayout
-from palpate.recording.motions import Motions
+from palpate.recording.grow import assignment_residuals, grow_assignment
+from palpate.recording.layout import ObservedLayout
+from palpate.recording.motions import MotionPrior
 
 GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""
@@ -37,7 +37,7 @@ _CALM, _ROUGH = 0.035, 0.06
 """Root mean square distance from the smooth field, over the spacing: up to which one is sure, and at most."""
 _STEP, _TORN = 0.45, 0.16
 """Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
-_OFF = 0.2
+_MAX_RESIDUAL = 0.2
 """Distance from where its neighbours say, over theirs, from which a dot is none of the layout's."""
 _LESS = 0.08
 """How much less than in images that are sure may agree in one that is believed."""
@@ -46,7 +46,7 @@ _REACH = 4.5
 _STARTS, _ALIKE, _KEPT = 5, 4, 400
 
 
-class Fault(StrEnum):
+class MatchFault(StrEnum):
     """Why a correspondence is not believed."""
 
     NONE = ""
@@ -72,8 +72,8 @@ class Correspondence:
     rough
         Root mean square distance from the smooth field, over the spacing.
     fault
-        Why it is not believed; `Fault.NONE` for one that is.
-    sure
+        Why it is not believed; `MatchFault.NONE` for one that is.
+    confident
         Whether no other need be looked for.
     """
 
@@ -81,13 +81,13 @@ class Correspondence:
     found: BoolArray
     agreement: float
     rough: float
-    fault: Fault = Fault.NONE
-    sure: bool = False
+    fault: MatchFault = MatchFault.NONE
+    confident: bool = False
 
     @property
-    def good(self) -> bool:
+    def accepted(self) -> bool:
         """Whether it is believed."""
-        return self.fault is Fault.NONE
+        return self.fault is MatchFault.NONE
 
     @property
     def score(self) -> float:
@@ -95,7 +95,7 @@ class Correspondence:
         return self.agreement - 2.0 * self.rough
 
 
-def describe_dots(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
+def marker_descriptor(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
     """Where dots are (GRID²,), smoothed and of length one: images that are alike have it alike."""
     cells = np.zeros((GRID + 1, GRID + 1))
     if len(dots_px):
@@ -114,7 +114,7 @@ def describe_dots(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
 
 
 @dataclass(eq=False)
-class Correspondent:
+class MarkerMatcher:
     """Finds correspondences, and remembers images that it is sure of as guesses for others.
 
     Attributes
@@ -133,23 +133,23 @@ class Correspondent:
         Agreement and roughness from which an image is sure; an image is believed somewhat beyond.
     """
 
-    layout: DotLayout
+    layout: ObservedLayout
     shape: tuple[int, int]
     seen: list[FloatArray] = field(default_factory=list)
     fields: list[FloatArray] = field(default_factory=list)
     smooth: bool = True
-    motions: Motions | None = None
+    motions: MotionPrior | None = None
     usual: tuple[float, float] = (_SURE, _CALM)
 
-    def kept(self) -> tuple[FloatArray, FloatArray]:
+    def to_arrays(self) -> tuple[FloatArray, FloatArray]:
         """Motions (1 + k, 2m), empty where there are none, and (3,) what is usual and their noise, for a file."""
         known = self.motions
         motion = np.zeros((0, 0)) if known is None else np.vstack([known.mean, known.directions.T])
         return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
 
-    def knowing(self, motion: FloatArray, usual: FloatArray) -> Correspondent:
-        """This, with what `kept` gave."""
-        known = Motions(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
+    def with_arrays(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
+        """This, with what `to_arrays` gave."""
+        known = MotionPrior(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
         return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
     def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
@@ -166,32 +166,32 @@ class Correspondent:
             return self._nearest(dots_px)
         count = len(self.layout)
         if len(dots_px) < 0.4 * count:
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
         tried: list[Correspondence] = []
         for guess in (*guesses, *self._alike(dots_px)):
             tried.append(self.refine(dots_px, guess))
-            if tried[-1].sure:
+            if tried[-1].confident:
                 return tried[-1]
-        if self.motions is not None and any(one.good for one in tried):
+        if self.motions is not None and any(one.accepted for one in tried):
             return self._choose(tried)
         for match in self._grown(dots_px):
             smooth, _ = self._field(dots_px, match)
-            tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
+            tried.append(self._evaluate(dots_px, *self._mend(dots_px, match, smooth)))
             tried.append(self.refine(dots_px, smooth))
-            if max(tried[-2:], key=lambda one: one.score).sure:
+            if max(tried[-2:], key=lambda one: one.score).confident:
                 break
         return self._choose(tried)
 
     def remember(self, dots_px: FloatArray, found: Correspondence) -> None:
         """Keep a sure image as a guess for others, as long as there is room."""
-        if found.sure and len(self.seen) < _KEPT:
-            self.seen.append(describe_dots(dots_px, self.shape))
+        if found.confident and len(self.seen) < _KEPT:
+            self.seen.append(marker_descriptor(dots_px, self.shape))
             self.fields.append(found.moved_px)
 
     def _alike(self, dots_px: FloatArray) -> list[FloatArray]:
         guesses = [np.zeros((len(self.layout), 2))]
         if self.seen:
-            alike = np.array(self.seen) @ describe_dots(dots_px, self.shape)
+            alike = np.array(self.seen) @ marker_descriptor(dots_px, self.shape)
             guesses = [self.fields[k] for k in np.argsort(-alike)[:_ALIKE]]
         return guesses
 
@@ -211,7 +211,7 @@ class Correspondent:
             reach = _REACH * layout.spacing_px[start]
             for other in tree.query_ball_point(layout.rest_px[start], reach):
                 seed = np.where(np.arange(len(layout)) == start, other, -1)
-                match = grow(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
+                match = grow_assignment(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
                 key = match.tobytes()
                 size = int((match >= 0).sum())
                 if key not in grown and size >= 0.3 * len(layout):
@@ -251,14 +251,14 @@ class Correspondent:
         else:
             match = _mutual(layout.rest_px + smooth, dots_px, tree, _NEAR)
         if self.motions is not None:
-            return self._judge(dots_px, match, smooth)
-        return self._judge(dots_px, *self._mend(dots_px, match, smooth))
+            return self._evaluate(dots_px, match, smooth)
+        return self._evaluate(dots_px, *self._mend(dots_px, match, smooth))
 
     def _mend(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> tuple[IntArray, FloatArray]:
         """The assignment without dots about which it is torn, grown again from what is whole."""
         layout = self.layout
         for _ in range(3):
-            torn = find_tears(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
+            torn = assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
             if not torn.any():
                 break
             beside = layout.neighbours[torn]
@@ -266,46 +266,48 @@ class Correspondent:
             kept = np.where(torn, -1, match)
             if (kept >= 0).sum() < 0.3 * len(layout):
                 break
-            match = grow(layout.rest_px, layout.neighbours, dots_px, _largest(kept, layout.neighbours), _STEP)
+            match = grow_assignment(
+                layout.rest_px, layout.neighbours, dots_px, _largest(kept, layout.neighbours), _STEP
+            )
             smooth, _ = self._field(dots_px, match)
         return match, smooth
 
-    def _judge(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> Correspondence:
+    def _evaluate(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> Correspondence:
         layout, there = self.layout, match >= 0
         moved = smooth.copy()
         moved[there] = dots_px[match[there]] - layout.rest_px[there]
         # two dots that are seen as one are neither of them
         if self.motions is None:
-            there &= find_tears(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
+            there &= assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) < _MAX_RESIDUAL
         off = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
         if self.motions is not None:  # it knows better than the neighbours where a dot must be
-            there &= off < _OFF
+            there &= off < _MAX_RESIDUAL
         moved[~there] = smooth[~there]
         rough = float(np.sqrt(np.mean(off[there] ** 2))) if there.any() else np.inf
         agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))
         least = min(_BELIEVED, self.usual[0] - _LESS)
-        fault = Fault.LEFT_OVER if agreement < least else Fault.ROUGH if rough > _ROUGH else Fault.NONE
-        sure = fault is Fault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
+        fault = MatchFault.LEFT_OVER if agreement < least else MatchFault.ROUGH if rough > _ROUGH else MatchFault.NONE
+        sure = fault is MatchFault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
         return Correspondence(moved, there, agreement, rough, fault, sure)
 
     def _choose(self, tried: list[Correspondence]) -> Correspondence:
-        best = max(tried, key=lambda one: (one.good, one.score))
-        if not best.good:
+        best = max(tried, key=lambda one: (one.accepted, one.score))
+        if not best.accepted:
             return best
         spacing = float(np.median(self.layout.spacing_px))
         others = [
             one.score
             for one in tried
-            if one.good and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
+            if one.accepted and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
         ]
         if others and max(others) > best.score - _APART:
-            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, Fault.AMBIGUOUS)
+            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, MatchFault.AMBIGUOUS)
         return best
 
     def _nearest(self, dots_px: FloatArray) -> Correspondence:
         if not len(dots_px):
             count = len(self.layout)
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
         match = cKDTree(dots_px).query(self.layout.rest_px)[1]
         moved = dots_px[match] - self.layout.rest_px
         return Correspondence(moved, np.ones(len(match), bool), 1.0, 0.0)

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import load_extra, written_whole
-from palpate.recording.lesson import Lesson
+from palpate.core import atomic_write, load_extra
+from palpate.recording.lesson import TrainingSet
 
 _WARM_UP = 200
 _BETWEEN_S = 5.0
@@ -39,12 +39,12 @@ def _has_short_floats(torch: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class CourseSpec:
+class TrainerSpec:
     """How a network is trained.
 
     Attributes
     ----------
-    epochs, batch, rate, decay
+    epochs, batch, learning_rate, weight_decay
         Passes, images of a batch, learning rate of AdamW (cosine, after a short rise), weight decay.
     noise
         Standard deviation of noise on the inputs while training.
@@ -52,72 +52,74 @@ class CourseSpec:
         Mean and spread by which pictures of 8 bit, over 255, are normalised; `None` for inputs that are.
     shift
         Most px by which pictures are shifted at random while training: one shift a batch.
-    rise
+    warm_up_share
         Share of the training in which the rate rises; 0 for a short rise.
-    tie
+    anchor_weight
         Pull of the weights towards where they began.
     threads
         Cores that it may use.
-    vary
+    augment
         Draws inputs and targets of a batch from its rows, the share of the training that is over, and a generator;
         `None` takes them as they are.
     """
 
     epochs: int
     batch: int = 32
-    rate: float = 2e-3
-    decay: float = 2e-2
+    learning_rate: float = 2e-3
+    weight_decay: float = 2e-2
     noise: float = 0.0
     grey: tuple[float, float] | None = None
     shift: int = 0
-    rise: float = 0.0
-    tie: float = 0.0
+    warm_up_share: float = 0.0
+    anchor_weight: float = 0.0
     threads: int = 1
-    vary: Callable[[Any, float, Any], tuple[Any, Any]] | None = None
+    augment: Callable[[Any, float, Any], tuple[Any, Any]] | None = None
 
 
-class Course:
+class Trainer:
     """The loop over epochs of one network, on standardised targets; `random` draws batches, noise and shifts."""
 
-    def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec, random: Any) -> None:
+    def __init__(
+        self, net: Any, lesson: TrainingSet, inputs: Any, targets: Any, spec: TrainerSpec, random: Any
+    ) -> None:
         self.torch, self.random = load_torch(), random
         self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
         self.short = spec.grey is not None and _has_short_floats(self.torch)
         if spec.grey is not None:
             net.to(memory_format=self.torch.channels_last)
-        self.teach = self.torch.as_tensor(np.flatnonzero(lesson.teach))
-        self.judge = self.torch.as_tensor(np.flatnonzero(lesson.judge))
-        self.optimiser = self.torch.optim.AdamW(net.parameters(), spec.rate, weight_decay=spec.decay)
-        self.begin = [value.detach().clone() for value in net.parameters()] if spec.tie else []
+        self.train_rows = self.torch.as_tensor(np.flatnonzero(lesson.train))
+        self.validation_rows = self.torch.as_tensor(np.flatnonzero(lesson.validation))
+        self.optimiser = self.torch.optim.AdamW(net.parameters(), spec.learning_rate, weight_decay=spec.weight_decay)
+        self.begin = [value.detach().clone() for value in net.parameters()] if spec.anchor_weight else []
         self.best, self.state, self.epoch = math.inf, dict[str, Any](), 0
 
-    def run(self, kept: Path | None = None, say: Callable[[str], None] | None = None) -> dict[str, Any]:
+    def run(self, checkpoint: Path | None = None, report: Callable[[str], None] | None = None) -> dict[str, Any]:
         """Train to the end; what the best epoch knew.
 
         Parameters
         ----------
-        kept
+        checkpoint
             File that holds what is known now and then; `None` keeps nothing.
-        say
+        report
             Told after each epoch.
         """
         threads, saved = self.torch.get_num_threads(), time.monotonic()
         self.torch.set_num_threads(self.spec.threads)
         try:
-            if kept is not None and kept.is_file():
-                self._go_on(kept)
+            if checkpoint is not None and checkpoint.is_file():
+                self._go_on(checkpoint)
             while self.epoch < self.spec.epochs:
                 self._train()
-                error = self._judge()
+                error = self._validate()
                 self.epoch += 1
                 if error < self.best or not self.state:
                     self.best = error
                     self.state = {key: value.detach().clone() for key, value in self.net.state_dict().items()}
-                if kept is not None and time.monotonic() - saved > _BETWEEN_S:
-                    self._keep(kept)
+                if checkpoint is not None and time.monotonic() - saved > _BETWEEN_S:
+                    self._keep(checkpoint)
                     saved = time.monotonic()
-                if say is not None:
-                    say(f"epoch {self.epoch} of {self.spec.epochs}, validation error {error:.4f} of the deviation")
+                if report is not None:
+                    report(f"epoch {self.epoch} of {self.spec.epochs}, validation error {error:.4f} of the deviation")
         finally:
             self.torch.set_num_threads(threads)
         return self.state
@@ -129,23 +131,23 @@ class Course:
         return ((inputs.float() / 255.0 - grey[0]) / grey[1]).contiguous(memory_format=self.torch.channels_last)
 
     def _rate(self, step: int, steps: int) -> float:
-        rise = self.spec.rise * steps
+        rise = self.spec.warm_up_share * steps
         if step < rise:
-            return self.spec.rate * step / rise
+            return self.spec.learning_rate * step / rise
         fall = 0.5 * (1.0 + math.cos(math.pi * (step - rise) / (steps - rise)))
-        return self.spec.rate * fall * (1.0 if rise else min(1.0, step / min(_WARM_UP, 0.2 * steps + 1)))
+        return self.spec.learning_rate * fall * (1.0 if rise else min(1.0, step / min(_WARM_UP, 0.2 * steps + 1)))
 
     def _shifted(self, inputs: Any) -> Any:
         most, grey = self.spec.shift, self.spec.grey
         if not most or grey is None:
             return inputs
         height, width = inputs.shape[-2:]
-        padded = self.torch.nn.functional.pad(inputs, (most,) * 4, value=-grey[0] / grey[1])
+        padded = self.torch.nn.functional.print_shift(inputs, (most,) * 4, value=-grey[0] / grey[1])
         down, right = self.torch.randint(0, 2 * most + 1, (2,), generator=self.random).tolist()
         return padded[..., down : down + height, right : right + width]
 
     def _draw(self, rows: Any, over: float) -> tuple[Any, Any]:
-        vary = self.spec.vary
+        vary = self.spec.augment
         inputs, targets = (self.inputs[rows], self.targets[rows]) if vary is None else vary(rows, over, self.random)
         return self._shifted(self._normal(inputs)), targets
 
@@ -155,7 +157,7 @@ class Course:
 
     def _train(self) -> None:
         self.net.train()
-        order = self.teach[self.torch.randperm(len(self.teach), generator=self.random)]
+        order = self.train_rows[self.torch.randperm(len(self.train_rows), generator=self.random)]
         batches = [rows for rows in order.split(self.spec.batch) if len(rows) > 1]
         steps = max(self.spec.epochs * len(batches), 1)
         for number, rows in enumerate(batches):
@@ -169,21 +171,21 @@ class Course:
                 found = self.net(inputs).float()
             loss = ((found - targets) ** 2).mean()
             for now, before in zip(self.net.parameters(), self.begin, strict=False):
-                loss = loss + self.spec.tie * ((now - before) ** 2).sum()
+                loss = loss + self.spec.anchor_weight * ((now - before) ** 2).sum()
             loss.backward()
             self.optimiser.step()
 
-    def _judge(self) -> float:
+    def _validate(self) -> float:
         self.net.eval()
         with self.torch.no_grad():
             squares = [
                 ((self.net(self._normal(self.inputs[rows])) - self.targets[rows]) ** 2).mean(dim=1)
-                for rows in self.judge.split(64)
+                for rows in self.validation_rows.split(64)
             ]
         return float(self.torch.cat(squares).mean().sqrt())
 
     def _keep(self, path: Path) -> None:
-        with written_whole(path) as draft:
+        with atomic_write(path) as draft:
             self.torch.save(
                 {
                     "net": self.net.state_dict(),

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.recording.course import CourseSpec
-from palpate.recording.lesson import Lesson, fit_ridge_part
-from palpate.recording.part import ModelPart
+from palpate.recording.course import TrainerSpec
+from palpate.recording.lesson import TrainingSet, fit_ridge_part
+from palpate.recording.part import EnsembleMember
 from palpate.recording.split import PressSplit
-from palpate.recording.train_part import train_dots_network
+from palpate.recording.train_part import train_marker_network
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of presses that are tried, as far as there are so many."""
@@ -39,7 +39,7 @@ class CurvePoint:
     rmse: tuple[float, ...]
 
 
-def draw_learning_curve(
+def compute_learning_curve(
     moved: FloatArray,
     pictures: NDArray[np.uint8],
     good: BoolArray,
@@ -50,25 +50,25 @@ def draw_learning_curve(
     """Errors of the quickest good estimator after ever more presses; judged on the same held-out presses."""
     dots = bool(good.sum() > 0.5 * len(good))
     rows = good if dots else np.ones(len(targets), bool)
-    taught = np.unique(press[split.teach & rows])
+    taught = np.unique(press[split.train & rows])
     points = []
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = split.teach & rows & np.isin(press, taught[:count])
-        lesson = Lesson(moved if dots else pictures, targets, teach, split.choose & rows)
-        tries: list[tuple[str, ModelPart]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
+        teach = split.train & rows & np.isin(press, taught[:count])
+        lesson = TrainingSet(moved if dots else pictures, targets, teach, split.validation & rows)
+        tries: list[tuple[str, EnsembleMember]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
         if dots and count >= 30:
             with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
-                course = CourseSpec(_EPOCHS, noise=0.01)
-                tries.append(("network", train_dots_network("network", lesson, course, members=1)))
+                course = TrainerSpec(_EPOCHS, noise=0.01)
+                tries.append(("network", train_marker_network("network", lesson, course, members=1)))
         inputs = lesson.inputs
-        name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.judge])))
-        judge = split.judge & rows
+        name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.validation])))
+        judge = split.test & rows
         off = part.predict(inputs[judge]) - targets[judge]
         points.append(CurvePoint(count, name, tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))))
     return tuple(points)
 
 
-def say_enough(points: Sequence[CurvePoint]) -> str:
+def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
     """What twice as many presses would bring, by the law of the last two points; empty for fewer than two."""
     if len(points) < 2:
         return ""

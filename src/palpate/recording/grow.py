@@ -14,7 +14,7 @@ from palpate.core import FloatArray, IntArray, kernel
 
 
 @kernel
-def grow(
+def grow_assignment(
     rest: FloatArray,
     near: IntArray,
     dots: FloatArray,
@@ -79,7 +79,7 @@ def grow(
 
 
 @kernel
-def find_tears(rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray) -> FloatArray:
+def assignment_residuals(rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray) -> FloatArray:
     """How far (m,) assigned dots are from where the local maps of their neighbours say, over the distance to them.
 
     0 where a dot or all of its neighbours have no assignment. For the arguments see `grow`.

@@ -107,7 +107,7 @@ class ArrayImages(ImageSet):
 
 
 @final
-class ChosenImages(ImageSet):
+class SelectedImages(ImageSet):
     """Some images of a set, in rising order of the set."""
 
     def __init__(self, images: ImageSet, rows: Sequence[int]) -> None:
@@ -121,7 +121,7 @@ class ChosenImages(ImageSet):
 
 
 @final
-class BesideImages(ImageSet):
+class ConcatenatedImages(ImageSet):
     """The first `count` images of a set, and those of another after them."""
 
     def __init__(self, images: ImageSet, count: int, last: ImageSet) -> None:

@@ -26,7 +26,7 @@ _ENDS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class DotLayout:
+class ObservedLayout:
     """Dots at rest.
 
     Attributes
@@ -65,7 +65,7 @@ class DotLayout:
         return vectors[:, :kept] * np.sqrt(count), np.maximum(values[:kept] / max(values[-1], 1e-9), 0.0)
 
 
-def number_dots(positions_px: FloatArray) -> DotLayout:
+def number_markers(positions_px: FloatArray) -> ObservedLayout:
     """Number the dots of an image at rest.
 
     Parameters
@@ -89,7 +89,7 @@ def number_dots(positions_px: FloatArray) -> DotLayout:
     apart = positions_px - middle
     ring = np.rint(np.linalg.norm(apart, axis=1) / spacing)
     angle = np.round(np.arctan2(apart[:, 1], apart[:, 0]), 6)
-    layout = DotLayout(np.ascontiguousarray(positions_px[np.lexsort((angle, ring))], dtype=float))
+    layout = ObservedLayout(np.ascontiguousarray(positions_px[np.lexsort((angle, ring))], dtype=float))
     if not (layout.neighbours >= 0).any(axis=1).all():
         raise PalpateError(
             "The dots at rest lie on a line, or some of them have no neighbour.",

@@ -11,19 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError
-from palpate.recording.adapt import Start, adapt_parts, draw_adapted_curve
+from palpate.recording.adapt import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.recording.columns import PoseColumn
-from palpate.recording.conclude import WHOLE, PartScore, conclude, estimate_all
-from palpate.recording.curve import CurvePoint, draw_learning_curve
-from palpate.recording.lesson import Lesson, Turning
-from palpate.recording.make_parts import TURNED, PartJob, make_parts
+from palpate.recording.conclude import WHOLE, EstimatorScore, estimate_all, select_model
+from palpate.recording.curve import CurvePoint, compute_learning_curve
+from palpate.recording.lesson import RotationAugmentation, TrainingSet
+from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
 from palpate.recording.model import RecordedModel
-from palpate.recording.part import ModelPart
+from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
-from palpate.recording.see_recording import Say, Seen, see_recording
+from palpate.recording.see_recording import PreparedRecording, Report, prepare_recording
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.split import find_shift
-from palpate.recording.turns import MOST_DOTS, find_sense, pattern_order
+from palpate.recording.split import find_row_offset
+from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
 
 _ALIKE = ("rx", "ry"), ("depth", "rz", "force")
 """Axes that turn with the sensor, and those that stay what they are."""
@@ -34,7 +34,7 @@ _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 
 
 @dataclass(frozen=True, eq=False)
-class Learnt:
+class RecordingResult:
     """What a recording gave.
 
     Attributes
@@ -55,23 +55,23 @@ class Learnt:
         Time until the first errors were known, and altogether.
     """
 
-    seen: Seen
+    seen: PreparedRecording
     model: RecordedModel
-    scores: tuple[PartScore, ...]
+    scores: tuple[EstimatorScore, ...]
     best: str
     estimates: FloatArray
     curve: tuple[CurvePoint, ...] = ()
     seconds: tuple[float, float] = (0.0, 0.0)
 
 
-def learn_recording(
+def train_on_recording(
     recording: Recording,
     spec: RecordingSpec,
     store: ArtefactStore,
-    say: Say,
-    start: Start | None = None,
-    first: Learnt | None = None,
-) -> Learnt:
+    report: Report,
+    start: PretrainedModel | None = None,
+    first: RecordingResult | None = None,
+) -> RecordingResult:
     """Learn from a recording.
 
     Parameters
@@ -80,7 +80,7 @@ def learn_recording(
         What is learnt from, and how.
     store
         Where stages are kept.
-    say
+    report
         Told how far it is.
     start
         A model to begin with: of another unit, or of a simulation.
@@ -93,55 +93,55 @@ def learn_recording(
         If images and poses do not belong together, or too little is left to learn from.
     """
     begin = time.monotonic()
-    seen = see_recording(recording, spec, store, say)
-    parts: dict[str, ModelPart] = {}
+    seen = prepare_recording(recording, spec, store, report)
+    parts: dict[str, EnsembleMember] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     early = 0.0 if first is None else first.seconds[0]
     names, asked = _plan(seen, spec), seen.targets.shape[1]
-    jobs = [PartJob(name, lesson_of(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
-    for part, spent in make_parts(jobs, spec.threads, store, say):
+    jobs = [TrainingJob(name, make_training_set(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
+    for part, spent in train_members(jobs, spec.threads, store, report):
         name, parts[part.name] = part.name, part
         seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
-            _say_errors(name, parts[name], seen, say)
+            _report_errors(name, parts[name], seen, report)
         if first is None and "picture-network" not in name:
             early = time.monotonic() - begin
     parts = {name: parts[name] for name in names}
     if start is not None:
-        parts |= adapt_parts(start, seen, say)
-    model, scores, best = conclude(seen, spec, parts, seconds)
+        parts |= fine_tune_members(start, seen, report)
+    model, scores, best = select_model(seen, spec, parts, seconds)
     _refuse_strangers(seen, scores)
     if first is None:
-        curve = draw_learning_curve(seen.moved, seen.pictures, seen.good, seen.targets, seen.press, seen.split)
-        curve += draw_adapted_curve(start, seen) if start is not None else ()
+        curve = compute_learning_curve(seen.moved, seen.pictures, seen.accepted, seen.targets, seen.press, seen.split)
+        curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
     whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
-    return Learnt(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
+    return RecordingResult(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
 
 
-def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
+def _plan(seen: PreparedRecording, spec: RecordingSpec) -> list[str]:
     names = [] if spec.estimators == "dots" else ["picture-ridge"]
     if seen.assigned is not None:
         names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
-        names += [f"dots-network{TURNED}"] if spec.estimators != "ridge" and _turning(seen) else []
+        names += [f"dots-network{ROTATED}"] if spec.estimators != "ridge" and _turning(seen) else []
     if spec.estimators in ("all", "picture"):
         names += ["picture-network"]
         turning = _turning(seen)
         if turning is not None and pattern_order(turning.places_px) > 1:
-            names += [f"picture-network{TURNED}"]
+            names += [f"picture-network{ROTATED}"]
         if seen.recording.others:
             names += ["picture-network-all"]
     return names or ["picture-ridge"]
 
 
-def _turning(seen: Seen) -> Turning | None:
+def _turning(seen: PreparedRecording) -> RotationAugmentation | None:
     """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might.
 
     Without an image at rest the layout is that of some press, which leans: dots are then told from where they are in
     the mean of all.
     """
-    axes, good = tuple(one.axis for one in seen.recording.poses), seen.good & seen.split.teach
+    axes, good = tuple(one.axis for one in seen.recording.poses), seen.accepted & seen.split.train
     layout = seen.assigned.layout if seen.assigned is not None else None
     if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
         return None
@@ -149,16 +149,16 @@ def _turning(seen: Seen) -> Turning | None:
         return None
     at_rest = seen.assigned is not None and seen.assigned.reference >= len(seen.recording)
     base = np.zeros_like(layout.rest_px) if at_rest else seen.moved[good].mean(axis=0)
-    sense = find_sense(layout.rest_px + base, seen.moved[good] - base, seen.targets[good, :2])
-    return Turning(layout.rest_px + base, base, sense) if sense else None
+    sense = find_rotation_sense(layout.rest_px + base, seen.moved[good] - base, seen.targets[good, :2])
+    return RotationAugmentation(layout.rest_px + base, base, sense) if sense else None
 
 
-def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
+def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -> TrainingSet:
     """What a part learns from: dots only where they are believed, and all motions where its name says so."""
-    turning = _turning(seen) if name.endswith(TURNED) else None
+    turning = _turning(seen) if name.endswith(ROTATED) else None
     if name.startswith("dots"):
-        teach, judge = seen.split.teach & seen.good, seen.split.choose & seen.good
-        return Lesson(seen.moved, seen.targets, teach, judge, spec.seed, turning)
+        teach, judge = seen.split.train & seen.accepted, seen.split.validation & seen.accepted
+        return TrainingSet(seen.moved, seen.targets, teach, judge, spec.seed, turning)
     targets = seen.targets
     if name.endswith("-all"):
         others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
@@ -166,31 +166,33 @@ def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
     if turning is not None:  # in px of the small pictures
         scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
         turning = turning._replace(places_px=(turning.places_px + 0.5) * scale - 0.5)
-    return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed, turning)
+    return TrainingSet(seen.pictures, targets, seen.split.train, seen.split.validation, spec.seed, turning)
 
 
-def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:
-    use = seen.split.judge & (seen.good if part.reads_dots else True)
-    off = part.predict((seen.moved if part.reads_dots else seen.pictures)[use]) - seen.targets[use]
+def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, report: Report) -> None:
+    use = seen.split.test & (seen.accepted if part.reads_markers else True)
+    off = part.predict((seen.moved if part.reads_markers else seen.pictures)[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))
-    say(f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True)))
+    report(
+        f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True))
+    )
 
 
 def _figure(error: float, one: PoseColumn) -> str:
     return f"{one.axis} {error:.3g}{'°' if one.unit == 'deg' else '' if one.unit == '1' else ' ' + one.unit}"
 
 
-def _refuse_strangers(seen: Seen, scores: tuple[PartScore, ...]) -> None:
+def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...]) -> None:
     """Refuse images from which poses cannot be told better than by their mean."""
-    judged = seen.split.judge
-    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.teach].mean(axis=0)) ** 2, axis=0))
+    judged = seen.split.test
+    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
     ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
     ratio = ratio / np.maximum(sd, 1e-12)
     best = ratio.mean(axis=1).argmin()
     features = seen.pictures[:, ::4, ::4].reshape(len(seen.pictures), -1).astype(float)
     if not (ratio[best] > _NO_BETTER).all() and ratio[best].mean() < _DOUBTFUL:
         return
-    shift = find_shift(features, seen.targets, seen.split.teach)
+    shift = find_row_offset(features, seen.targets, seen.split.train)
     if shift:
         raise PalpateError(
             f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",

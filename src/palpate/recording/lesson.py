@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray
-from palpate.recording.part import LinearPart, flat_features
+from palpate.recording.part import RidgeMember, flat_features
 
 PENALTIES = tuple(10.0**k for k in range(-4, 4))
 """Ridge penalties that are tried, over the mean square of a feature and the number of images."""
@@ -18,7 +18,7 @@ SIDES = (16, 24, 32)
 """Sizes to which pictures are shrunk for ridge, px."""
 
 
-class Turning(NamedTuple):
+class RotationAugmentation(NamedTuple):
     """How poses turn with images about the middle of the dots (`palpate.recording.turns`).
 
     Attributes
@@ -37,7 +37,7 @@ class Turning(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Lesson:
+class TrainingSet:
     """What a part learns from.
 
     Attributes
@@ -46,55 +46,55 @@ class Lesson:
         (n, m, 2) displacements or (n, h, w) pictures.
     targets
         (n, k) poses; of networks that learn all motions, those asked for come first.
-    teach, judge
+    train, validation
         (n,) images to learn from, and to choose by.
     seed
         Seed of weights and batches.
-    turning
+    rotation
         How turned images teach as well; `None` where they do not.
     """
 
     inputs: NDArray[Any]
     targets: FloatArray
-    teach: BoolArray
-    judge: BoolArray
+    train: BoolArray
+    validation: BoolArray
     seed: int = 0
-    turning: Turning | None = None
+    rotation: RotationAugmentation | None = None
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
         """Mean and standard deviation (k,) of the targets that teach; of two that turn, none and one of both."""
-        mean, sd = self.targets[self.teach].mean(axis=0), self.targets[self.teach].std(axis=0)
-        if self.turning is not None:
+        mean, sd = self.targets[self.train].mean(axis=0), self.targets[self.train].std(axis=0)
+        if self.rotation is not None:
             mean[:2], sd[:2] = 0.0, sd[:2].mean()
         return mean, np.where(sd > 1e-9, sd, 1.0)
 
     def error(self, estimates: FloatArray) -> float:
         """Root mean square error of the images that judge, over the targets' standard deviations."""
-        return float(np.sqrt(np.mean(((estimates - self.targets[self.judge]) / self.scale[1]) ** 2)))
+        return float(np.sqrt(np.mean(((estimates - self.targets[self.validation]) / self.scale[1]) ** 2)))
 
 
-def fit_ridge_part(name: str, lesson: Lesson, pictures: bool) -> LinearPart:
+def fit_ridge_part(name: str, lesson: TrainingSet, pictures: bool) -> RidgeMember:
     """Ridge regression with the penalty, and the size of pictures, that judge best."""
     best: dict[str, NDArray[Any]] = {}
     least = math.inf
     for side in SIDES if pictures else (None,):
         features = flat_features(lesson.inputs, side)
-        for weight, bias in _ridges(features[lesson.teach], lesson):
-            error = lesson.error(features[lesson.judge] @ weight + bias)
+        for weight, bias in _ridges(features[lesson.train], lesson):
+            error = lesson.error(features[lesson.validation] @ weight + bias)
             if error < least:
                 least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
                 best |= {} if side is None else {"side": np.array(side)}
-    return LinearPart(name, best)
+    return RidgeMember(name, best)
 
 
-def _ridges(features: NDArray[Any], lesson: Lesson) -> list[tuple[FloatArray, FloatArray]]:
+def _ridges(features: NDArray[Any], lesson: TrainingSet) -> list[tuple[FloatArray, FloatArray]]:
     """Weights (p, k) and biases (k,) for each penalty."""
     mean, _ = lesson.scale
     centre = features.mean(axis=0).astype(float)
     part = features - centre
     values, vectors = np.linalg.eigh(part.T @ part)
-    right = vectors.T @ (part.T @ (lesson.targets[lesson.teach] - mean))
+    right = vectors.T @ (part.T @ (lesson.targets[lesson.train] - mean))
     unit = max(float(values.mean()), 1e-12)
     found = []
     for penalty in PENALTIES:

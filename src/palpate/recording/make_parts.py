@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version, worker_process
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.course import CourseSpec, load_torch
-from palpate.recording.lesson import Lesson, fit_ridge_part
-from palpate.recording.part import PARTS, ModelPart
-from palpate.recording.see_recording import Say
-from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
+from palpate.recording.course import TrainerSpec, load_torch
+from palpate.recording.lesson import TrainingSet, fit_ridge_part
+from palpate.recording.part import PARTS, EnsembleMember
+from palpate.recording.see_recording import Report
+from palpate.recording.train_part import train_image_network, train_marker_network, train_rotated_network
 
-TURNED = "-turned"
+ROTATED = "-turned"
 """End of the names of networks that are taught by turned presses as well."""
 _LONGER = 8 / 3
 """Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
@@ -37,14 +37,14 @@ _MOST_SHOWN = 250_000
 
 
 @dataclass(frozen=True, eq=False)
-class PartJob:
+class TrainingJob:
     """One part to be made.
 
     Attributes
     ----------
-    name, lesson
+    name, training_set
         Of the part, and what it learns from.
-    asked
+    n_outputs
         Number of targets that it hands on, the first of the lesson's.
     epochs
         Passes over pictures as they are.
@@ -53,8 +53,8 @@ class PartJob:
     """
 
     name: str
-    lesson: Lesson
-    asked: int
+    training_set: TrainingSet
+    n_outputs: int
     epochs: int
     seed: int
 
@@ -71,8 +71,8 @@ class PartJob:
     @property
     def passes(self) -> int:
         """Passes over what teaches, of a network on pictures."""
-        taught = max(int(self.lesson.teach.sum()), 1)
-        if not self.name.endswith(TURNED):
+        taught = max(int(self.training_set.train.sum()), 1)
+        if not self.name.endswith(ROTATED):
             return self.epochs
         return max(self.epochs, min(round(_LONGER * self.epochs), _MOST_SHOWN // taught))
 
@@ -80,35 +80,51 @@ class PartJob:
     def recipe(self) -> Recipe:
         """What it is made from."""
         digest = hashlib.sha256()
-        for array in (self.lesson.inputs, self.lesson.targets, self.lesson.teach, self.lesson.judge):
+        for array in (
+            self.training_set.inputs,
+            self.training_set.targets,
+            self.training_set.train,
+            self.training_set.validation,
+        ):
             digest.update(np.ascontiguousarray(array).tobytes())
-        turning = self.lesson.turning
+        turning = self.training_set.rotation
         if turning is not None:
             for array in (turning.places_px, turning.base_px):
                 digest.update(np.ascontiguousarray(array).tobytes())
         sense = 0 if turning is None else turning.sense
-        own = [self.name, digest.hexdigest(), self.asked, sense, self.seed, self.passes if self.sees_pictures else 0]
+        own = [
+            self.name,
+            digest.hexdigest(),
+            self.n_outputs,
+            sense,
+            self.seed,
+            self.passes if self.sees_pictures else 0,
+        ]
         return Recipe("part", own, version=stage_version("recorded_estimator"))
 
-    def train(self, threads: int, kept: Path, say: Say) -> Mapping[str, NDArray[Any]]:
-        """Arrays of the part; what is known meanwhile lies in the file `kept`."""
+    def train(self, threads: int, checkpoint: Path, report: Report) -> Mapping[str, NDArray[Any]]:
+        """Arrays of the part; what is known meanwhile lies in the file `checkpoint`."""
         if not self.is_network:
-            return fit_ridge_part(self.name, self.lesson, self.name.startswith("picture")).arrays
+            return fit_ridge_part(self.name, self.training_set, self.name.startswith("picture")).arrays
         if self.sees_pictures:
-            course = CourseSpec(self.passes, threads=threads)
-            return train_picture_network(self.name, self.lesson, self.asked, course, kept, say).arrays
-        train = train_turned_network if self.name.endswith(TURNED) else train_dots_network
-        return train(self.name, self.lesson, kept=kept).arrays
+            course = TrainerSpec(self.passes, threads=threads)
+            return train_image_network(
+                self.name, self.training_set, self.n_outputs, course, checkpoint, report
+            ).arrays
+        train = train_rotated_network if self.name.endswith(ROTATED) else train_marker_network
+        return train(self.name, self.training_set, checkpoint=checkpoint).arrays
 
 
-class MadePart(NamedTuple):
+class TrainedMember(NamedTuple):
     """A part, and the time in s that it took now."""
 
-    part: ModelPart
+    part: EnsembleMember
     seconds: float
 
 
-def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say: Say) -> Iterator[MadePart]:
+def train_members(
+    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, report: Report
+) -> Iterator[TrainedMember]:
     """Make parts, and give each as soon as it is there.
 
     Parameters
@@ -119,7 +135,7 @@ def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say:
         Cores that networks may use: of several, each that is missing is trained in a process of its own.
     store
         Where parts are kept, and what an interrupted training needs to go on.
-    say
+    report
         Told how far it is.
 
     Raises
@@ -135,21 +151,21 @@ def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say:
         begin = time.monotonic()
         path = store.find(job.recipe)
         if path is None:
-            path = _keep(store, job, job.train(threads, _draft(store, job), say))
-        yield MadePart(_read(job, path), time.monotonic() - begin)
+            path = _keep(store, job, job.train(threads, _draft(store, job), report))
+        yield TrainedMember(_read(job, path), time.monotonic() - begin)
     if workers > 1:
-        for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, say):
-            yield MadePart(_read(job, _keep(store, job, arrays)), seconds)
+        for job, arrays, seconds in _train_in_processes(missing, workers, threads // workers, store, report):
+            yield TrainedMember(_read(job, _keep(store, job, arrays)), seconds)
 
 
-def _draft(store: ArtefactStore, job: PartJob) -> Path:
+def _draft(store: ArtefactStore, job: TrainingJob) -> Path:
     """File of what is known before a training's end; members of a network add to its name."""
     kept = store.path(job.recipe, ".epochs")
     kept.parent.mkdir(parents=True, exist_ok=True)
     return kept
 
 
-def _keep(store: ArtefactStore, job: PartJob, arrays: Mapping[str, NDArray[Any]]) -> Path:
+def _keep(store: ArtefactStore, job: TrainingJob, arrays: Mapping[str, NDArray[Any]]) -> Path:
     path = store.write(job.recipe, lambda file: write_arrays(file, arrays))
     kept = _draft(store, job)
     for left in kept.parent.glob(f"{kept.stem}.*"):
@@ -158,19 +174,19 @@ def _keep(store: ArtefactStore, job: PartJob, arrays: Mapping[str, NDArray[Any]]
     return path
 
 
-def _read(job: PartJob, path: Path) -> ModelPart:
+def _read(job: TrainingJob, path: Path) -> EnsembleMember:
     kind = "linear" if not job.is_network else "picture-network" if job.sees_pictures else "dots-network"
     return PARTS[kind](job.name, read_arrays(path))
 
 
-def _train_beside(
-    jobs: Sequence[PartJob], workers: int, threads: int, store: ArtefactStore, say: Say
-) -> Iterator[tuple[PartJob, Mapping[str, NDArray[Any]], float]]:
+def _train_in_processes(
+    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, report: Report
+) -> Iterator[tuple[TrainingJob, Mapping[str, NDArray[Any]], float]]:
     """Train networks in processes: those on dots first, which take minutes, then the longest."""
     load_torch()  # what is missing is told here
     context = multiprocessing.get_context("spawn")
     queue = sorted(jobs, key=lambda job: (job.sees_pictures, -job.passes))
-    busy: dict[Any, tuple[PartJob, Any, float]] = {}
+    busy: dict[Any, tuple[TrainingJob, Any, float]] = {}
     try:
         while queue or busy:
             while queue and len(busy) < workers:
@@ -185,7 +201,7 @@ def _train_beside(
                 job, process, begin = busy[pipe]
                 told = _hear(pipe, job, process)
                 if isinstance(told, str):
-                    say(told)
+                    report(told)
                     continue
                 del busy[pipe]
                 process.join()
@@ -195,7 +211,7 @@ def _train_beside(
             process.kill()
 
 
-def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
+def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
     """How far a process is, or at its end the arrays of its part."""
     try:
         told: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
@@ -212,10 +228,10 @@ def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[A
     return told
 
 
-def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
+def _work(job: TrainingJob, threads: int, checkpoint: Path, pipe: Any, parent: int) -> None:
     """What a process does; what the user can mend is handed on."""
-    worker_process.serve_parent(parent)
+    worker_process.attach_to_parent(parent)
     try:
-        pipe.send(dict(job.train(threads, kept, pipe.send)))
+        pipe.send(dict(job.train(threads, checkpoint, pipe.send)))
     except PalpateError as error:
-        pipe.send(PalpateError(error.what, error.remedy, code=error.code))
+        pipe.send(PalpateError(error.problem, error.remedy, code=error.code))

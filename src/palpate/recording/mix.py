@@ -19,7 +19,7 @@ _GAIN = 0.97
 
 
 @dataclass(eq=False)
-class Option:
+class EnsembleCandidate:
     """One way to a pose.
 
     Attributes
@@ -48,17 +48,17 @@ class Option:
 
 
 @dataclass(frozen=True, eq=False)
-class Options:
+class EnsembleRanking:
     """All ways to a pose by their error, and those taken where dots are numbered and where not (`None`: none)."""
 
-    ranked: tuple[Option, ...]
-    with_dots: Option | None
-    without: Option | None
+    ranked: tuple[EnsembleCandidate, ...]
+    with_dots: EnsembleCandidate | None
+    without: EnsembleCandidate | None
 
 
-def choose_parts(
+def select_ensemble(
     estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
-) -> Options:
+) -> EnsembleRanking:
     """Choose by the error on the images that choose.
 
     Parameters
@@ -79,10 +79,10 @@ def choose_parts(
         off = ((found - targets) / scale)[whole]
         return float(np.sqrt(np.nanmean(off**2)))
 
-    ranked = [Option(name, (name,), ones, error(found)) for name, found in estimates.items()]
+    ranked = [EnsembleCandidate(name, (name,), ones, error(found)) for name, found in estimates.items()]
     ranked.sort(key=lambda option: option.error)
 
-    def best_of(names: list[str], rows: BoolArray, title: str) -> Option | None:
+    def best_of(names: list[str], rows: BoolArray, title: str) -> EnsembleCandidate | None:
         """The best of some alone, or their mixture where it is clearly better; the mixture is ranked too."""
         alone = next((option for option in ranked if option.name in names), None)
         mixed = _mix(title, {name: estimates[name] for name in names}, targets, rows)
@@ -95,10 +95,12 @@ def choose_parts(
     pictures = [name for name in estimates if name not in dots]
     best = best_of(list(estimates), whole, MIXTURE)
     without = best_of(pictures, choose, PICTURES) if len(pictures) < len(estimates) else best
-    return Options(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
+    return EnsembleRanking(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
 
 
-def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Option | None:
+def _mix(
+    title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray
+) -> EnsembleCandidate | None:
     """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
     names = list(estimates)
     if len(names) < 2 or rows.sum() < 10:
@@ -114,7 +116,9 @@ def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, r
     used = np.asarray(weights.any(axis=1))
     if used.sum() < 2:
         return None
-    return Option(title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf)
+    return EnsembleCandidate(
+        title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf
+    )
 
 
 def press_quantile_of(errors: FloatArray, press: IntArray, level: float) -> FloatArray:

@@ -18,21 +18,21 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, PalpateError, refuse_outside_links, written_whole
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, reject_external_links
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.markers import Detector, DetectSpec
-from palpate.recording.correspond import Correspondence, Correspondent, Fault
-from palpate.recording.layout import DotLayout
-from palpate.recording.part import PARTS, ModelPart
-from palpate.recording.sight import Eye
+from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
+from palpate.recording.layout import ObservedLayout
+from palpate.recording.part import PARTS, EnsembleMember
+from palpate.recording.sight import Preprocessor
 
-FORMAT, FORMAT_VERSION = "palpate-recorded-model", 2
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
 _BANK = 200
-_KEPT = ("fields", "seen", "motion", "usual")
+_STORED = ("fields", "seen", "motion", "usual")
 
 
 @dataclass(frozen=True, eq=False)
-class Choosing:
+class EnsembleWeights:
     """Which parts give the pose, by what weights, and how far it may be wrong.
 
     Attributes
@@ -67,18 +67,18 @@ class RecordedModel:
 
     Attributes
     ----------
-    eye
+    preprocessor
         How images are looked at.
     layout
         Dots at rest; `None` where the sensor is read from pictures alone.
-    bank
+    reference_bank
         Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
-        sensor's motions and what is usual, see `Correspondent.kept`.
+        sensor's motions and what is usual, see `MarkerMatcher.to_arrays`.
     parts
         All that was trained and is kept, by name.
-    with_dots, without
+    marker_ensemble, image_ensemble
         What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
-    apart
+    max_disagreement
         (k,) by how much both may differ for the dots to be believed; infinite where this would help nothing.
     outputs
         Axis and unit of each component, and its name in the table.
@@ -86,13 +86,13 @@ class RecordedModel:
         What it was made from and with, as JSON data.
     """
 
-    eye: Eye
-    layout: DotLayout | None
-    bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-    parts: Mapping[str, ModelPart]
-    with_dots: Choosing | None
-    without: Choosing | None
-    apart: FloatArray
+    preprocessor: Preprocessor
+    layout: ObservedLayout | None
+    reference_bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+    parts: Mapping[str, EnsembleMember]
+    marker_ensemble: EnsembleWeights | None
+    image_ensemble: EnsembleWeights | None
+    max_disagreement: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
 
@@ -100,17 +100,19 @@ class RecordedModel:
     def space(self) -> PoseSpace:
         """What it estimates; the package's own space where it is that of a wall."""
         names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
-        if names == TILT_DEPTH.names:
-            return TILT_DEPTH
-        return PoseSpace.free([(axis, unit) for axis, unit, _ in self.outputs])
+        if names == TILT_SPACE.names:
+            return TILT_SPACE
+        return PoseSpace.from_axes([(axis, unit) for axis, unit, _ in self.outputs])
 
     @cached_property
-    def correspondent(self) -> Correspondent | None:
+    def matcher(self) -> MarkerMatcher | None:
         """Numbers the dots of images."""
         if self.layout is None:
             return None
-        fields, seen, motion, usual = self.bank
-        return Correspondent(self.layout, self.eye.shape, list(seen), list(fields)).knowing(motion, usual)
+        fields, seen, motion, usual = self.reference_bank
+        return MarkerMatcher(self.layout, self.preprocessor.shape, list(seen), list(fields)).with_arrays(
+            motion, usual
+        )
 
     def read(self, image: NDArray[Any]) -> PoseReading:
         """The pose in one image.
@@ -125,20 +127,20 @@ class RecordedModel:
         PalpateError
             If it is no image, or has another size.
         """
-        picture, dots = self.eye.look(image)
-        found = self.correspondent.find(dots) if self.correspondent is not None else None
+        picture, dots = self.preprocessor.extract(image)
+        found = self.matcher.find(dots) if self.matcher is not None else None
         fault = "" if found is None else str(found.fault)
         count = 0 if found is None else int(found.found.sum())
         moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
-        good = np.array([found is not None and found.good])
+        good = np.array([found is not None and found.accepted])
         poses, by_dots = self.estimate_all(moved, picture[None], good)
-        use = self.with_dots if by_dots[0] else self.without
+        use = self.marker_ensemble if by_dots[0] else self.image_ensemble
         if use is None:
             return PoseReading(
-                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(Fault.NO_DOTS), found, dots
+                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(MatchFault.NO_DOTS), found, dots
             )
-        if good[0] and self.with_dots is not None and not by_dots[0]:
-            fault = str(Fault.PICTURE)
+        if good[0] and self.marker_ensemble is not None and not by_dots[0]:
+            fault = str(MatchFault.PICTURE)
         return PoseReading(poses[0], use.half_width, count, fault, found, dots)
 
     def estimate_all(
@@ -152,16 +154,16 @@ class RecordedModel:
             (n, m, 2) displacements, (n, h, w) pictures and (n,) whether the displacements are believed.
         """
         found = np.full((len(pictures), len(self.outputs)), np.nan)
-        by_dots = good.copy() if self.with_dots is not None else np.zeros(len(good), bool)
-        if self.with_dots is not None and by_dots.any():
-            found[by_dots] = self.estimate(self.with_dots, moved[by_dots], pictures[by_dots])
-        if self.without is None:
+        by_dots = good.copy() if self.marker_ensemble is not None else np.zeros(len(good), bool)
+        if self.marker_ensemble is not None and by_dots.any():
+            found[by_dots] = self.estimate(self.marker_ensemble, moved[by_dots], pictures[by_dots])
+        if self.image_ensemble is None:
             return found, by_dots
-        rows = np.ones(len(good), bool) if np.isfinite(self.apart).any() else ~by_dots
+        rows = np.ones(len(good), bool) if np.isfinite(self.max_disagreement).any() else ~by_dots
         if rows.any():
             other = np.full(found.shape, np.nan)
-            other[rows] = self.estimate(self.without, moved[rows], pictures[rows])
-            by_dots &= ~(np.abs(found - other) > self.apart).any(axis=1)
+            other[rows] = self.estimate(self.image_ensemble, moved[rows], pictures[rows])
+            by_dots &= ~(np.abs(found - other) > self.max_disagreement).any(axis=1)
             found[~by_dots] = other[~by_dots]
         return found, by_dots
 
@@ -171,12 +173,12 @@ class RecordedModel:
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
-    def estimate(self, use: Choosing, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
+    def estimate(self, use: EnsembleWeights, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
         """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
         total = np.zeros((len(pictures), len(self.outputs)))
         for name, weight in zip(use.parts, use.weights, strict=True):
             part = self.parts[name]
-            total += weight * part.predict(moved if part.reads_dots else pictures)
+            total += weight * part.predict(moved if part.reads_markers else pictures)
         return total
 
 
@@ -188,28 +190,28 @@ def write_model(path: Path, model: RecordedModel) -> None:
     PalpateError
         If the file cannot be written.
     """
-    with written_whole(path) as draft, h5py.File(draft, "w") as file:
+    with atomic_write(path) as draft, h5py.File(draft, "w") as file:
         file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
-        detector = model.eye.detector
+        detector = model.preprocessor.detector
         file.attrs["about"] = json.dumps(
             {
-                "shape": model.eye.shape,
-                "size": model.eye.size,
-                "dark": model.eye.dark,
+                "shape": model.preprocessor.shape,
+                "size": model.preprocessor.size,
+                "dark": model.preprocessor.dark,
                 "detector": None if detector is None else [detector.dark, detector.diameter_px, detector.edge_px],
                 "outputs": model.outputs,
-                "with_dots": _plain(model.with_dots),
-                "without": _plain(model.without),
-                "apart": [None if np.isinf(value) else value for value in model.apart.tolist()],
+                "with_dots": _plain(model.marker_ensemble),
+                "without": _plain(model.image_ensemble),
+                "apart": [None if np.isinf(value) else value for value in model.max_disagreement.tolist()],
                 "parts": [[name, part.kind] for name, part in model.parts.items()],
                 "about": model.about,
             }
         )
         if model.layout is not None:
             file["rest_px"] = model.layout.rest_px
-            file["fields"] = np.asarray(model.bank[0][:_BANK], np.float32)
-            file["seen"] = np.asarray(model.bank[1][:_BANK], np.float32)
-            file["motion"], file["usual"] = np.asarray(model.bank[2], np.float32), model.bank[3]
+            file["fields"] = np.asarray(model.reference_bank[0][:_BANK], np.float32)
+            file["seen"] = np.asarray(model.reference_bank[1][:_BANK], np.float32)
+            file["motion"], file["usual"] = np.asarray(model.reference_bank[2], np.float32), model.reference_bank[3]
         for name, part in model.parts.items():
             for key, values in part.arrays.items():
                 single = np.asarray(values)
@@ -229,7 +231,7 @@ def read_model(path: Path) -> RecordedModel:
     again = "Make it again by palpate learn."
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
                 raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
@@ -237,13 +239,13 @@ def read_model(path: Path) -> RecordedModel:
                 name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
                 for name, kind in facts["parts"]
             }
-            layout = DotLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
-            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _KEPT]
+            layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
+            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _STORED]
         found = facts["detector"]
         detector = (
             None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
         )
-        eye = Eye(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
+        eye = Preprocessor(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
         return RecordedModel(
             eye,
             layout,
@@ -270,9 +272,9 @@ def is_recorded_model(path: Path) -> bool:
         return False
 
 
-def _plain(use: Choosing | None) -> Any:
+def _plain(use: EnsembleWeights | None) -> Any:
     return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
 
 
-def _choosing(found: Any) -> Choosing | None:
-    return None if found is None else Choosing(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
+def _choosing(found: Any) -> EnsembleWeights | None:
+    return None if found is None else EnsembleWeights(tuple(found[0]), np.array(found[1]), np.array(found[2], float))

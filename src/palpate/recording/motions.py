@@ -21,7 +21,7 @@ _NOISE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Motions:
+class MotionPrior:
     """Motions of a sensor.
 
     Attributes
@@ -54,7 +54,7 @@ class Motions:
         return np.asarray((self.mean + self.directions @ coordinates).reshape(-1, 2))
 
 
-def learn_motions(fields: Sequence[FloatArray], spacing_px: float) -> Motions:
+def fit_motion_prior(fields: Sequence[FloatArray], spacing_px: float) -> MotionPrior:
     """Motions from displacements (m, 2), px, of images."""
     flat = np.array(fields, float).reshape(len(fields), -1)
     mean = flat.mean(axis=0)
@@ -62,4 +62,4 @@ def learn_motions(fields: Sequence[FloatArray], spacing_px: float) -> Motions:
     kept = max(1, min(_MOST, len(fields) // 3))
     left = float((values[kept:] ** 2).sum()) / max(flat.size, 1)
     deviation = values[:kept] / np.sqrt(len(fields))
-    return Motions(mean, right[:kept].T * deviation, max(np.sqrt(left), _NOISE * spacing_px))
+    return MotionPrior(mean, right[:kept].T * deviation, max(np.sqrt(left), _NOISE * spacing_px))

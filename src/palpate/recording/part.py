@@ -15,7 +15,7 @@ from palpate.recording.graph import graph_of
 
 
 @dataclass(frozen=True, eq=False)
-class ModelPart(ABC):
+class EnsembleMember(ABC):
     """One trained estimator.
 
     Attributes
@@ -34,7 +34,7 @@ class ModelPart(ABC):
 
     @property
     @abstractmethod
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         """Whether it reads displacements of dots, (n, m, 2) px; else pictures, (n, h, w) of 8 bit."""
 
     @abstractmethod
@@ -43,29 +43,29 @@ class ModelPart(ABC):
 
 
 @final
-class LinearPart(ModelPart):
+class RidgeMember(EnsembleMember):
     """Ridge regression on displacements, or on pictures shrunk to `side` px."""
 
     kind = "linear"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return "side" not in self.arrays
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
-        side = None if self.reads_dots else int(self.arrays["side"])
+        side = None if self.reads_markers else int(self.arrays["side"])
         features = flat_features(inputs, side)
         return np.asarray(features @ self.arrays["weight"] + self.arrays["bias"], float)
 
 
 @final
-class DotsNetwork(ModelPart):
+class MarkerNetwork(EnsembleMember):
     """Perceptrons on principal components of displacements, averaged."""
 
     kind = "dots-network"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return True
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
@@ -82,13 +82,13 @@ class DotsNetwork(ModelPart):
 
 
 @final
-class PictureNetwork(ModelPart):
+class ImageNetwork(EnsembleMember):
     """A convolutional network on pictures; of its outputs only those that are asked for are handed on."""
 
     kind = "picture-network"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return False
 
     @cached_property
@@ -109,7 +109,7 @@ class PictureNetwork(ModelPart):
         return np.asarray(found * self.arrays["sd"] + self.arrays["mean"], float)[:, :count]
 
 
-PARTS = {part.kind: part for part in (LinearPart, DotsNetwork, PictureNetwork)}
+PARTS = {part.kind: part for part in (RidgeMember, MarkerNetwork, ImageNetwork)}
 """Classes by their word."""
 
 

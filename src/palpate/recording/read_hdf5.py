@@ -13,7 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, refuse_outside_links
+from palpate.core import PalpateError, reject_external_links
 from palpate.recording.images import ArrayImages, ImageSet
 from palpate.recording.table import Column, RecordingTable
 
@@ -31,7 +31,7 @@ def read_hdf5(path: Path) -> tuple[RecordingTable, ImageSet]:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             groups = _groups(file)
             if not groups:
                 raise PalpateError(f"{path.name} holds no images.", _REMEDY, code="recording-no-images")

@@ -9,12 +9,18 @@ import numpy as np
 
 from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
-from palpate.recording.columns import Choice, PoseColumn, find_image_column, find_pose_columns, find_press_column
+from palpate.recording.columns import (
+    ColumnMapping,
+    PoseColumn,
+    find_image_column,
+    find_pose_columns,
+    find_press_column,
+)
 from palpate.recording.images import (
-    BesideImages,
-    ChosenImages,
+    ConcatenatedImages,
     ImageFiles,
     ImageSet,
+    SelectedImages,
     VideoImages,
     find_files,
     list_below,
@@ -76,7 +82,7 @@ class Recording:
 
 
 def read_recording(
-    place: Path, choice: Choice | None = None, rest: Path | None = None, most: int = 20_000, seed: int = 0
+    place: Path, choice: ColumnMapping | None = None, rest: Path | None = None, most: int = 20_000, seed: int = 0
 ) -> Recording:
     """Read a recording.
 
@@ -96,7 +102,7 @@ def read_recording(
     PalpateError
         If it cannot be read, or has too few images or presses.
     """
-    choice = choice or Choice()
+    choice = choice or ColumnMapping()
     place = _find_table(place)
     if rest is not None:
         read_image(rest)  # refused here, by its own sentence
@@ -119,9 +125,9 @@ def read_recording(
         rest = rest or (None if len(at_rest) else _find_rest(place.parent))
     else:
         names = tuple(f"image {row}" for row in rows)
-        images = ChosenImages(images, rows.tolist())
+        images = SelectedImages(images, rows.tolist())
     if rest is not None:
-        images, at_rest = BesideImages(images, len(chosen), ImageFiles([rest])), np.zeros(1, int)
+        images, at_rest = ConcatenatedImages(images, len(chosen), ImageFiles([rest])), np.zeros(1, int)
     press = np.unique(_press_numbers(table, by)[chosen], return_inverse=True)[1].reshape(-1)
     notes += [one.note for one in (*poses, *others) if one.note] + list(left_out)
     if not by:
@@ -131,7 +137,7 @@ def read_recording(
     return found
 
 
-def _open_table(place: Path, choice: Choice) -> tuple[RecordingTable, ImageSet | None, str]:
+def _open_table(place: Path, choice: ColumnMapping) -> tuple[RecordingTable, ImageSet | None, str]:
     """The table, its images where it holds them itself, and else the column that names them."""
     if is_lerobot(place):
         return *read_lerobot(place), ""

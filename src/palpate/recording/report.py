@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.core import PalpateError, writing
-from palpate.recording.conclude import PartScore
-from palpate.recording.curve import say_enough
-from palpate.recording.learn_recording import Learnt
+from palpate.core import PalpateError, wrap_write_errors
+from palpate.recording.conclude import EstimatorScore
+from palpate.recording.curve import extrapolate_learning_curve
+from palpate.recording.learn_recording import RecordingResult
 from palpate.recording.read_recording import Recording
 
 _SHOWN = 6
@@ -22,39 +22,39 @@ _DIM = 0.6
 """Brightness of images under the ways of their dots."""
 
 
-def recording_report(learnt: Learnt) -> dict[str, Any]:
+def recording_report(result: RecordingResult) -> dict[str, Any]:
     """Plain data of what a recording gave."""
-    seen, outputs = learnt.seen, learnt.model.outputs
+    seen, outputs = result.seen, result.model.outputs
     assigned = seen.assigned
     return {
-        **learnt.model.about,
+        **result.model.about,
         "outputs": [{"axis": axis, "unit": unit, "column": column} for axis, unit, column in outputs],
         "notes": list(seen.notes),
-        "best": learnt.best,
+        "best": result.best,
         "dots": None if assigned is None else len(assigned.layout),
         "correspondence": None if assigned is None else {key or "believed": n for key, n in assigned.counts.items()},
         "estimators": [
             {
                 "name": score.name,
                 "share_of_images": score.share,
-                "validation_error": score.chosen_by,
+                "validation_error": score.validation_error,
                 "seconds": score.seconds,
                 "errors": {
                     axis: {**vars(error), "coverage": inside}
                     for (axis, _, _), error, inside in zip(outputs, score.errors, score.coverage, strict=True)
                 },
             }
-            for score in learnt.scores
+            for score in result.scores
         ],
-        "curve": [vars(point) for point in learnt.curve],
-        "enough": say_enough(learnt.curve),
-        "seconds": {"first_errors": learnt.seconds[0], "all": learnt.seconds[1]},
+        "curve": [vars(point) for point in result.curve],
+        "enough": extrapolate_learning_curve(result.curve),
+        "seconds": {"first_errors": result.seconds[0], "all": result.seconds[1]},
     }
 
 
-def recording_page(learnt: Learnt) -> str:
+def recording_page(result: RecordingResult) -> str:
     """The report as Markdown."""
-    seen, outputs, about = learnt.seen, learnt.model.outputs, learnt.model.about
+    seen, outputs, about = result.seen, result.model.outputs, result.model.about
     names = [f"{axis} {'' if unit == '1' else unit}".strip() for axis, unit, _ in outputs]
     head = (
         "estimator",
@@ -63,18 +63,18 @@ def recording_page(learnt: Learnt) -> str:
         *(f"{name} max" for name in names),
         "in interval",
     )
-    best = next(score for score in learnt.scores if score.name == learnt.best)
-    held = len(np.unique(seen.press[seen.split.judge]))
-    rows = [_row(score, score.name == learnt.best) for score in learnt.scores]
+    best = next(score for score in result.scores if score.name == result.best)
+    held = len(np.unique(seen.press[seen.split.test]))
+    rows = [_row(score, score.name == result.best) for score in result.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     lines = [
         f"# What the recording {seen.recording.name} gave",
         "",
-        f"**{learnt.best}: {figures}** RMSE on {held} presses that taught nothing.",
+        f"**{result.best}: {figures}** RMSE on {held} presses that taught nothing.",
         "",
-        f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, {about['choose']} "
-        f"chose among settings and gave the intervals of {about['spec']['level']:.0%}, {about['judge']} judged. "
-        "No press is in two of these.",
+        f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
+        f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
+        f"{about['test']} judged. No press is in two of these.",
         "",
         *_table(head, rows),
         "",
@@ -88,17 +88,17 @@ def recording_page(learnt: Learnt) -> str:
         "",
         *_table(
             ("presses", "estimator", *(f"{name} RMSE" for name in names)),
-            [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in learnt.curve],
+            [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in result.curve],
         ),
         "",
-        say_enough(learnt.curve),
+        extrapolate_learning_curve(result.curve),
         "",
         "## Pictures",
         "",
         *([] if seen.assigned is None else ["![dots by number](correspondence.png)", ""]),
         "![errors](errors.png)",
         "",
-        f"First errors after {learnt.seconds[0]:.0f} s, all after {learnt.seconds[1]:.0f} s. Made by "
+        f"First errors after {result.seconds[0]:.0f} s, all after {result.seconds[1]:.0f} s. Made by "
         + ", ".join(f"{name} {version}" for name, version in about["made_by"].items())
         + f"; seed {about['spec']['seed']}.",
         "",
@@ -106,7 +106,7 @@ def recording_page(learnt: Learnt) -> str:
     return "\n".join(lines)
 
 
-def draw_recording_report(folder: Path, learnt: Learnt) -> None:
+def draw_recording_report(folder: Path, result: RecordingResult) -> None:
     """Draw ``correspondence.png`` and ``errors.png`` into a folder.
 
     Raises
@@ -114,21 +114,21 @@ def draw_recording_report(folder: Path, learnt: Learnt) -> None:
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
-        _draw_errors(learnt).savefig(folder / "errors.png", dpi=_DPI)
-        if learnt.seen.assigned is not None:
-            _draw_correspondences(learnt, learnt.seen.recording).savefig(folder / "correspondence.png", dpi=_DPI)
+    with wrap_write_errors(folder, "Choose another folder."):
+        _draw_errors(result).savefig(folder / "errors.png", dpi=_DPI)
+        if result.seen.assigned is not None:
+            _draw_correspondences(result, result.seen.recording).savefig(folder / "correspondence.png", dpi=_DPI)
 
 
-def _draw_errors(learnt: Learnt) -> Figure:
-    seen, outputs = learnt.seen, learnt.model.outputs
+def _draw_errors(result: RecordingResult) -> Figure:
+    seen, outputs = result.seen, result.model.outputs
     count = len(outputs)
     figure = Figure(figsize=(3.3 * count + 3.3, 3.2), layout="constrained")
     axes = figure.subplots(1, count + 1, squeeze=False)[0]
-    off = learnt.estimates - seen.targets
+    off = result.estimates - seen.targets
     for column, (axis, (name, unit, _)) in enumerate(zip(axes, outputs, strict=False)):
-        for rows, colour, what in ((seen.good, "C0", "by dots"), (~seen.good, "C1", "by picture")):
-            shown = rows & seen.split.judge
+        for rows, colour, what in ((seen.accepted, "C0", "by dots"), (~seen.accepted, "C1", "by picture")):
+            shown = rows & seen.split.test
             if shown.any():
                 axis.plot(
                     seen.targets[shown, column], off[shown, column], ".", color=colour, markersize=4, label=what
@@ -140,9 +140,9 @@ def _draw_errors(learnt: Learnt) -> Figure:
         _bare(axis)
     axes[0].legend(fontsize=7, frameon=False)
     for column, (name, unit, _) in enumerate(outputs):
-        values = [point.rmse[column] for point in learnt.curve]
+        values = [point.rmse[column] for point in result.curve]
         axes[-1].loglog(
-            [point.presses for point in learnt.curve], values, "o-", label=f"{name} ({unit})", markersize=4
+            [point.presses for point in result.curve], values, "o-", label=f"{name} ({unit})", markersize=4
         )
     axes[-1].set_xlabel("presses that taught")
     axes[-1].set_ylabel("RMSE on held-out presses")
@@ -151,13 +151,13 @@ def _draw_errors(learnt: Learnt) -> Figure:
     return figure
 
 
-def _draw_correspondences(learnt: Learnt, recording: Recording) -> Figure:
+def _draw_correspondences(result: RecordingResult, recording: Recording) -> Figure:
     """Images from the calmest to the most moved, and some that failed, with the way of each dot from rest."""
-    seen = learnt.seen
+    seen = result.seen
     assert seen.assigned is not None
     far = np.linalg.norm(seen.moved, axis=-1).mean(axis=1)
-    good = np.flatnonzero(seen.good)
-    bad = np.flatnonzero(~seen.good)[: _SHOWN // 3]
+    good = np.flatnonzero(seen.accepted)
+    bad = np.flatnonzero(~seen.accepted)[: _SHOWN // 3]
     good = good[np.argsort(far[good])]
     shown = [*good[np.linspace(0, len(good) - 1, _SHOWN - len(bad)).astype(int)].tolist(), *bad.tolist()]
     figure = Figure(figsize=(9, 6.4), layout="constrained")
@@ -185,7 +185,7 @@ def _bare(axis: Axes) -> None:
     axis.spines[["top", "right"]].set_visible(False)
 
 
-def _row(score: PartScore, best: bool) -> tuple[str, ...]:
+def _row(score: EstimatorScore, best: bool) -> tuple[str, ...]:
     rmse, most = [f"{one.rmse:.3g}" for one in score.errors], [f"{one.max:.3g}" for one in score.errors]
     name = f"**{score.name}**" if best else score.name
     return (name, f"{score.share:.0%}", *rmse, *most, " / ".join(f"{inside:.0%}" for inside in score.coverage))

@@ -12,23 +12,23 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.assign import Assigned, assign_images, choose_reference
-from palpate.recording.layout import DotLayout
+from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
+from palpate.recording.layout import ObservedLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
-from palpate.recording.sight import Eye, Sight, look_at, open_eye
+from palpate.recording.sight import Detections, Preprocessor, choose_preprocessor, preprocess_images
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.split import PressSplit, find_doubles, split_presses
+from palpate.recording.split import PressSplit, find_duplicate_images, split_presses
 
 _LEAST_GOOD = 0.25
 """Least share of images with numbered dots for parts that read dots."""
 _FIELD = 6
 """Dots of an image from which it has a field of them."""
 
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class PreparedRecording:
     """A recording as it is learnt from: unreadable and double images left out.
 
     Attributes
@@ -37,7 +37,7 @@ class Seen:
         What it is, how it was looked at, what was seen, dots by number (`None` without dots).
     rows
         (n,) rows of the recording that are used.
-    moved, good
+    moved, accepted
         (n, m, 2) displacements and (n,) whether they are believed; empty without dots.
     pictures, targets, press
         (n, h, w), (n, k) and (n,).
@@ -48,12 +48,12 @@ class Seen:
     """
 
     recording: Recording
-    eye: Eye
-    sight: Sight
-    assigned: Assigned | None
+    eye: Preprocessor
+    sight: Detections
+    assigned: AssignedMarkers | None
     rows: NDArray[Any]
     moved: FloatArray
-    good: BoolArray
+    accepted: BoolArray
     pictures: NDArray[np.uint8]
     targets: FloatArray
     press: NDArray[Any]
@@ -61,7 +61,9 @@ class Seen:
     notes: tuple[str, ...]
 
 
-def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStore, say: Say) -> Seen:
+def prepare_recording(
+    recording: Recording, spec: RecordingSpec, store: ArtefactStore, report: Report
+) -> PreparedRecording:
     """Look at a recording: dots and pictures, correspondence, split.
 
     Raises
@@ -69,13 +71,13 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
     PalpateError
         If its images cannot be read, or too few are left.
     """
-    eye = open_eye(recording, spec.picture_px)
+    eye = choose_preprocessor(recording, spec.picture_px)
     notes = list(recording.notes)
     if spec.estimators == "picture":
         eye = replace(eye, detector=None, dark=False)
-    sight = look_at(recording, eye, store, say)
+    sight = preprocess_images(recording, eye, store, report)
     count = len(recording)
-    assigned, told = _assign(recording, eye, sight, spec, store, say)
+    assigned, told = _assign(recording, eye, sight, spec, store, report)
     notes += told
     kept = sight.readable[:count].copy()
     if not kept.all():
@@ -84,7 +86,7 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
             f"{int((~kept).sum())} images cannot be read, the first is {recording.names[first]}: "
             f"{sight.faults[first]}"
         )
-    double, apart = find_doubles(sight.digests[:count], recording.targets)
+    double, apart = find_duplicate_images(sight.digests[:count], recording.targets)
     double &= kept
     if double.any():
         off = ", ".join(
@@ -104,9 +106,9 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
         )
     good = np.zeros(len(rows), bool) if assigned is None else assigned.good[:count][rows]
     moved: FloatArray = np.zeros((len(rows), 0, 2)) if assigned is None else assigned.moved_px[:count][rows]
-    split = split_presses(press, spec.held_out, spec.validation, spec.seed)
+    split = split_presses(press, spec.test_share, spec.validation_share, spec.seed)
     pictures = sight.pictures[:count][rows]
-    return Seen(
+    return PreparedRecording(
         recording,
         eye,
         sight,
@@ -123,8 +125,13 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
 
 
 def _assign(
-    recording: Recording, eye: Eye, sight: Sight, spec: RecordingSpec, store: ArtefactStore, say: Say
-) -> tuple[Assigned | None, list[str]]:
+    recording: Recording,
+    eye: Preprocessor,
+    sight: Detections,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    report: Report,
+) -> tuple[AssignedMarkers | None, list[str]]:
     """Dots of all images by number, `None` where there are too few, and what must be said about them."""
     notes: list[str] = []
     count = len(recording)
@@ -148,11 +155,11 @@ def _assign(
     )
     path = store.find(recipe)
     if path is None:
-        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", say)
+        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", report)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
         path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
     arrays = read_arrays(path)
-    assigned = Assigned(DotLayout(arrays.pop("rest_px")), reference, **arrays)
+    assigned = AssignedMarkers(ObservedLayout(arrays.pop("rest_px")), reference, **arrays)
     failed = int((~assigned.good[:count]).sum())
     notes.append(
         f"{len(assigned.layout)} dots make the layout; the correspondence of {count - failed} of {count} images is "

@@ -38,7 +38,7 @@ Pictures = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
-class Eye:
+class Preprocessor:
     """How an image is looked at, chosen once from a few images of a recording.
 
     Attributes
@@ -58,7 +58,7 @@ class Eye:
     size: tuple[int, int]
     dark: bool
 
-    def look(self, image: NDArray[Any]) -> tuple[Pictures, FloatArray]:
+    def extract(self, image: NDArray[Any]) -> tuple[Pictures, FloatArray]:
         """Small picture (h, w) and dots (n, 2) of an image.
 
         Raises
@@ -85,7 +85,7 @@ class Eye:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class Detections:
     """What all images show.
 
     Attributes
@@ -111,7 +111,7 @@ class Sight:
         return np.asarray(self.faults == "")
 
 
-def open_eye(recording: Recording, picture_px: int) -> Eye:
+def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
     """Choose polarity and size of the dots, and the size of pictures, from images at rest or a few others.
 
     Raises
@@ -126,7 +126,7 @@ def open_eye(recording: Recording, picture_px: int) -> Eye:
     items = list(recording.images.read(sorted({int(k) for k in looked})))
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
-        reason = next((item.what for item in items if isinstance(item, PalpateError)), "there is none")
+        reason = next((item.problem for item in items if isinstance(item, PalpateError)), "there is none")
         raise PalpateError(
             f"The first images cannot be read: {reason}", "Check the table's image names.", code="images-unreadable"
         )
@@ -140,12 +140,14 @@ def open_eye(recording: Recording, picture_px: int) -> Eye:
         except PalpateError:
             continue
     if not found:
-        return Eye(shape, None, (size[0], size[1]), False)
+        return Preprocessor(shape, None, (size[0], size[1]), False)
     detector = sorted(found, key=lambda pair: pair[0])[len(found) // 2][1]
-    return Eye(shape, detector, (size[0], size[1]), detector.dark)
+    return Preprocessor(shape, detector, (size[0], size[1]), detector.dark)
 
 
-def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[[str], None]) -> Sight:
+def preprocess_images(
+    recording: Recording, eye: Preprocessor, store: ArtefactStore, report: Callable[[str], None]
+) -> Detections:
     """Look at all images of a recording, those at rest last.
 
     Raises
@@ -162,11 +164,11 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
         path = store.find(recipe)
         if path is None:
             path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own))  # type: ignore[misc]
-            say(f"dots: {numbers[-1] + 1} of {total} images")
+            report(f"dots: {numbers[-1] + 1} of {total} images")
         parts.append(read_arrays(path))
     ends = np.concatenate([part["count"] for part in parts])
     dots = np.concatenate([part["dots"] for part in parts])
-    sight = Sight(
+    sight = Detections(
         np.concatenate([part["pictures"] for part in parts]),
         tuple(np.split(dots, np.cumsum(ends)[:-1])),
         np.concatenate([part["digests"] for part in parts]),
@@ -177,19 +179,19 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
     return sight
 
 
-def _write(path: Path, recording: Recording, eye: Eye, numbers: Sequence[int]) -> None:
+def _write(path: Path, recording: Recording, eye: Preprocessor, numbers: Sequence[int]) -> None:
     pictures, dots, digests, faults = [], [], [], []
     for item in recording.images.read(numbers):
         try:
             if isinstance(item, PalpateError):
                 raise item
-            picture, places = eye.look(item)
+            picture, places = eye.extract(item)
             digests.append(hashlib.sha256(np.ascontiguousarray(item).tobytes()).hexdigest()[:16])
             faults.append("")
         except PalpateError as error:
             picture, places = np.zeros(eye.size, np.uint8), np.zeros((0, 2))
             digests.append("")
-            faults.append(error.what[:200])
+            faults.append(error.problem[:200])
         pictures.append(picture)
         dots.append(places)
     arrays = {
@@ -202,7 +204,7 @@ def _write(path: Path, recording: Recording, eye: Eye, numbers: Sequence[int]) -
     write_arrays(path, arrays)
 
 
-def find_twins(digests: TextArray) -> IntArray:
+def first_duplicate(digests: TextArray) -> IntArray:
     """(n,) number of the first image with the same pixels, its own where there is none before it."""
     _, first, number = np.unique(digests, return_index=True, return_inverse=True)
     found = np.asarray(first[number.reshape(-1)])

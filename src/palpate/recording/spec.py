@@ -13,10 +13,10 @@ class RecordingSpec(Spec):
     picture_px: int = parameter(
         128, unit="px", meaning="longer side of the pictures that networks see", ge=16, le=512
     )
-    held_out: float = parameter(
+    test_share: float = parameter(
         0.15, unit="1", meaning="share of the presses that judge and teach nothing", gt=0, lt=0.6
     )
-    validation: float = parameter(
+    validation_share: float = parameter(
         0.12, unit="1", meaning="share of the presses that choose among settings and give the intervals", gt=0, lt=0.6
     )
     level: float = parameter(0.9, unit="1", meaning="share of true values that the intervals cover", ge=0.5, lt=1)
@@ -28,7 +28,7 @@ class RecordingSpec(Spec):
         le=100_000,
     )
     threads: int = parameter(2, unit="1", meaning="cores that the networks use", ge=1, le=256)
-    most: int = parameter(
+    max_images: int = parameter(
         20_000, unit="1", meaning="images that are used at most; more are thinned out by whole presses", ge=20
     )
     correspondence: Literal["grown", "nearest"] = parameter(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, generator
-from palpate.recording.sight import find_twins
+from palpate.recording.sight import first_duplicate
 
 _SHIFTS = (-3, -2, -1, 1, 2, 3)
 _FEATURES = 30
@@ -20,23 +20,23 @@ class PressSplit:
 
     Attributes
     ----------
-    teach, choose, judge
+    train, validation, test
         To learn from; to choose settings and intervals by; to report errors on. No press is in two of them.
     """
 
-    teach: BoolArray
-    choose: BoolArray
-    judge: BoolArray
+    train: BoolArray
+    validation: BoolArray
+    test: BoolArray
 
 
-def split_presses(press: IntArray, held_out: float, validation: float, seed: int) -> PressSplit:
+def split_presses(press: IntArray, test_share: float, validation_share: float, seed: int) -> PressSplit:
     """Draw presses; at least one of each kind.
 
     Parameters
     ----------
     press
         (n,) number of the press of each image.
-    held_out, validation
+    test_share, validation_share
         Shares of presses that judge and that choose.
     seed
         Seed of the draw.
@@ -44,39 +44,39 @@ def split_presses(press: IntArray, held_out: float, validation: float, seed: int
     numbers, member = np.unique(press, return_inverse=True)
     order = np.empty(len(numbers), int)
     order[generator(seed, "split").permutation(len(numbers))] = np.arange(len(numbers))
-    judge = max(1, round(held_out * len(numbers)))
-    choose = max(1, round(validation * len(numbers)))
+    judge = max(1, round(test_share * len(numbers)))
+    choose = max(1, round(validation_share * len(numbers)))
     place = order[member.reshape(-1)]
     return PressSplit(place >= judge + choose, (place >= judge) & (place < judge + choose), place < judge)
 
 
-def find_doubles(digests: np.ndarray, poses: FloatArray) -> tuple[BoolArray, FloatArray]:
+def find_duplicate_images(digests: np.ndarray, poses: FloatArray) -> tuple[BoolArray, FloatArray]:
     """Images (n,) whose pixels are those of one before them, and how far their poses (n, k) are from its poses."""
-    first = find_twins(digests)
+    first = first_duplicate(digests)
     double = first != np.arange(len(first))
     return double, np.abs(poses - poses[first])
 
 
-def find_shift(features: FloatArray, targets: FloatArray, teach: BoolArray) -> int:
+def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:
     """By how many rows poses must be moved to fit the images far better than they do; 0 where none does.
 
     Parameters
     ----------
     features, targets
         (n, p) what images show and (n, k) poses, in the order of the table.
-    teach
+    train
         (n,) images by which linear fits are made; the others judge them.
     """
     centred = features - features.mean(axis=0)
-    _, _, right = np.linalg.svd(centred[teach][:2000], full_matrices=False)
+    _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)
     components = centred @ right[: min(_FEATURES, len(right))].T
     components = np.column_stack([components / (components.std(axis=0) + 1e-9), np.ones(len(components))])
 
     def error(shift: int) -> float:
         moved = np.roll(targets, shift, axis=0)
-        hold = 1e-2 * teach.sum() * np.eye(components.shape[1])
-        weight = np.linalg.solve(components[teach].T @ components[teach] + hold, components[teach].T @ moved[teach])
-        off = (components @ weight - moved)[~teach] / (targets.std(axis=0) + 1e-12)
+        hold = 1e-2 * train.sum() * np.eye(components.shape[1])
+        weight = np.linalg.solve(components[train].T @ components[train] + hold, components[train].T @ moved[train])
+        off = (components @ weight - moved)[~train] / (targets.std(axis=0) + 1e-12)
         return float(np.sqrt(np.mean(off**2)))
 
     as_given = error(0)

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
-from palpate.recording.course import Course, CourseSpec, load_torch
-from palpate.recording.lesson import Lesson
-from palpate.recording.part import DotsNetwork, PictureNetwork, flat_features
-from palpate.recording.turns import COUNT, Turns, pattern_order, rotation
+from palpate.recording.course import Trainer, TrainerSpec, load_torch
+from palpate.recording.lesson import TrainingSet
+from palpate.recording.part import ImageNetwork, MarkerNetwork, flat_features
+from palpate.recording.turns import COUNT, RotationOperators, pattern_order, rotation
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""
@@ -32,9 +32,13 @@ _TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
 not quite alike in all directions, and Euler angles do not quite turn."""
 
 
-def train_dots_network(
-    name: str, lesson: Lesson, course: CourseSpec | None = None, members: int = MEMBERS, kept: Path | None = None
-) -> DotsNetwork:
+def train_marker_network(
+    name: str,
+    lesson: TrainingSet,
+    course: TrainerSpec | None = None,
+    members: int = MEMBERS,
+    checkpoint: Path | None = None,
+) -> MarkerNetwork:
     """Perceptrons on principal components of displacements.
 
     Parameters
@@ -43,7 +47,7 @@ def train_dots_network(
         Name of the part, and what it learns from.
     course, members
         How it is trained, and how many are averaged.
-    kept
+    checkpoint
         File that holds what is known now and then.
 
     Raises
@@ -51,32 +55,32 @@ def train_dots_network(
     MissingExtraError
         If torch is not installed.
     """
-    taught = flat_features(lesson.inputs, None)[lesson.teach]
+    taught = flat_features(lesson.inputs, None)[lesson.train]
     start = _components(taught.mean(axis=0), np.cov(taught.T), len(taught))
-    return tune_dots_network(
-        name, lesson, start, course or CourseSpec(DOTS_EPOCHS, noise=0.01), members=members, kept=kept
+    return fine_tune_marker_network(
+        name, lesson, start, course or TrainerSpec(DOTS_EPOCHS, noise=0.01), members=members, checkpoint=checkpoint
     )
 
 
-def _components(centre: FloatArray, covariance: FloatArray, taught: int) -> dict[str, NDArray[Any]]:
+def _components(centre: FloatArray, covariance: FloatArray, fitted: int) -> dict[str, NDArray[Any]]:
     """Projection (p, c) on principal components, each scaled, and where the centre (p,) lies there."""
     values, vectors = np.linalg.eigh(covariance + 1e-9 * np.eye(len(centre)))
-    count = min(COMPONENTS, len(values), max(4, taught // 4))
+    count = min(COMPONENTS, len(values), max(4, fitted // 4))
     values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
     projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
     return {"projection": projection, "offset": centre @ projection}
 
 
-def train_turned_network(
-    name: str, lesson: Lesson, kept: Path | None = None, epochs: int = DOTS_EPOCHS
-) -> DotsNetwork:
-    """Perceptrons as `train_dots_network`, taught by turned presses as well; the lesson says how they turn."""
-    assert lesson.turning is not None
+def train_rotated_network(
+    name: str, lesson: TrainingSet, checkpoint: Path | None = None, epochs: int = DOTS_EPOCHS
+) -> MarkerNetwork:
+    """Perceptrons as `train_marker_network`, taught by turned presses as well; the lesson says how they turn."""
+    assert lesson.rotation is not None
     torch = load_torch()
-    base = lesson.turning.base_px
-    turns, fields = Turns(lesson.turning.places_px), flat_features(lesson.inputs - base, None)
-    centre, covariance = turns.spread(fields[lesson.teach].astype(float))
-    start = _components(centre, covariance, int(lesson.teach.sum()))
+    base = lesson.rotation.base_px
+    turns, fields = RotationOperators(lesson.rotation.places_px), flat_features(lesson.inputs - base, None)
+    centre, covariance = turns.spread(fields[lesson.train].astype(float))
+    start = _components(centre, covariance, int(lesson.train.sum()))
     along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
     flat, offset = torch.as_tensor(fields), torch.as_tensor(start["offset"].astype(np.float32))
 
@@ -85,16 +89,16 @@ def train_turned_network(
     def turned(rows: Any, number: int) -> Any:
         return flat[rows] @ along[number] - offset
 
-    course = CourseSpec(epochs, noise=0.01, vary=_vary(torch, lesson, turned, COUNT))
-    return tune_dots_network(name, lesson, start, course, kept=kept)
+    course = TrainerSpec(epochs, noise=0.01, augment=_vary(torch, lesson, turned, COUNT))
+    return fine_tune_marker_network(name, lesson, start, course, checkpoint=checkpoint)
 
 
-def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: int) -> Any:
+def _vary(torch: Any, lesson: TrainingSet, turned: Callable[[Any, int], Any], count: int) -> Any:
     """Draws batches, most of them turned by one of `count` steps around; `turned` gives inputs of rows so turned."""
-    assert lesson.turning is not None
+    assert lesson.rotation is not None
     mean, sd = lesson.scale
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
-    steps = [lesson.turning.sense * number * (COUNT // count) for number in range(count)]
+    steps = [lesson.rotation.sense * number * (COUNT // count) for number in range(count)]
     tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
 
     def vary(rows: Any, over: float, random: Any) -> tuple[Any, Any]:
@@ -107,15 +111,15 @@ def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: 
     return vary
 
 
-def tune_dots_network(
+def fine_tune_marker_network(
     name: str,
-    lesson: Lesson,
+    lesson: TrainingSet,
     start: Mapping[str, NDArray[Any]],
-    course: CourseSpec,
+    course: TrainerSpec,
     *,
     members: int = MEMBERS,
-    kept: Path | None = None,
-) -> DotsNetwork:
+    checkpoint: Path | None = None,
+) -> MarkerNetwork:
     """Train perceptrons on a given projection of displacements, from given weights where there are such."""
     torch = load_torch()
     given = "weight_0" in start
@@ -127,13 +131,13 @@ def tune_dots_network(
     for member in range(len(start["weight_0"]) if given else members):
         random = torch.Generator().manual_seed(child_seed(lesson.seed, name, member))
         net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets, random)
-        own = None if kept is None else kept.with_suffix(f".{member}")
-        states.append(Course(net, lesson, inputs, targets, course, random).run(own))
+        own = None if checkpoint is None else checkpoint.with_suffix(f".{member}")
+        states.append(Trainer(net, lesson, inputs, targets, course, random).run(own))
     arrays = {key: np.asarray(start[key]) for key in ("projection", "offset")} | {"mean": mean, "sd": sd}
     for layer, key in enumerate(key for key in states[0] if key.endswith(".weight")):
         arrays[f"weight_{layer}"] = np.stack([state[key].numpy().T for state in states])
         arrays[f"bias_{layer}"] = np.stack([state[key.replace("weight", "bias")].numpy() for state in states])
-    return DotsNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
+    return MarkerNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
 
 
 def _new_perceptron(torch: Any, inputs: Any, targets: Any, random: Any) -> Any:
@@ -166,9 +170,9 @@ def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: in
     return torch.nn.Sequential(*layers[:-1])
 
 
-def train_picture_network(
-    name: str, lesson: Lesson, asked: int, course: CourseSpec, kept: Path, say: Callable[[str], None]
-) -> PictureNetwork:
+def train_image_network(
+    name: str, lesson: TrainingSet, asked: int, course: TrainerSpec, checkpoint: Path, report: Callable[[str], None]
+) -> ImageNetwork:
     """A convolutional network on pictures.
 
     Parameters
@@ -177,9 +181,9 @@ def train_picture_network(
         Name of the part, and what it learns from: of its targets the first `asked` are handed on.
     asked, course
         Number of targets handed on; epochs and threads.
-    kept
+    checkpoint
         File that holds what is known after each epoch; it is removed by who keeps the part.
-    say
+    report
         Told after each epoch.
 
     Raises
@@ -191,19 +195,23 @@ def train_picture_network(
     mean, sd = lesson.scale
     random = torch.Generator().manual_seed(child_seed(lesson.seed, name))
     net = _build_network(torch, lesson.inputs.shape[1:], lesson.targets.shape[1], random)
-    taught = lesson.inputs[lesson.teach]
+    taught = lesson.inputs[lesson.train]
     level, spread = float(taught.mean()) / 255.0, max(float(taught.std()) / 255.0, 1e-3)
     pictures = torch.as_tensor(lesson.inputs)[:, None]
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
     shift = round(SHIFT * max(lesson.inputs.shape[1:]))
-    spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, rise=RISE)
-    if lesson.turning is not None:
-        order = pattern_order(lesson.turning.places_px)
-        turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.places_px).middle, order)
-        spec = replace(spec, vary=_vary(torch, lesson, turned, order))
-    state = Course(net, lesson, pictures, targets, spec, random).run(kept, lambda text: say(f"{name}: {text}"))
+    spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, warm_up_share=RISE)
+    if lesson.rotation is not None:
+        order = pattern_order(lesson.rotation.places_px)
+        turned = partial(
+            _turn_pictures, torch, lesson.inputs, RotationOperators(lesson.rotation.places_px).middle, order
+        )
+        spec = replace(spec, augment=_vary(torch, lesson, turned, order))
+    state = Trainer(net, lesson, pictures, targets, spec, random).run(
+        checkpoint, lambda text: report(f"{name}: {text}")
+    )
     arrays = _folded(state, level, spread)
-    return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
+    return ImageNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
 
 
 def _turn_pictures(torch: Any, pictures: NDArray[Any], middle: FloatArray, order: int, rows: Any, number: int) -> Any:

@@ -33,7 +33,7 @@ _RINGS, _CLEAR = 5, 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class Turns:
+class RotationOperators:
     """Turns of fields of displacements about the middle of a layout.
 
     Attributes
@@ -87,7 +87,7 @@ def rotation(number: int) -> FloatArray:
 
 def pattern_order(rest_px: FloatArray) -> int:
     """Into how many alike parts a layout (m, 2) is cut by turns: 6 of a hexagon, 4 of a square, 1 of most others."""
-    about = rest_px - Turns(rest_px).middle
+    about = rest_px - RotationOperators(rest_px).middle
     tree = cKDTree(about)
     spacing = float(np.median(tree.query(about, 2)[0][:, 1]))
     for order in _ORDERS:
@@ -97,7 +97,7 @@ def pattern_order(rest_px: FloatArray) -> int:
     return 1
 
 
-def find_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> int:
+def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> int:
     """Whether (rx, ry) turn with the image (1), against it (−1), or whether neither is clear (0).
 
     Of the complex displacement u at the place z the means of u and of u* z²/|z|² over rings turn with the image, and
@@ -108,7 +108,7 @@ def find_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> i
     rest_px, moved_px, tilt
         (m, 2) dots at rest, (n, m, 2) displacements, (n, 2) rx and ry in degrees.
     """
-    apart = rest_px - Turns(rest_px).middle
+    apart = rest_px - RotationOperators(rest_px).middle
     place, moved = apart[:, 0] + 1j * apart[:, 1], moved_px[..., 0] + 1j * moved_px[..., 1]
     ring = np.minimum((np.argsort(np.argsort(abs(place))) * _RINGS) // len(place), _RINGS - 1)
     outward = (place / np.maximum(abs(place), 1e-9)) ** 2

@@ -1,6 +1,12 @@
 """Relaxation: how stress and force fade while a strain stays, fitted to tests and followed through time."""
 
-from palpate.relaxation.course import ForceCurve, WallCourse, hold_force, hold_wall, sink_wall
+from palpate.relaxation.course import (
+    ForceCurve,
+    WallHistory,
+    simulate_compliant_hold,
+    simulate_depth_hold,
+    simulate_force_hold,
+)
 from palpate.relaxation.draw_relaxation import draw_relaxation
 from palpate.relaxation.fit_relaxation import RelaxationFit, fit_relaxation
 from palpate.relaxation.held_test import RelaxationTest
@@ -14,11 +20,11 @@ __all__ = [
     "RelaxationFit",
     "RelaxationTest",
     "StressHistory",
-    "WallCourse",
+    "WallHistory",
     "draw_relaxation",
     "fit_relaxation",
-    "hold_force",
-    "hold_wall",
     "relax_history",
-    "sink_wall",
+    "simulate_compliant_hold",
+    "simulate_depth_hold",
+    "simulate_force_hold",
 ]

@@ -67,7 +67,7 @@ class ForceCurve:
         return np.column_stack([np.interp(depth, self.depth, part) for part in self.force.T])
 
 
-class WallCourse(NamedTuple):
+class WallHistory(NamedTuple):
     """A wall through time.
 
     Attributes
@@ -85,7 +85,9 @@ class WallCourse(NamedTuple):
     force: FloatArray
 
 
-def hold_wall(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth: FloatArray) -> WallCourse:
+def simulate_depth_hold(
+    relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth: FloatArray
+) -> WallHistory:
     """Follow a wall whose depth is known, as on a stiff robot.
 
     Parameters
@@ -101,7 +103,7 @@ def hold_wall(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth
 
     Returns
     -------
-    WallCourse
+    WallHistory
         At these times; exact for this curve.
     """
     course = _course(time, depth)
@@ -111,12 +113,12 @@ def hold_wall(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth
         pieces.append(np.vstack([start + share * (end - start), end]))
     cut = np.concatenate(pieces)
     force = relax_history(relaxation, cut[:, 0], curve.at(cut[:, 1]))
-    return WallCourse(course[:, 0], course[:, 1], force[np.cumsum([len(piece) for piece in pieces]) - 1])
+    return WallHistory(course[:, 0], course[:, 1], force[np.cumsum([len(piece) for piece in pieces]) - 1])
 
 
-def sink_wall(
+def simulate_compliant_hold(
     relaxation: Relaxation, curve: ForceCurve, time: FloatArray, travel: FloatArray, stiffness: float
-) -> WallCourse:
+) -> WallHistory:
     """Follow a wall on a robot that gives way: it sinks in as the force fades.
 
     At every time, ``stiffness · (travel - depth)`` is the force.
@@ -136,7 +138,7 @@ def sink_wall(
 
     Returns
     -------
-    WallCourse
+    WallHistory
         At these times.
 
     Raises
@@ -152,19 +154,21 @@ def sink_wall(
     return _balance(relaxation, curve, course * [1.0, stiffness], stiffness)
 
 
-def hold_force(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, force: FloatArray) -> WallCourse:
+def simulate_force_hold(
+    relaxation: Relaxation, curve: ForceCurve, time: FloatArray, force: FloatArray
+) -> WallHistory:
     """Follow a wall on which a robot keeps a force: it creeps in.
 
     Parameters
     ----------
     relaxation, curve, time
-        As for `sink_wall`.
+        As for `simulate_compliant_hold`.
     force
         (n,) N along the wall's normal.
 
     Returns
     -------
-    WallCourse
+    WallHistory
         At these times.
 
     Raises
@@ -187,7 +191,7 @@ def _course(time: FloatArray, given: FloatArray) -> FloatArray:
     return np.column_stack([time, given])
 
 
-def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stiffness: float) -> WallCourse:
+def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stiffness: float) -> WallHistory:
     """Wall whose relaxed force is ``given - stiffness · depth`` (N), over a course (n, 2) of s and N given."""
     if curve.force.ndim > 1:
         raise PalpateError(
@@ -213,8 +217,8 @@ def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stif
         else:
             depth = float(brentq(missing, 0.0, float(curve.depth[-1]), xtol=1e-12))
         depths.append(depth)
-        forces.append(history.follow(float(when), curve.at(np.array([depth]))[0]))
-    return WallCourse(course[:, 0], np.array(depths), np.array(forces))
+        forces.append(history.update(float(when), curve.at(np.array([depth]))[0]))
+    return WallHistory(course[:, 0], np.array(depths), np.array(forces))
 
 
 def _passed(curve: ForceCurve, before: float, after: float) -> FloatArray:

@@ -36,8 +36,8 @@ def draw_relaxation(tests: Sequence[RelaxationTest], fit: RelaxationFit) -> Figu
     FigureCanvasAgg(figure)
     axis = figure.subplots()
     for number, test in enumerate(tests):
-        begun, whole = test.came
-        since, course = test.course
+        begun, whole = test.ramp_times
+        since, course = test.strain_history
         answer = relax_history(fit.relaxation, since, course)[1:] / fit.relaxation.scale
         after = test.time >= begun
         time, stress = since[1:], test.stress[after]
@@ -53,7 +53,11 @@ def draw_relaxation(tests: Sequence[RelaxationTest], fit: RelaxationFit) -> Figu
         )
     grid = np.geomspace(fit.first, fit.last, _POINTS)
     axis.plot(
-        grid, fit.relaxation.left(grid), color=_MODEL, linewidth=1.8, label=f"{len(fit.relaxation.times)} terms"
+        grid,
+        fit.relaxation.relaxation_function(grid),
+        color=_MODEL,
+        linewidth=1.8,
+        label=f"{len(fit.relaxation.times)} terms",
     )
     axis.set_xscale("log")
     axis.set_xlabel("time since the strain began (s)")

@@ -160,7 +160,7 @@ class _Found:
 
 def _average(test: RelaxationTest) -> _Rows:
     """Rows averaged over even stretches of log time since the strain began, those before it was whole as they are."""
-    begun, whole = test.came
+    begun, whole = test.ramp_times
     after = test.time >= begun
     time, stress = test.time[after] - begun, test.stress[after]
     held = test.time[after] >= whole
@@ -173,7 +173,7 @@ def _average(test: RelaxationTest) -> _Rows:
     count = np.bincount(bins)
     stress = np.bincount(bins, stress) / count
     stress = stress / stress.max()
-    knots = np.column_stack(test.course)
+    knots = np.column_stack(test.strain_history)
     knots = knots[_knots(*knots.T)]
     if knots[0, 1] > _KNOT:  # it came as a step
         knots = np.vstack([[0.0, 0.0], knots])

@@ -47,7 +47,7 @@ class RelaxationTest:
     notes: tuple[str, ...] = ()
 
     @property
-    def came(self) -> tuple[float, float]:
+    def ramp_times(self) -> tuple[float, float]:
         """Times in s at which the strain began and was whole; without `strain`, both 0 of a step."""
         if self.strain is not None:
             rises, held = self.strain, self._strain_held
@@ -61,12 +61,12 @@ class RelaxationTest:
         return float(self.time[begun[-1] if len(begun) else 0]), float(self.time[whole])
 
     @property
-    def course(self) -> tuple[FloatArray, FloatArray]:
+    def strain_history(self) -> tuple[FloatArray, FloatArray]:
         """Strain as it came: times (n,) s since it began, the first 0, and the strain then, over the one held.
 
         What is there at time 0 came as a step.
         """
-        begun, whole = self.came
+        begun, whole = self.ramp_times
         after = self.time >= begun
         since = self.time[after] - begun
         if self.strain is not None:
@@ -86,13 +86,13 @@ class RelaxationTest:
     @property
     def first(self) -> float:
         """Shortest time in s after the strain began that the test tells something of."""
-        begun, whole = self.came
+        begun, whole = self.ramp_times
         return whole - begun if whole > begun else float(self.time[self.time > begun][0] - begun)
 
     @property
     def last(self) -> float:
         """Longest time in s after the strain began."""
-        return float(self.time[-1] - self.came[0])
+        return float(self.time[-1] - self.ramp_times[0])
 
     def check(self) -> None:
         """Refuse what cannot be a relaxation, with a `PalpateError`."""
@@ -115,7 +115,7 @@ class RelaxationTest:
                 "Cut what comes after the strain is let go, and check the column of strain.",
                 code="strain-released",
             )
-        begun, whole = self.came
+        begun, whole = self.ramp_times
         if begun == whole == 0.0 and self.time[0] < 0:
             raise PalpateError(
                 f"{self.name} begins at {self.time[0]:g} s and has no strain.",

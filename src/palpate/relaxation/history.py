@@ -23,7 +23,7 @@ class StressHistory:
     --------
     >>> from palpate.relaxation import Moduli, Relaxation, StressHistory
     >>> history = StressHistory(Relaxation((0.2,), (1.0,), Moduli.INSTANTANEOUS))
-    >>> [round(float(history.follow(time, 5.0)), 4) for time in (0.0, 1.0, 30.0)]
+    >>> [round(float(history.update(time, 5.0)), 4) for time in (0.0, 1.0, 30.0)]
     [5.0, 4.3679, 4.0]
     """
 
@@ -39,7 +39,7 @@ class StressHistory:
         """Time in s to which it was followed; `None` before the first."""
         return self._time
 
-    def follow(self, time: float, elastic: FloatArray | float) -> FloatArray:
+    def update(self, time: float, elastic: FloatArray | float) -> FloatArray:
         """Go on to a time.
 
         Parameters
@@ -73,7 +73,7 @@ class StressHistory:
         kept, whole = self._carry(time)
         carried = kept - np.multiply.outer(whole, self._elastic)
         a = self.relaxation.scale * np.tensordot(self._shares, carried, axes=1)
-        return a, float(self.relaxation.scale * (self.relaxation.end + self._shares @ whole))
+        return a, float(self.relaxation.scale * (self.relaxation.long_term_share + self._shares @ whole))
 
     def _carry(self, time: float) -> tuple[FloatArray, FloatArray]:
         """What the terms keep until a time (k, ...), and what each takes up of a change until then (k,)."""
@@ -90,7 +90,7 @@ class StressHistory:
         return (np.exp(-passed) * self._parts.T).T, whole
 
     def _sum(self, elastic: FloatArray, parts: FloatArray) -> FloatArray:
-        ending: FloatArray = self.relaxation.end * elastic + np.tensordot(self._shares, parts, axes=1)
+        ending: FloatArray = self.relaxation.long_term_share * elastic + np.tensordot(self._shares, parts, axes=1)
         return self.relaxation.scale * ending
 
 
@@ -112,4 +112,4 @@ def relax_history(relaxation: Relaxation, time: FloatArray, elastic: FloatArray)
         What is there, in the unit of `elastic`.
     """
     history = StressHistory(relaxation)
-    return np.array([history.follow(float(at), value) for at, value in zip(time, elastic, strict=True)])
+    return np.array([history.update(float(at), value) for at, value in zip(time, elastic, strict=True)])

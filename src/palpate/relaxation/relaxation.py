@@ -49,7 +49,7 @@ class Relaxation:
     --------
     >>> from palpate.relaxation import Moduli, Relaxation
     >>> silicone = Relaxation((0.05, 0.1), (0.3, 20.0), Moduli.INSTANTANEOUS)
-    >>> [round(float(part), 4) for part in silicone.left([0.0, 1.0, 1e6])]
+    >>> [round(float(part), 4) for part in silicone.relaxation_function([0.0, 1.0, 1e6])]
     [1.0, 0.9469, 0.85]
     """
 
@@ -91,23 +91,23 @@ class Relaxation:
             )
 
     @property
-    def end(self) -> float:
+    def long_term_share(self) -> float:
         """Share of the instantaneous stress that is left in the end."""
         return 1.0 - sum(self.shares)
 
     @property
     def scale(self) -> float:
         """Instantaneous modulus over that of the law's constants."""
-        return 1.0 if self.moduli is Moduli.INSTANTANEOUS else 1.0 / self.end
+        return 1.0 if self.moduli is Moduli.INSTANTANEOUS else 1.0 / self.long_term_share
 
-    def left(self, time: FloatArray | Sequence[float] | float) -> FloatArray:
+    def relaxation_function(self, time: FloatArray | Sequence[float] | float) -> FloatArray:
         """Share ``g`` (n,) of the instantaneous stress that is left at times (n,) s since a step of strain."""
         passed = np.asarray(time, float)[..., None] / np.array(self.times)
         return np.asarray(1.0 + np.expm1(-passed) @ np.array(self.shares))
 
     def modulus(self, time: FloatArray | Sequence[float] | float) -> FloatArray:
         """Modulus (n,) over that of the law's constants, at times (n,) s since a step of strain."""
-        return self.scale * self.left(time)
+        return self.scale * self.relaxation_function(time)
 
     def key_data(self) -> dict[str, Any]:
         """Return the identity as plain values: moduli, shares, times (s)."""

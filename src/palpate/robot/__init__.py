@@ -1,11 +1,11 @@
 """Robot: the last metre: a tool that is squared to walls, the sensor's axes against the drill's, and ROS."""
 
 from palpate.robot.align import OFFSET_TURNS, Aligner, NextImage
-from palpate.robot.alignment import Alignment, Ending, Touch
+from palpate.robot.alignment import Alignment, AlignmentOutcome, Touch
 from palpate.robot.broadcast import Broadcast
-from palpate.robot.open_by import OpenSpec, open_by, read_open_spec
-from palpate.robot.placement import Placement, tilt_of
-from palpate.robot.play import Play, PlayedUnit, PlayedWall
+from palpate.robot.open_by import SensorLaunchSpec, open_from_parameters, parse_launch_spec
+from palpate.robot.placement import Placement, tilt_from_normal
+from palpate.robot.play import AlignmentScenario, AlignmentTrial, VirtualUnit
 from palpate.robot.read_source import SourceReader
 from palpate.robot.robot import Robot
 from palpate.robot.ros_sensor import TOPICS, RosSensor, RosSpec
@@ -21,28 +21,28 @@ __all__ = [
     "AlignSpec",
     "Aligner",
     "Alignment",
+    "AlignmentOutcome",
+    "AlignmentScenario",
+    "AlignmentTrial",
     "Broadcast",
-    "Ending",
     "NextImage",
-    "OpenSpec",
     "Placement",
-    "Play",
-    "PlayedUnit",
-    "PlayedWall",
     "Robot",
     "RosSensor",
     "RosSpec",
+    "SensorLaunchSpec",
     "SimulatedRobot",
     "SimulatedRobotSpec",
     "SourceReader",
     "Tool",
     "Touch",
+    "VirtualUnit",
     "describe_alignment",
     "describe_wall",
     "find_tool_offset",
     "list_touches",
-    "open_by",
-    "read_open_spec",
-    "tilt_of",
+    "open_from_parameters",
+    "parse_launch_spec",
+    "tilt_from_normal",
     "write_alignments",
 ]

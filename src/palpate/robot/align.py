@@ -21,9 +21,9 @@ from scipy.stats import chi2
 from palpate.built import PoseFit
 from palpate.core import FloatArray, PalpateError
 from palpate.design import wall_normal
-from palpate.robot.alignment import Alignment, Ending, Touch
+from palpate.robot.alignment import Alignment, AlignmentOutcome, Touch
 from palpate.robot.force_limit import ForceLimit
-from palpate.robot.placement import Placement, tilt_of, turn_between, turn_by
+from palpate.robot.placement import Placement, rotation_between, rotation_from_vector, tilt_from_normal
 from palpate.robot.robot import Robot
 from palpate.robot.spec import AlignSpec
 from palpate.robot.tool import Tool
@@ -45,7 +45,7 @@ OFFSET_TURNS = tuple((60.0 * k, 3.0 * (-1) ** k) for k in range(6))
 
 
 class _Failed(Exception):  # noqa: N818  it carries an ending through a touch, and never leaves this file
-    def __init__(self, ending: Ending) -> None:
+    def __init__(self, ending: AlignmentOutcome) -> None:
         self.ending = ending
 
 
@@ -74,7 +74,7 @@ class Aligner:
     def __init__(
         self, robot: Robot, sensor: Sensor, next_image: NextImage, tool: Tool, spec: AlignSpec | None = None
     ) -> None:
-        fitter = sensor.reader.twin_fit
+        fitter = sensor.estimator.twin_fit
         if fitter is None:
             raise PalpateError(
                 "A network tells no force for a limit.",
@@ -88,7 +88,7 @@ class Aligner:
         self._factor = float(np.sqrt(chi2.ppf(self.spec.level, 2)))
         self._images, self._gap = 0, 0.0
         skin = sensor.unit.skin
-        self._apex = skin.touch(np.array([0.0, 0.0, 1.0]))
+        self._apex = skin.support_point(np.array([0.0, 0.0, 1.0]))
 
     def align(self) -> Alignment:
         """Touch and turn until the tool is square; the flange ends clear of the wall.
@@ -100,7 +100,7 @@ class Aligner:
         """
         log = _Log()
         self._images = 0
-        while len(log.touches) < self.spec.most_touches:
+        while len(log.touches) < self.spec.max_touches:
             try:
                 touch = self.touch()
             except _Failed as failed:
@@ -116,8 +116,8 @@ class Aligner:
                 self._turn(touch)
             near = np.hypot(*miss) <= self.spec.near_deg and not touch.outside
             if near and np.hypot(*left) + half <= self.spec.tolerance_deg:
-                return log.end(Ending.SQUARE, left, half, self._images)
-        return log.end(Ending.TOO_MANY, left, half, self._images)
+                return log.end(AlignmentOutcome.SQUARE, left, half, self._images)
+        return log.end(AlignmentOutcome.TOO_MANY, left, half, self._images)
 
     def find_offset(self, turns: Sequence[tuple[float, float]] = OFFSET_TURNS) -> Tool:
         """Tell the sensor's axes against the drill's by touching one wall with the flange turned.
@@ -138,10 +138,13 @@ class Aligner:
         PalpateError
             If a touch fails, or they do not fit one wall.
         """
-        touches, start = [], self.robot.where()
+        touches, start = [], self.robot.flange_pose()
         across = np.linalg.svd(self.tool.drill[None])[2][1]
         for about, lean in turns:
-            self._turn_to(start, start.rotation @ turn_by(about * self.tool.drill) @ turn_by(lean * across))
+            self._turn_to(
+                start,
+                start.rotation @ rotation_from_vector(about * self.tool.drill) @ rotation_from_vector(lean * across),
+            )
             try:
                 touches.append(self.touch())
             except _Failed as failed:
@@ -156,27 +159,27 @@ class Aligner:
 
     def touch(self) -> Touch:
         """Touch the wall ahead once, and leave it by `clear` mm."""
-        start, before = self.robot.where(), self._images
+        start, before = self.robot.flange_pose(), self._images
         way = start.rotation @ self.tool.flange_from_sensor.rotation[:, 2]
         try:
             read = self._press(start, way, *self._search(start, way))
         except _Failed:
             self.robot.move(start)
             raise
-        zero = read.travel - read.fit.theta[2]
+        zero = read.travel - read.fit.state[2]
         self.robot.move(start.moved((zero - self.spec.clear) * way))
         self._gap = self.spec.clear
-        return self._told(read, self._images - before)
+        return self._estimated(read, self._images - before)
 
     def _search(self, start: Placement, way: FloatArray) -> tuple[float, Reading]:
         """Travel (mm) at the first image that shows a touch, and its reading."""
         travel, lifts = max(self._gap - _BEFORE_MM, 0.0), 0
         self.robot.move(start.moved(travel * way))
         while travel <= self.spec.search:
-            reading = self._look(Flag.OUTSIDE, Flag.MOVED)
+            reading = self._look(Flag.OUT_OF_DISTRIBUTION, Flag.CAMERA_MOVED)
             if reading is None:
-                raise _Failed(Ending.UNREADABLE)
-            if Flag.MOVED in reading.flags:
+                raise _Failed(AlignmentOutcome.UNREADABLE)
+            if Flag.CAMERA_MOVED in reading.flags:
                 # the lightest of touches looks as if the camera had moved: above the wall that must be gone
                 lifts += 1
                 self._lift(start.moved((travel - _LIFT_MM) * way), lifts)
@@ -184,51 +187,51 @@ class Aligner:
                 return travel, reading
             travel += self.spec.step * (_LONGER if lifts else 1.0)
             self.robot.move(start.moved(travel * way))
-        raise _Failed(Ending.NO_WALL)
+        raise _Failed(AlignmentOutcome.NO_WALL)
 
     def _lift(self, place: Placement, lifts: int) -> None:
         """Leave the wall, and fail where the dots stay as if the camera had moved."""
         self.robot.move(place)
         if self._look() is None or lifts > _MOST_LIFTS:
-            raise _Failed(Ending.UNREADABLE)
+            raise _Failed(AlignmentOutcome.UNREADABLE)
 
     def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
         """The deepest image that was read."""
-        best = _read_of(travel, reading, self.robot.where())
+        best = _read_of(travel, reading, self.robot.flange_pose())
         for share in _STRIDES:
-            goal = self._limit.deepest(best.fit, self.spec.depth)
-            if goal - best.fit.theta[2] < _ARRIVED_MM:
+            goal = self._limit.max_depth(best.fit, self.spec.depth)
+            if goal - best.fit.state[2] < _ARRIVED_MM:
                 break
-            travel = best.travel + share * (goal - float(best.fit.theta[2]))
+            travel = best.travel + share * (goal - float(best.fit.state[2]))
             self.robot.move(start.moved(travel * way))
-            found = self._look(Flag.OUTSIDE)
+            found = self._look(Flag.OUT_OF_DISTRIBUTION)
             if found is None or not found.touching:
                 self.robot.move(start.moved((best.travel - _BACK_MM) * way))
                 break
-            best = _read_of(travel, found, self.robot.where())
-        if best.fit.theta[2] < self.spec.least_depth:
-            raise _Failed(Ending.UNREADABLE if travel != best.travel else Ending.TOO_SHALLOW)
+            best = _read_of(travel, found, self.robot.flange_pose())
+        if best.fit.state[2] < self.spec.min_depth:
+            raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
         return best
 
     def _look(self, *accepted: Flag) -> Reading | None:
         """A reading of this place with no flag but those accepted; `None` where no image of it gives one."""
-        for _ in range(self.spec.looks):
+        for _ in range(self.spec.max_image_retries):
             self._images += 1
             reading = self.sensor.read(self._next_image())
             if not set(reading.flags).difference(accepted):
                 return reading
         return None
 
-    def _told(self, read: _Read, images: int) -> Touch:
-        fit, force = read.fit, read.fit.force.pressing
+    def _estimated(self, read: _Read, images: int) -> Touch:
+        fit, force = read.fit, read.fit.force.normal_force
         return Touch(
             read.base_from_flange,
             fit.pose[:2].copy(),
-            float(fit.theta[2]),
+            float(fit.state[2]),
             fit.covariance[:2, :2].copy(),
             force.value,
-            self._limit.force_most(fit.theta, float(fit.theta[2])),
-            fit.slip,
+            self._limit.max_force(fit.state, float(fit.state[2])),
+            fit.inverse_friction,
             images,
             read.outside,
         )
@@ -237,8 +240,8 @@ class Aligner:
         """Rotation vector (2,) that takes drill to normal, flange turned to the drill, and its covariance (2, 2)."""
         normal = wall_normal(*np.radians(touch.tilt_deg))
         drill = self.tool.drill_in_sensor
-        to_drill = turn_between(drill, np.array([0.0, 0.0, 1.0]))
-        return tilt_of(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
+        to_drill = rotation_between(drill, np.array([0.0, 0.0, 1.0]))
+        return tilt_from_normal(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
 
     def _half_width(self, covariance: FloatArray) -> float:
         return self._factor * float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
@@ -247,8 +250,8 @@ class Aligner:
         """Turn the drill to the wall's normal that a touch told."""
         flange = touch.base_from_flange.rotation
         normal = flange @ self.tool.flange_from_sensor.rotation @ wall_normal(*np.radians(touch.tilt_deg))
-        here = self.robot.where()
-        self._turn_to(here, turn_between(flange @ self.tool.drill, normal) @ flange)
+        here = self.robot.flange_pose()
+        self._turn_to(here, rotation_between(flange @ self.tool.drill, normal) @ flange)
 
     def _turn_to(self, here: Placement, rotation: FloatArray) -> None:
         """Turn the flange about the dome's apex."""
@@ -267,7 +270,7 @@ class _Read(NamedTuple):
 
 def _read_of(travel: float, reading: Reading, where: Placement) -> _Read:
     assert reading.fit is not None
-    return _Read(travel, reading.fit, where, Flag.OUTSIDE in reading.flags)
+    return _Read(travel, reading.fit, where, Flag.OUT_OF_DISTRIBUTION in reading.flags)
 
 
 class _Log:
@@ -282,7 +285,7 @@ class _Log:
         self.touches.append(touch)
         self._rows.append((angle, half, angle if turns else 0.0))
 
-    def end(self, ending: Ending, left: FloatArray, half: float, images: int) -> Alignment:
+    def end(self, ending: AlignmentOutcome, left: FloatArray, half: float, images: int) -> Alignment:
         """The alignment, ended."""
         angles, halves, turned = (tuple(row[column] for row in self._rows) for column in range(3))
         known = float(np.hypot(*left)) if np.isfinite(half) else float("nan")

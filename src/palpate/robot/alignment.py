@@ -9,7 +9,7 @@ from palpate.core import FloatArray
 from palpate.robot.placement import Placement
 
 
-class Ending(StrEnum):
+class AlignmentOutcome(StrEnum):
     """Why an alignment ended."""
 
     SQUARE = "the interval of the angle lies inside the tolerance"
@@ -33,9 +33,9 @@ class Touch:
         Since first touch, mm.
     covariance
         (2, 2) deg² of the tilt.
-    force_n, force_most_n
+    force_n, force_upper_n
         Force along the wall's normal, and the greatest that its interval allows.
-    slip
+    inverse_friction
         1/µ.
     images
         Images that were looked at.
@@ -48,8 +48,8 @@ class Touch:
     depth: float
     covariance: FloatArray
     force_n: float
-    force_most_n: float
-    slip: float
+    force_upper_n: float
+    inverse_friction: float
     images: int
     outside: bool
 
@@ -60,7 +60,7 @@ class Alignment:
 
     Attributes
     ----------
-    ending
+    outcome
         Why it ended.
     touches
         In order; without one that could not be read.
@@ -70,23 +70,23 @@ class Alignment:
         Half-widths of their intervals.
     turned_deg
         By how much the flange was turned after each.
-    left_deg, left_half_width_deg
+    residual_deg, residual_half_width_deg
         Angle that is left after the last turn, as far as is known, and the half-width of its interval, with the
         robot's own error of that turn.
     images
         Images that were looked at in all.
     """
 
-    ending: Ending
+    outcome: AlignmentOutcome
     touches: tuple[Touch, ...]
     angles_deg: tuple[float, ...]
     half_widths_deg: tuple[float, ...]
     turned_deg: tuple[float, ...]
-    left_deg: float
-    left_half_width_deg: float
+    residual_deg: float
+    residual_half_width_deg: float
     images: int
 
     @property
     def square(self) -> bool:
         """Whether the tool is square."""
-        return self.ending is Ending.SQUARE
+        return self.outcome is AlignmentOutcome.SQUARE

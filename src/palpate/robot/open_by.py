@@ -13,11 +13,11 @@ from palpate.built import read_unit
 from palpate.camera import open_source, read_calibration
 from palpate.core import PalpateError, Spec, parameter
 from palpate.design import MarkerSpec, place_markers
-from palpate.sensor import RigSpec, Sensor, Unit, open_sensor
+from palpate.sensor import Sensor, SensorSpec, Unit, open_sensor
 from palpate.twin import read_twin
 
 
-class OpenSpec(Spec):
+class SensorLaunchSpec(Spec):
     """A sensor that reads by a twin, and where its images come from."""
 
     twin: Path = parameter(Path(), unit="", meaning="file of the design's twin, of palpate twin")
@@ -39,10 +39,10 @@ class OpenSpec(Spec):
             raise PydanticCustomError(first["type"], "{says}", {"says": first["msg"]}) from None
 
 
-S = TypeVar("S", bound=OpenSpec)
+S = TypeVar("S", bound=SensorLaunchSpec)
 
 
-def read_open_spec(kind: type[S], values: dict[str, Any]) -> S:
+def parse_launch_spec(kind: type[S], values: dict[str, Any]) -> S:
     """A spec of its values by name; an empty text is none.
 
     Raises
@@ -62,7 +62,7 @@ def read_open_spec(kind: type[S], values: dict[str, Any]) -> S:
         ) from None
 
 
-def open_by(spec: OpenSpec) -> Sensor:
+def open_from_parameters(spec: SensorLaunchSpec) -> Sensor:
     """Open a sensor by a twin and the first images of a source, which show the untouched dome.
 
     Raises
@@ -74,7 +74,7 @@ def open_by(spec: OpenSpec) -> Sensor:
     markers = MarkerSpec(file=spec.layout) if spec.layout else MarkerSpec(count=spec.markers)
     lens = read_calibration(spec.lens).camera_spec() if spec.lens else None
     known = read_unit(spec.unit) if spec.unit else None
-    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, known=known)
+    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, identified=known)
     with open_source(spec.source) as source:
         first, clock = list(islice(source.images(), spec.rest_images)), source.clock
     images = [image for image in first if not isinstance(image, PalpateError)]
@@ -84,6 +84,6 @@ def open_by(spec: OpenSpec) -> Sensor:
             "Look at the camera, or ask for fewer.",
             code="rest-images-few",
         )
-    sensor = open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))
+    sensor = open_sensor(images, unit, twin, SensorSpec(rest_images=spec.rest_images))
     sensor.clock = clock
     return sensor

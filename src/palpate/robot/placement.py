@@ -55,17 +55,17 @@ class Placement:
         return Placement(self.rotation, self.position + by)
 
 
-def turn_by(vector_deg: FloatArray) -> FloatArray:
+def rotation_from_vector(vector_deg: FloatArray) -> FloatArray:
     """Rotation (3, 3) by a rotation vector (3,) in degrees."""
     return Rotation.from_rotvec(vector_deg, degrees=True).as_matrix()
 
 
-def turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
+def rotation_between(first: FloatArray, second: FloatArray) -> FloatArray:
     """The shortest rotation (3, 3) that takes one unit vector (3,) to another; they are not opposite.
 
     Examples
     --------
-    >>> (turn_between(np.array([1.0, 0, 0]), np.array([0, 1.0, 0])) @ [1.0, 0.0, 0.0]).round(9).tolist()
+    >>> (rotation_between(np.array([1.0, 0, 0]), np.array([0, 1.0, 0])) @ [1.0, 0.0, 0.0]).round(9).tolist()
     [0.0, 1.0, 0.0]
     """
     axis, cosine = np.cross(first, second), float(first @ second)
@@ -73,13 +73,13 @@ def turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.eye(3) + skew + skew @ skew / (1.0 + cosine)
 
 
-def tilt_of(normal: FloatArray) -> FloatArray:
+def tilt_from_normal(normal: FloatArray) -> FloatArray:
     """Rotation vector (rx, ry), degrees, of a wall with this unit normal (3,): the inverse of `wall_normal`.
 
     Examples
     --------
     >>> from palpate.design import wall_normal
-    >>> tilt_of(wall_normal(*np.radians([3.0, -4.0]))).round(9).tolist()
+    >>> tilt_from_normal(wall_normal(*np.radians([3.0, -4.0]))).round(9).tolist()
     [3.0, -4.0]
     """
     across = float(np.hypot(normal[0], normal[1]))

@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.bench import Scene, set_scene
+from palpate.bench import Scene, build_scene
 from palpate.built import (
-    KNOWN_TILTS,
-    KNOWN_TURN_DEG,
+    CALIBRATION_TILTS,
+    CALIBRATION_TURN_DEG,
     Deviation,
-    RobotSpec,
+    RobotUncertainty,
     ToleranceSpec,
-    draw_deviation,
+    sample_deviation,
 )
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import FloatArray, PalpateError, generator
@@ -26,38 +26,38 @@ from palpate.design import MarkerLayout, SkinSpec, build_skin, wall_normal
 from palpate.material import Material
 from palpate.robot.align import Aligner
 from palpate.robot.alignment import Alignment
-from palpate.robot.placement import Placement, turn_by
-from palpate.robot.simulated_cell import BuiltUnit, FlatWall, SimulatedCell
+from palpate.robot.placement import Placement, rotation_from_vector
+from palpate.robot.simulated_cell import FlatWall, SimulatedCell, SimulatedUnit
 from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
 from palpate.robot.tool import Tool
-from palpate.robot.touched_dome import DomeBySolver, DomeByTwin, TouchedDome
-from palpate.sensor import RigSpec, Unit, identify_unit, open_sensor
+from palpate.robot.touched_dome import ContactBackend, SolverBackend, TwinBackend
+from palpate.sensor import SensorSpec, Unit, identify_unit, open_sensor
 from palpate.twin import Twin
 
 LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
 """Light, lens and sensor, as on the bench."""
-WALLS = ToleranceSpec(friction=0.2, friction_most=10.0, lateral=0.2)
+WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
 """Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
 _LENGTH_MM = 120.0
 """From the flange to the middle of the dome's base."""
 _STANDOFF_MM = 5.0
 """From where the wall is believed, at the start of an alignment."""
-_JIG = RobotSpec(0.02, 0.02)
+_JIG = RobotUncertainty(0.02, 0.02)
 _REFERENCE_DEG = 2.0
 """Tilt of the wall by which the tool's offset is told."""
 _DEPTHS = (2.5, 4.0, 5.5)
 
 
 @dataclass(frozen=True, eq=False)
-class Play:
+class AlignmentScenario:
     """What is played.
 
     Attributes
     ----------
     twin, layout
         The design's twin and its print; the twin reads.
-    dome, material
+    skin, material
         The design, for presses that are solved anew.
     camera
         As designed.
@@ -65,9 +65,9 @@ class Play:
         How walls are touched, how well the robot does, and how far units and walls may be from the design.
     max_tilt_deg
         Greatest tilt of a wall.
-    known
+    calibration_presses
         Presses at a jig by which each unit is identified; 0: none.
-    solved
+    by_solver
         Whether touches are solved anew, in place of the twin.
     seed
         Of units, walls and the robot's errors.
@@ -75,19 +75,19 @@ class Play:
 
     twin: Twin
     layout: MarkerLayout
-    dome: SkinSpec
+    skin: SkinSpec
     material: Material
     camera: CameraSpec = field(default_factory=CameraSpec)
     align: AlignSpec = field(default_factory=AlignSpec)
     robot: SimulatedRobotSpec = field(default_factory=SimulatedRobotSpec)
     tolerance: ToleranceSpec = WALLS
     max_tilt_deg: float = 10.0
-    known: int = 5
-    solved: bool = False
+    calibration_presses: int = 5
+    by_solver: bool = False
     seed: int = 0
 
 
-class PlayedWall(NamedTuple):
+class AlignmentTrial(NamedTuple):
     """One wall, squared to.
 
     Attributes
@@ -98,7 +98,7 @@ class PlayedWall(NamedTuple):
         What the aligner said.
     final_deg
         True angle between drill and wall's normal at the end.
-    most_force_n
+    max_force_n
         Greatest true force on the way.
     """
 
@@ -106,15 +106,15 @@ class PlayedWall(NamedTuple):
     friction: float
     alignment: Alignment
     final_deg: float
-    most_force_n: float
+    max_force_n: float
 
 
-class PlayedUnit:
+class VirtualUnit:
     """A virtual unit, opened, identified if asked for, mounted, and its tool's offset told.
 
     Parameters
     ----------
-    play
+    scenario
         What is played.
     number
         Of the unit, from 1.
@@ -136,35 +136,35 @@ class PlayedUnit:
         If the sensor cannot be opened or identified, or the offset not be told.
     """
 
-    def __init__(self, play: Play, number: int) -> None:
-        self.play, self.number = play, number
-        self.deviation = draw_deviation(play.tolerance, play.seed, number)
-        skin = build_skin(play.dome)
-        self._scene = set_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
-        self._unit = BuiltUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
-        unit = Unit(skin, play.layout, nominal=play.camera, tolerance=play.tolerance)
-        self._sensor = open_sensor([self._scene.at_rest()], unit, play.twin, RigSpec())
-        if play.known:
+    def __init__(self, scenario: AlignmentScenario, number: int) -> None:
+        self.play, self.number = scenario, number
+        self.deviation = sample_deviation(scenario.tolerance, scenario.seed, number)
+        skin = build_skin(scenario.skin)
+        self._scene = build_scene(skin, scenario.layout, self.deviation, scenario.camera, LIGHT)
+        self._unit = SimulatedUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
+        unit = Unit(skin, scenario.layout, nominal=scenario.camera, tolerance=scenario.tolerance)
+        self._sensor = open_sensor([self._scene.render_rest()], unit, scenario.twin, SensorSpec())
+        if scenario.calibration_presses:
             self._identify()
         self._mount()
 
-    def _pressed(self, scene: Scene) -> TouchedDome:
+    def _pressed(self, scene: Scene) -> ContactBackend:
         play = self.play
-        if play.solved:
+        if play.by_solver:
             deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
-            return DomeBySolver(play.dome, play.material, scene.edges, self.deviation, deepest)
-        return DomeByTwin(play.twin, scene.edges, self.deviation)
+            return SolverBackend(play.skin, play.material, scene.edges, self.deviation, deepest)
+        return TwinBackend(play.twin, scene.edges, self.deviation)
 
     def _identify(self) -> None:
         """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
         rng, deepest = generator(self.play.seed, "jig", self.number), float(self.play.twin.depths_mm[-1])
         still = SimulatedRobotSpec(
-            place_mm=0.0, turn_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, unreadable=0.0
+            position_sd_mm=0.0, rotation_sd_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, dropout=0.0
         )
         presses = []
-        for press in range(self.play.known):
-            tilt = KNOWN_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
-            turn = np.radians(KNOWN_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
+        for press in range(self.play.calibration_presses):
+            tilt = CALIBRATION_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
+            turn = np.radians(CALIBRATION_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
             truth = tilt * np.array([np.cos(turn), np.sin(turn)])
             poses, images = [], []
             off = rng.normal(0.0, [_JIG.tilt_deg, _JIG.tilt_deg, _JIG.depth])
@@ -187,7 +187,7 @@ class PlayedUnit:
     def _mount(self) -> None:
         """Put the unit on the robot askew, and tell its offset by touching a reference wall."""
         play, rng = self.play, generator(self.play.seed, "mount", self.number)
-        askew = turn_by(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
+        askew = rotation_from_vector(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
         along = np.array([0.0, 0.0, _LENGTH_MM])
         self._mounted = Placement(askew @ _seating(self.deviation), along)
         nominal = Tool(Placement(position=along))
@@ -201,36 +201,36 @@ class PlayedUnit:
         self.offset_error_deg = _angle(true, self.tool.drill_in_sensor)
 
     def _before(
-        self, tilt_deg: FloatArray, slip: float, rng: np.random.Generator
+        self, tilt_deg: FloatArray, inverse_friction: float, rng: np.random.Generator
     ) -> tuple[SimulatedCell, SimulatedRobot]:
         """A cell whose wall is tilted against the drill, and a robot in front of it."""
         spec = self.play.robot
-        start = Placement(turn_by(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
+        start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
-        wall = FlatWall(np.zeros(3), normal, slip)
-        cell = self._cell(wall, self._mounted, spec.unreadable, rng)
+        wall = FlatWall(np.zeros(3), normal, inverse_friction)
+        cell = self._cell(wall, self._mounted, spec.dropout, rng)
         gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
         way = (start @ self._mounted).rotation[:, 2]
         start = start.moved(-(cell.depth_at(start) + gap) * way)
         cell.robot = SimulatedRobot(start, spec, rng, cell.push)
         return cell, cell.robot
 
-    def square(self, wall: int) -> PlayedWall:
+    def square(self, wall: int) -> AlignmentTrial:
         """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
         play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
         tilt, turn = play.max_tilt_deg * np.sqrt(rng.uniform()), float(rng.uniform(0.0, 2.0 * np.pi))
-        friction = play.tolerance.draw_friction(float(rng.uniform()))
+        friction = play.tolerance.friction_at(float(rng.uniform()))
         cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
-        return PlayedWall(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.most_force_n)
+        return AlignmentTrial(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
 
 
 def _seating(deviation: Deviation) -> FloatArray:
     """Rotation (3, 3) of the dome on its mount."""
-    return turn_by(np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])) @ turn_by(
-        np.array([0.0, 0.0, deviation.seating_turn_deg])
-    )
+    return rotation_from_vector(
+        np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])
+    ) @ rotation_from_vector(np.array([0.0, 0.0, deviation.seating_turn_deg]))
 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:

@@ -55,7 +55,7 @@ class SourceReader:
                 self._publish(row)
         return row
 
-    def follow(self, open_again: Callable[[], Source], retry_s: float = 1.0, again: bool = True) -> None:
+    def run(self, open_again: Callable[[], Source], retry_s: float = 1.0, again: bool = True) -> None:
         """Read a source until `stop`; where it ends or cannot be opened, say so once, and try again.
 
         Any error of a source counts as its end. Where reading cannot go on at all, a last reading says so: nobody
@@ -74,7 +74,7 @@ class SourceReader:
             self._follow(open_again, retry_s, again)
         except BaseException as error:
             with suppress(Exception):
-                self._gone(PalpateError.of(error).what)
+                self._gone(PalpateError.of(error).problem)
             raise
 
     def _follow(self, open_again: Callable[[], Source], retry_s: float, again: bool) -> None:
@@ -87,12 +87,12 @@ class SourceReader:
                         if self._stop.is_set():
                             return
                         if isinstance(item, PalpateError):
-                            reason = item.what
+                            reason = item.problem
                         else:
                             told, reason = False, _ENDED
                         self.read(item)
             except Exception as error:  # a camera's library may raise anything
-                reason = PalpateError.of(error).what
+                reason = PalpateError.of(error).problem
             if not told:
                 self._gone(reason)
                 told = True
@@ -100,7 +100,7 @@ class SourceReader:
                 return
 
     def stop(self) -> None:
-        """End `follow` after the image at hand."""
+        """End `run` after the image at hand."""
         self._stop.set()
 
     def _gone(self, reason: str) -> None:

@@ -21,5 +21,5 @@ class Robot(ABC):
         """
 
     @abstractmethod
-    def where(self) -> Placement:
+    def flange_pose(self) -> Placement:
         """Where the robot says that its flange is, ``base_from_flange``."""

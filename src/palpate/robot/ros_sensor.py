@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.camera import open_source
 from palpate.core import PalpateError, parameter
 from palpate.robot.broadcast import Row
-from palpate.robot.open_by import OpenSpec, open_by
+from palpate.robot.open_by import SensorLaunchSpec, open_from_parameters
 from palpate.robot.read_source import GONE, SourceReader
 from palpate.ros import (
     Level,
@@ -41,7 +41,7 @@ _LOST = (Flag.UNREADABLE, Flag.FEW_MARKERS)
 Publish = Callable[[str, Message], None]
 
 
-class RosSpec(OpenSpec):
+class RosSpec(SensorLaunchSpec):
     """Parameters of the node."""
 
     frame: str = parameter("dome", unit="", meaning="frame of pose, wrench and dots")
@@ -62,12 +62,12 @@ class RosSensor:
     Raises
     ------
     PalpateError
-        As `open_by`.
+        As `open_from_parameters`.
     """
 
     def __init__(self, spec: RosSpec, publish: Publish) -> None:
         self.spec, self._publish = spec, publish
-        self._sensor = open_by(spec)
+        self._sensor = open_from_parameters(spec)
         self._image: NDArray[Any] | None = None
         self._reading: Reading | None = None
         self._reader = SourceReader(self, self._publish_last)
@@ -75,7 +75,7 @@ class RosSensor:
     def follow(self) -> None:
         """Read the source until `stop`; a camera that is gone is said, and opened again."""
         again = not Path(self.spec.source).exists()
-        self._reader.follow(lambda: open_source(self.spec.source), self.spec.retry_s, again)
+        self._reader.run(lambda: open_source(self.spec.source), self.spec.retry_s, again)
 
     def stop(self) -> None:
         """End `follow` after the image at hand."""
@@ -98,11 +98,11 @@ class RosSensor:
         if self._image is not None:
             yield "image_raw", image_message(self._image, seen)
             yield "camera_info", camera_info(self._sensor.registration.camera, seen)
-        fitter = self._sensor.reader.twin_fit
+        fitter = self._sensor.estimator.twin_fit
         if reading.fit is not None and fitter is not None and reading.sighting is not None:
             pose = pose_message(reading.pose[:2], (0.0, 0.0), reading.depth_mm)
             yield "pose", pose_with_covariance(pose, reading.fit.covariance[:3, :3], felt)
-            yield "dots", dots_message(fitter.places(reading.fit), reading.sighting.found, felt)
+            yield "dots", dots_message(fitter.positions(reading.fit), reading.sighting.found, felt)
         if reading.force is not None and reading.fit is not None:
             force = reading.force.vector if reading.touching else np.zeros(3)
             yield "wrench", wrench_stamped(force, felt)

@@ -13,9 +13,9 @@ from palpate.bench import Scene
 from palpate.camera import render
 from palpate.core import FloatArray, PalpateError
 from palpate.design import Skin
-from palpate.robot.placement import Placement, tilt_of, turn_by
+from palpate.robot.placement import Placement, rotation_from_vector, tilt_from_normal
 from palpate.robot.simulated_robot import SimulatedRobot
-from palpate.robot.touched_dome import TouchedDome
+from palpate.robot.touched_dome import ContactBackend
 
 _RESTS = 12
 """Images of the untouched dome, one of which is shown while nothing touches."""
@@ -31,17 +31,17 @@ class FlatWall:
         (3,) mm on it.
     normal
         (3,) unit vector into it, away from the robot.
-    slip
+    inverse_friction
         1/µ between it and the dome.
     """
 
     point: FloatArray
     normal: FloatArray
-    slip: float
+    inverse_friction: float
 
 
 @dataclass(frozen=True, eq=False)
-class BuiltUnit:
+class SimulatedUnit:
     """A built unit as it is, which nobody in the cell knows.
 
     Attributes
@@ -59,7 +59,7 @@ class BuiltUnit:
     skin: Skin
     thicker: float
     scene: Scene
-    dome: TouchedDome
+    dome: ContactBackend
 
     @cached_property
     def at_rest(self) -> list[NDArray[np.uint8]]:
@@ -89,7 +89,7 @@ class SimulatedCell:
     ----------
     robot
         Who carries it; set once it is there.
-    most_force_n
+    max_force_n
         Greatest force along the wall's normal so far.
     """
 
@@ -97,7 +97,7 @@ class SimulatedCell:
 
     def __init__(
         self,
-        unit: BuiltUnit,
+        unit: SimulatedUnit,
         wall: FlatWall,
         flange_from_sensor: Placement,
         unreadable: float,
@@ -106,7 +106,7 @@ class SimulatedCell:
         self._unit, self._wall, self._mounted = unit, wall, flange_from_sensor
         self._unreadable, self._rng = unreadable, rng
         self._first: Placement | None = None
-        self.most_force_n = 0.0
+        self.max_force_n = 0.0
 
     def push(self, base_from_flange: Placement) -> FloatArray:
         """Force (3,) N on the flange at a true placement, base's frame; it is kept where it is the greatest."""
@@ -114,12 +114,12 @@ class SimulatedCell:
         pose = self._pose(sensor)
         if pose[2] <= 0.0:
             return np.zeros(3)
-        on_wall = sensor.rotation @ self._unit.dome.force(pose, self._wall.slip)
+        on_wall = sensor.rotation @ self._unit.dome.force(pose, self._wall.inverse_friction)
         return -on_wall
 
     def next_image(self) -> NDArray[Any] | PalpateError:
         """An image (h, w) of where the robot is; torn ones come as errors."""
-        sensor = self.robot.true @ self._mounted
+        sensor = self.robot.true_pose @ self._mounted
         pose = self._pose(sensor)
         unit, scene = self._unit, self._unit.scene
         if pose[2] <= 0.0:
@@ -131,13 +131,13 @@ class SimulatedCell:
             return PalpateError("The image was torn.", "Look again.", code="image-damaged")
         if pose[2] <= 0.0:
             return unit.at_rest[int(self._rng.integers(len(unit.at_rest)))]
-        edges = unit.dome.edges(pose, self._wall.slip, self._drift(sensor, pose))
+        edges = unit.dome.marker_outlines(pose, self._wall.inverse_friction, self._drift(sensor, pose))
         noise = int(self._rng.integers(2**31))
         return render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
 
     def angle_deg(self, drill: FloatArray) -> float:
         """True angle between the drill (3,) of the flange's frame and the wall's normal."""
-        axis = self.robot.true.rotation @ drill
+        axis = self.robot.true_pose.rotation @ drill
         return float(
             np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, self._wall.normal)), axis @ self._wall.normal))
         )
@@ -147,15 +147,15 @@ class SimulatedCell:
         return float(self._pose(base_from_flange @ self._mounted)[2])
 
     def _weigh(self) -> None:
-        pressing = -float(self.push(self.robot.true) @ self._wall.normal)
-        self.most_force_n = max(self.most_force_n, pressing)
+        pressing = -float(self.push(self.robot.true_pose) @ self._wall.normal)
+        self.max_force_n = max(self.max_force_n, pressing)
 
     def _pose(self, sensor: Placement) -> FloatArray:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths do not touch."""
         normal = sensor.rotation.T @ self._wall.normal
         height = float(normal @ sensor.inverse().apply(self._wall.point))
-        reach = float(self._unit.skin.touch(normal) @ normal) + self._unit.thicker
-        return np.array([*tilt_of(normal), (reach - height) / normal[2]])
+        reach = float(self._unit.skin.support_point(normal) @ normal) + self._unit.thicker
+        return np.array([*tilt_from_normal(normal), (reach - height) / normal[2]])
 
     def _drift(self, sensor: Placement, pose: FloatArray) -> FloatArray:
         """How far the wall has gone sideways and turned since first touch, in its own axes."""
@@ -171,4 +171,4 @@ class SimulatedCell:
 
 def _turned_axes(pose: FloatArray) -> FloatArray:
     """The wall's x and y as columns (3, 2), in the dome's frame."""
-    return turn_by(np.array([pose[0], pose[1], 0.0]))[:, :2]
+    return rotation_from_vector(np.array([pose[0], pose[1], 0.0]))[:, :2]

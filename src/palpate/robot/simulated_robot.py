@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray
-from palpate.robot.placement import Placement, turn_by
+from palpate.robot.placement import Placement, rotation_from_vector
 from palpate.robot.robot import Robot
 from palpate.robot.spec import SimulatedRobotSpec
 
@@ -54,11 +54,11 @@ class SimulatedRobot(Robot):
         way = Rotation.from_matrix(turned).as_rotvec(degrees=True)
         if np.abs(way).max() > _SAME:
             self._turn_side = np.where(np.abs(way) > _SAME, np.sign(way), self._turn_side)
-            off = self._rng.normal(0.0, spec.turn_deg, 3) - 0.5 * spec.backlash_deg * self._turn_side
-            self._turn_error = turn_by(off)
+            off = self._rng.normal(0.0, spec.rotation_sd_deg, 3) - 0.5 * spec.backlash_deg * self._turn_side
+            self._turn_error = rotation_from_vector(off)
         along = base_from_flange.position - self._said.position
         self._side = np.where(np.abs(along) > _SAME, np.sign(along), self._side)
-        off = self._rng.normal(0.0, spec.place_mm, 3) - 0.5 * spec.backlash_mm * self._side
+        off = self._rng.normal(0.0, spec.position_sd_mm, 3) - 0.5 * spec.backlash_mm * self._side
         self._said = base_from_flange
         free = Placement(base_from_flange.rotation @ self._turn_error, base_from_flange.position + off)
         self._true = self._yield(free)
@@ -73,10 +73,10 @@ class SimulatedRobot(Robot):
             back = again
         return free.moved(back)
 
-    def where(self) -> Placement:
+    def flange_pose(self) -> Placement:
         return self._said
 
     @property
-    def true(self) -> Placement:
+    def true_pose(self) -> Placement:
         """Where it is."""
         return self._true

@@ -16,9 +16,9 @@ class AlignSpec(Spec):
         le=10,
     )
     level: float = parameter(0.9, unit="1", meaning="what the interval of the angle covers", gt=0, lt=1)
-    most_touches: int = parameter(6, unit="1", meaning="touches after which it gives up", ge=1, le=100)
+    max_touches: int = parameter(6, unit="1", meaning="touches after which it gives up", ge=1, le=100)
     depth: float = parameter(5.0, unit="mm", meaning="depth of a touch, where the force allows it", gt=0, le=60)
-    least_depth: float = parameter(2.0, unit="mm", meaning="least depth at which an angle counts", gt=0, le=60)
+    min_depth: float = parameter(2.0, unit="mm", meaning="least depth at which an angle counts", gt=0, le=60)
     force_n: float = parameter(0.5, unit="N", meaning="force along the normal that is never passed", gt=0, le=1000)
     step: float = parameter(0.5, unit="mm", meaning="travel between two images before the first touch", gt=0, le=5)
     search: float = parameter(12.0, unit="mm", meaning="travel after which there is no wall", gt=0, le=1000)
@@ -26,7 +26,9 @@ class AlignSpec(Spec):
     near_deg: float = parameter(
         2.0, unit="deg", meaning="tilt below which a reading may be the last", source="gains err by a share", gt=0
     )
-    looks: int = parameter(5, unit="1", meaning="images of one place before it counts as unreadable", ge=1, le=100)
+    max_image_retries: int = parameter(
+        5, unit="1", meaning="images of one place before it counts as unreadable", ge=1, le=100
+    )
     robot_deg: float = parameter(
         0.05, unit="deg", meaning="standard deviation of the robot's turns, about each axis", ge=0, le=5
     )
@@ -38,8 +40,12 @@ class AlignSpec(Spec):
 class SimulatedRobotSpec(Spec):
     """A robot that is not quite where it says."""
 
-    place_mm: float = parameter(0.1, unit="mm", meaning="standard deviation of a place, along each axis", ge=0, le=5)
-    turn_deg: float = parameter(0.05, unit="deg", meaning="standard deviation of a turn, about each axis", ge=0, le=5)
+    position_sd_mm: float = parameter(
+        0.1, unit="mm", meaning="standard deviation of a place, along each axis", ge=0, le=5
+    )
+    rotation_sd_deg: float = parameter(
+        0.05, unit="deg", meaning="standard deviation of a turn, about each axis", ge=0, le=5
+    )
     backlash_mm: float = parameter(0.05, unit="mm", meaning="play along each axis", ge=0, le=5)
     backlash_deg: float = parameter(0.02, unit="deg", meaning="play about each axis", ge=0, le=5)
     compliance: float = parameter(0.02, unit="mm/N", meaning="how far a force pushes the flange back", ge=0, le=2)
@@ -49,4 +55,4 @@ class SimulatedRobotSpec(Spec):
     offset_deg: float = parameter(
         1.0, unit="deg", meaning="how far the sensor's axes are from the drill's, about each, either way", ge=0, le=10
     )
-    unreadable: float = parameter(0.01, unit="1", meaning="share of images that are torn", ge=0, le=1)
+    dropout: float = parameter(0.01, unit="1", meaning="share of images that are torn", ge=0, le=1)

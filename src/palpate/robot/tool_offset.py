@@ -23,7 +23,7 @@ from scipy.optimize import least_squares
 from palpate.core import FloatArray, PalpateError
 from palpate.design import wall_normal
 from palpate.robot.alignment import Touch
-from palpate.robot.placement import Placement, tilt_of, turn_by
+from palpate.robot.placement import Placement, rotation_from_vector, tilt_from_normal
 from palpate.robot.tool import Tool
 
 _PRIOR_DEG = 3.0
@@ -61,11 +61,13 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
     spread = [np.linalg.cholesky(touch.covariance + robot_deg**2 * np.eye(2)) for touch in touches]
 
     def miss(values: FloatArray) -> FloatArray:
-        turned = nominal @ turn_by(values[:3])
+        turned = nominal @ rotation_from_vector(values[:3])
         normal = first + np.radians(values[3:]) @ side
         normal = normal / np.linalg.norm(normal)
         left = [
-            np.linalg.solve(each, touch.tilt_deg - tilt_of((touch.base_from_flange.rotation @ turned).T @ normal))
+            np.linalg.solve(
+                each, touch.tilt_deg - tilt_from_normal((touch.base_from_flange.rotation @ turned).T @ normal)
+            )
             for touch, each in zip(touches, spread, strict=True)
         ]
         return np.concatenate([*left, values[:3] / _PRIOR_DEG])
@@ -80,5 +82,5 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
             code="tool-touches-misfit",
         )
     covariance = np.linalg.inv(fit.jac.T @ fit.jac)[:3, :3]
-    placed = Placement(nominal @ turn_by(fit.x[:3]), tool.flange_from_sensor.position)
+    placed = Placement(nominal @ rotation_from_vector(fit.x[:3]), tool.flange_from_sensor.position)
     return replace(tool, flange_from_sensor=placed, covariance=covariance)

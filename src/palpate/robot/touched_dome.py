@@ -18,30 +18,30 @@ from palpate.design import SkinSpec, build_skin, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import PrintedTwin, Twin
+from palpate.twin import MarkerTwin, Twin
 
 _STEP_MM = 0.25
 """Travel between two solved images, between which places are interpolated."""
 
 
-class TouchedDome(ABC):
+class ContactBackend(ABC):
     """A dome under a wall."""
 
     @abstractmethod
-    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
+    def marker_outlines(self, pose: FloatArray, inverse_friction: float, lateral: FloatArray) -> FloatArray:
         """Edges (m, k, 3) mm of the dots.
 
-        At rx, ry (degrees) and depth (mm), under 1/µ = `slip`; `drift` (3,) is how far the wall has travelled in its
-        plane (mm) and turned (degrees) since first touch.
+        At rx, ry (degrees) and depth (mm), under 1/µ = `inverse_friction`; `lateral` (3,) is how far the wall has
+        travelled in its plane (mm) and turned (degrees) since first touch.
         """
 
     @abstractmethod
-    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+    def force(self, pose: FloatArray, inverse_friction: float) -> FloatArray:
         """Force (3,) N on the wall, dome's frame."""
 
 
 @final
-class DomeByTwin(TouchedDome):
+class TwinBackend(ContactBackend):
     """A unit's dome as the twin of its design has it.
 
     Parameters
@@ -56,21 +56,21 @@ class DomeByTwin(TouchedDome):
 
     def __init__(self, twin: Twin, rest: FloatArray, deviation: Deviation) -> None:
         self._shape, self._deviation = rest.shape, deviation
-        self._edges: PrintedTwin = twin.print_dots(rest.reshape(-1, 3))
-        self._one: PrintedTwin = twin.print_dots(rest[0, :1])
+        self._edges: MarkerTwin = twin.with_markers(rest.reshape(-1, 3))
+        self._one: MarkerTwin = twin.with_markers(rest[0, :1])
 
-    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
-        moved = self._edges.move(pose, slip, self._deviation.thickness, drift)
+    def marker_outlines(self, pose: FloatArray, inverse_friction: float, lateral: FloatArray) -> FloatArray:
+        moved = self._edges.evaluate(pose, inverse_friction, self._deviation.thickness, lateral)
         return moved.positions.reshape(self._shape)
 
-    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+    def force(self, pose: FloatArray, inverse_friction: float) -> FloatArray:
         stiff = 1.0 + self._deviation.modulus
-        return stiff * self._one.move(pose, slip, self._deviation.thickness).force
+        return stiff * self._one.evaluate(pose, inverse_friction, self._deviation.thickness).force
 
 
 @final
 @dataclass(eq=False)
-class DomeBySolver(TouchedDome):
+class SolverBackend(ContactBackend):
     """A unit's dome by presses that are solved for every tilt and friction it meets; drift is left out.
 
     Attributes
@@ -95,29 +95,29 @@ class DomeBySolver(TouchedDome):
     cells: int | None = None
     _solved: dict[tuple[float, float], Press] = field(default_factory=dict)
 
-    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
-        press, azimuth_deg = self._press(pose, slip)
-        turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    def marker_outlines(self, pose: FloatArray, inverse_friction: float, lateral: FloatArray) -> FloatArray:
+        press, azimuth_deg = self._press(pose, inverse_friction)
+        turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
         before, share = _between(press.depth, float(pose[2]))
         both = turned.cut(before, before + 2).positions(self.rest.reshape(-1, 3))
         return ((1.0 - share) * both[0] + share * both[1]).reshape(self.rest.shape)
 
-    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+    def force(self, pose: FloatArray, inverse_friction: float) -> FloatArray:
         if pose[2] <= 0.0:
             return np.zeros(3)
-        press, _ = self._press(pose, slip)
+        press, _ = self._press(pose, inverse_friction)
         before, share = _between(press.depth, float(pose[2]))
-        size = press.force @ wall_normal(np.radians(press.wall.radial), 0.0)
+        size = press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)
         pressing = (1.0 - share) * size[before] + share * size[before + 1]
         return pressing * wall_normal(*np.radians(pose[:2]))
 
-    def _press(self, pose: FloatArray, slip: float) -> tuple[Press, float]:
+    def _press(self, pose: FloatArray, inverse_friction: float) -> tuple[Press, float]:
         tilt, azimuth_deg = float(np.hypot(*pose[:2])), float(np.degrees(np.arctan2(pose[1], pose[0])))
-        key = round(tilt, 3), round(slip, 6)
+        key = round(tilt, 3), round(inverse_friction, 6)
         if key not in self._solved:
-            contact = 1.0 / slip if slip > 0 else "no-slip"
-            wall = WallSpec(tilt_deg=key[0], depth=self.depth, image_step=_STEP_MM, contact=contact)
-            spec = MeshSpec(cells=self.cells, filled=self.material.fills)
+            contact = 1.0 / inverse_friction if inverse_friction > 0 else "no-slip"
+            wall = WallSpec(tilt_deg=key[0], depth=self.depth, depth_step=_STEP_MM, contact=contact)
+            spec = MeshSpec(cells=self.cells, filled=self.material.has_gel)
             mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), spec)
             self._solved[key] = solve_press(mesh, self.deviation.material(self.material), wall)
         return self._solved[key], azimuth_deg

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from palpate.core import provenance, written_whole
+from palpate.core import atomic_write, provenance
 from palpate.robot.alignment import Alignment
-from palpate.robot.play import PlayedWall
+from palpate.robot.play import AlignmentTrial
 
 COLUMNS = (
     "touch",
@@ -22,7 +22,7 @@ COLUMNS = (
     "half_width_deg",
     "turned_deg",
     "force_n",
-    "force_most_n",
+    "force_upper_n",
     "friction",
     "images",
 )
@@ -43,8 +43,8 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
             "half_width_deg": half,
             "turned_deg": turned,
             "force_n": touch.force_n,
-            "force_most_n": touch.force_most_n,
-            "friction": 1.0 / touch.slip if touch.slip > 0 else None,
+            "force_upper_n": touch.force_upper_n,
+            "friction": 1.0 / touch.inverse_friction if touch.inverse_friction > 0 else None,
             "images": touch.images,
         }
         for number, (touch, angle, half, turned) in enumerate(columns, start=1)
@@ -53,19 +53,19 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
 
 def describe_alignment(alignment: Alignment) -> dict[str, Any]:
     """How an alignment ended, and what is left, as plain data."""
-    known = math.isfinite(alignment.left_deg)
+    known = math.isfinite(alignment.residual_deg)
     return {
         "square": alignment.square,
-        "ending": alignment.ending.name.lower(),
-        "reason": str(alignment.ending),
+        "outcome": alignment.outcome.name.lower(),
+        "reason": str(alignment.outcome),
         "touches": len(alignment.touches),
         "images": alignment.images,
-        "left_deg": alignment.left_deg if known else None,
-        "left_half_width_deg": alignment.left_half_width_deg if known else None,
+        "residual_deg": alignment.residual_deg if known else None,
+        "residual_half_width_deg": alignment.residual_half_width_deg if known else None,
     }
 
 
-def describe_wall(wall: PlayedWall) -> dict[str, Any]:
+def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
     """A wall that was played, with the truth, as plain data."""
     said = wall.alignment
     return {
@@ -73,12 +73,12 @@ def describe_wall(wall: PlayedWall) -> dict[str, Any]:
         "friction": wall.friction,
         **describe_alignment(said),
         "final_deg": wall.final_deg,
-        "most_force_n": wall.most_force_n,
-        "held": bool(wall.final_deg <= said.left_deg + said.left_half_width_deg),
+        "max_force_n": wall.max_force_n,
+        "held": bool(wall.final_deg <= said.residual_deg + said.residual_half_width_deg),
     }
 
 
-def write_alignments(folder: Path, walls: Sequence[PlayedWall], facts: dict[str, Any]) -> None:
+def write_alignments(folder: Path, walls: Sequence[AlignmentTrial], facts: dict[str, Any]) -> None:
     """Write ``touches.csv``, a row a touch, and ``alignment.json``, a wall an entry with `facts` and versions.
 
     Raises
@@ -87,11 +87,11 @@ def write_alignments(folder: Path, walls: Sequence[PlayedWall], facts: dict[str,
         If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with written_whole(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, ["wall", *COLUMNS], lineterminator="\n")
         writer.writeheader()
         for number, wall in enumerate(walls, start=1):
             writer.writerows({"wall": number, **row} for row in list_touches(wall.alignment))
     content = facts | {"walls": [describe_wall(wall) for wall in walls], "made_by": provenance()}
-    with written_whole(folder / "alignment.json") as draft:
+    with atomic_write(folder / "alignment.json") as draft:
         draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

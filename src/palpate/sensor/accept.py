@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import PAPER, BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
-from palpate.sensor.recording import Truth
+from palpate.sensor.recording import GroundTruth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
-from palpate.sensor.touch import TouchZero, find_zero
+from palpate.sensor.touch import DepthZero, find_depth_zero
 
 TABLE_3 = f"{PAPER}, Table 3"
 
@@ -19,7 +19,7 @@ _DOUBT = 0.05
 """How far a zero that was found may be off, mm: an image at the least depth is not lost for it."""
 
 
-class AcceptSpec(Spec):
+class AcceptanceSpec(Spec):
     """What a unit must reach."""
 
     rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=TABLE_3, gt=0)
@@ -27,7 +27,7 @@ class AcceptSpec(Spec):
         1.64, unit="deg", meaning="greatest error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
     )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="greatest RMSE of the depth", gt=0)
-    least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
+    min_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
     without_pose: float = parameter(0.0, unit="1", meaning="greatest share of images without a pose", ge=0, le=1)
     zero: bool = parameter(True, unit="", meaning="whether the depth's zero is found from the first press")
     guard: bool = parameter(
@@ -82,13 +82,13 @@ class Acceptance:
         Images of those that count whose reading is flagged.
     """
 
-    spec: AcceptSpec
+    spec: AcceptanceSpec
     checks: tuple[AcceptanceCheck, ...]
     scores: tuple[Score, ...]
     press: IntArray
     truth: FloatArray
     estimates: FloatArray
-    zero: TouchZero | None
+    zero: DepthZero | None
     left_out: int
     flagged: int
 
@@ -114,7 +114,7 @@ class Acceptance:
 
 
 def accept_unit(
-    truth: Truth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptSpec | None = None
+    truth: GroundTruth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptanceSpec | None = None
 ) -> Acceptance:
     """Hold a unit's readings against the truth.
 
@@ -136,21 +136,21 @@ def accept_unit(
     PalpateError
         If no image counts, or the first press does not give the zero.
     """
-    spec = spec or AcceptSpec()
+    spec = spec or AcceptanceSpec()
     flagged = np.zeros(len(estimates), bool) if flagged is None else flagged
     known = bool(np.isfinite(truth.poses[:, 2]).all())
     zero, counts = None, np.ones(len(estimates), bool)
     if spec.zero and known:
         first = truth.press == 0
-        zero = find_zero(estimates[first, 2], truth.poses[first, 2], spec.least_depth)
+        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
         counts &= ~first
     offset = zero.offset if zero else 0.0
     # an image without a pose counts if the truth says that it is deep enough
     depth = truth.poses[:, 2] - offset if known else estimates[:, 2]
-    counts &= ~(depth < spec.least_depth - (_DOUBT if zero else 1e-9))
+    counts &= ~(depth < spec.min_depth - (_DOUBT if zero else 1e-9))
     if not counts.any():
         raise PalpateError(
-            f"No image is deeper than {spec.least_depth:g} mm after the first press.",
+            f"No image is deeper than {spec.min_depth:g} mm after the first press.",
             "Record more presses, or press deeper.",
             code="acceptance-no-press",
         )
@@ -170,7 +170,7 @@ def accept_unit(
     )
 
 
-def _check(scores: tuple[Score, ...], spec: AcceptSpec, without: float) -> list[AcceptanceCheck]:
+def _check(scores: tuple[Score, ...], spec: AcceptanceSpec, without: float) -> list[AcceptanceCheck]:
     limits = (spec.rmse_deg, spec.rmse_deg, spec.depth_rmse)
     checks = []
     for score, limit, (name, unit) in zip(scores, limits, COMPONENTS, strict=False):

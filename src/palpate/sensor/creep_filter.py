@@ -31,10 +31,10 @@ _CHANGE_PX_S = 2e-6 / FRAME_S**1.5
 """The same of its change within a second, px rms/s^1.5: 2e-6 px an image from one to the next of `FRAME_S`."""
 _UNTOLD_PX = 0.05
 """Noise of a way, px rms, above which it is not followed: images do not tell it from something else."""
-_TOLD = np.array([1.0, 0.0, 1.0])
+_MEASURED = np.array([1.0, 0.0, 1.0])
 
 
-class Creep(NamedTuple):
+class CameraDrift(NamedTuple):
     """What is known after some images, way by way.
 
     Attributes
@@ -49,7 +49,7 @@ class Creep(NamedTuple):
     covariance: FloatArray
 
 
-class CreepFilter:
+class DriftFilter:
     """Follows the motion of a camera.
 
     Parameters
@@ -67,41 +67,41 @@ class CreepFilter:
         self._variance, self._ways = variance[told], ways[:, told]
         self._to_ways = self._ways.T @ metric
 
-    def begin(self) -> Creep:
+    def initial(self) -> CameraDrift:
         """What is known before any image but that at rest."""
         covariance = np.zeros((len(self._variance), 3, 3))
         covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX_S**2, self._variance
-        return Creep(np.zeros((len(self._variance), 3)), covariance)
+        return CameraDrift(np.zeros((len(self._variance), 3)), covariance)
 
-    def moved(self, creep: Creep) -> FloatArray:
+    def motion(self, creep: CameraDrift) -> FloatArray:
         """By how much (k,) the camera has crept."""
         return np.asarray(self._ways @ creep.mean[:, 0], float)
 
-    def knocked(self, creep: Creep, told: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
+    def is_jump(self, creep: CameraDrift, measured: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
         """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no creep.
 
         That is one by at least so many px rms from what was expected, of which noise alone does not tell: the sum of
         squares of all ways over their variances is so many of its standard deviations beyond its mean.
         """
         mean, covariance = _ahead(creep, step_s)
-        off = self._to_ways @ told - mean @ _TOLD
-        square = np.sum(off**2 / (covariance @ _TOLD @ _TOLD + self._variance))
+        off = self._to_ways @ measured - mean @ _MEASURED
+        square = np.sum(off**2 / (covariance @ _MEASURED @ _MEASURED + self._variance))
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
-    def follow(self, creep: Creep, told: FloatArray, step_s: float = FRAME_S) -> Creep:
+    def update(self, creep: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
         """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
         mean, covariance = _ahead(creep, step_s)
-        shared = covariance @ _TOLD
-        gain = shared / (shared @ _TOLD + self._variance)[:, None]
-        off = self._to_ways @ told - mean @ _TOLD
-        return Creep(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
+        shared = covariance @ _MEASURED
+        gain = shared / (shared @ _MEASURED + self._variance)[:, None]
+        off = self._to_ways @ measured - mean @ _MEASURED
+        return CameraDrift(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
 
 
-def _ahead(creep: Creep, step_s: float) -> Creep:
+def _ahead(creep: CameraDrift, step_s: float) -> CameraDrift:
     """What is known of the next image, a time in s later, before it is seen."""
     step = np.eye(3)
     step[0, 1] = step_s
     covariance = step @ creep.covariance @ step.T
     walk = np.array([[step_s**3 / 3.0, step_s**2 / 2.0], [step_s**2 / 2.0, step_s]])
     covariance[:, :2, :2] += _CHANGE_PX_S**2 * walk
-    return Creep(creep.mean @ step.T, covariance)
+    return CameraDrift(creep.mean @ step.T, covariance)

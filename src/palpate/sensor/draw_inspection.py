@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.sensor.inspect_unit import Inspection
-from palpate.sensor.print_law import PrintLaw
+from palpate.sensor.print_law import PrintDistortion
 
 ENLARGED = 20.0
 """Arrows are drawn this many times longer than the errors,"""
@@ -15,7 +15,7 @@ LONGEST_MM = 4.0
 """or so that the longest has this length."""
 
 
-def _draw_rings(axis: Axes, law: PrintLaw) -> None:
+def _draw_rings(axis: Axes, law: PrintDistortion) -> None:
     """The rings as they were printed."""
     for number in range(1, len(law.rings) + 1):
         members = law.rings.members(number)
@@ -58,8 +58,8 @@ def draw_inspection(inspection: Inspection) -> Figure:
     radius = inspection.unit.skin.base_radius
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
-    if inspection.law is not None:
-        _draw_rings(axis, inspection.law)
+    if inspection.distortion is not None:
+        _draw_rings(axis, inspection.distortion)
     axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {enlarged:g} : 1")
     axis.legend(loc="upper right", fontsize=8)
     return figure

@@ -15,7 +15,7 @@ from palpate.relaxation import Relaxation, StressHistory
 from palpate.sensor.reading import Reading
 
 
-class FadingForce:
+class ForceRelaxation:
     """Follows the force of one sensor.
 
     Readings without a pose are passed over: the force is taken to have run straight between its neighbours, and so
@@ -31,14 +31,14 @@ class FadingForce:
         self.relaxation = relaxation
         self._history = StressHistory(relaxation)
 
-    def follow(self, reading: Reading, time_s: float) -> Reading:
+    def update(self, reading: Reading, time_s: float) -> Reading:
         """The reading of a time in s, with the force that is there then."""
         if reading.force is None or not np.isfinite(reading.force.vector).all():
             return reading
         if self._history.time is not None and time_s < self._history.time:
             self._history = StressHistory(self.relaxation)
         elastic = reading.force.vector if reading.touching else np.zeros(3)
-        there = self._history.follow(time_s, elastic)
+        there = self._history.update(time_s, elastic)
         return replace(reading, force=_replaced(reading.force, there)) if reading.touching else reading
 
 

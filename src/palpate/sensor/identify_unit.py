@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.built import (
-    ForceScale,
-    Identified,
+    CalibrationPress,
+    IdentificationResult,
     PoseFitter,
-    RobotPress,
-    RobotSpec,
-    expect_scale,
+    RobotUncertainty,
+    StiffnessScale,
     identify,
-    learn_scale,
+    prior_stiffness_scale,
+    update_stiffness_scale,
 )
 from palpate.core import FloatArray, PalpateError
-from palpate.sensor.reader import TwinReader
+from palpate.sensor.reader import TwinEstimator
 from palpate.sensor.reading import Flag
 from palpate.sensor.sensor import Sensor
 
@@ -32,13 +32,13 @@ readings (n,) N along the wall's normal; NaN where there is none."""
 class _Seen(NamedTuple):
     """Dots of the images of a press that touch, and the load cell's readings (n,) N."""
 
-    press: RobotPress
+    press: CalibrationPress
     forces: FloatArray
 
 
 def identify_unit(
-    sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSpec | None = None, *, on_robot: bool = True
-) -> Identified:
+    sensor: Sensor, presses: Iterable[KnownImages], robot: RobotUncertainty | None = None, *, on_robot: bool = True
+) -> IdentificationResult:
     """Learn the sensor's unit, mounting and stiffness from known presses; it reads by them from then on.
 
     Images with few dots or no touch are left out, and so are those that no press of the unit looks like.
@@ -60,29 +60,29 @@ def identify_unit(
     PalpateError
         If the sensor reads by a network, an image has no pose, or where `palpate.built.identify` fails.
     """
-    reader, noise, robot = sensor.reader, sensor.spec.noise_px, robot or RobotSpec()
-    if not isinstance(reader, TwinReader):
+    reader, noise, robot = sensor.estimator, sensor.spec.noise_px, robot or RobotUncertainty()
+    if not isinstance(reader, TwinEstimator):
         raise PalpateError(
             "A network cannot learn its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
         )
     model = reader.fitter.model
     seen = [_see(sensor, press) for press in presses]
     found = identify(model, [each.press for each in seen], noise, robot)
-    known = model.believing(found.belief)
-    scale = _weigh(PoseFitter(known, noise, found.mounting, ForceScale(1.0, 0.0)), seen, robot.force)
+    known = model.with_posterior(found.posterior)
+    scale = _weigh(PoseFitter(known, noise, found.mounting, StiffnessScale(1.0, 0.0)), seen, robot.force)
     sensor.fit_by(PoseFitter(known, noise, found.mounting if on_robot else None, scale))
     return replace(found, scale=scale)
 
 
-def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> ForceScale:
+def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> StiffnessScale:
     """The unit's stiffness over the design's, from the images that have a load cell's reading."""
     expected, measured = [], []
     for press, forces in seen:
         for pixels, force in zip(press.pixels, forces, strict=True):
             if np.isfinite(force):
-                expected.append(fitter.fit(pixels).force.pressing)
+                expected.append(fitter.fit(pixels).force.normal_force)
                 measured.append(float(force))
-    return learn_scale(expect_scale(fitter.model.tolerance), expected, measured, cell_sd)
+    return update_stiffness_scale(prior_stiffness_scale(fitter.model.tolerance), expected, measured, cell_sd)
 
 
 def _see(sensor: Sensor, known: KnownImages) -> _Seen:
@@ -105,5 +105,5 @@ def _see(sensor: Sensor, known: KnownImages) -> _Seen:
             code="calibration-press-no-touch",
         )
     pixels = [np.where(seen.found[:, None], seen.positions_px, np.nan) for _, seen, _ in kept]
-    press = RobotPress(np.array([pose for pose, _, _ in kept]), np.array(pixels))
+    press = CalibrationPress(np.array([pose for pose, _, _ in kept]), np.array(pixels))
     return _Seen(press, np.array([force for *_, force in kept]))

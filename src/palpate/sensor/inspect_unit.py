@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import Camera, dot_edges, trace_dots
+from palpate.camera import Camera, flat_marker_outlines, project_markers
 from palpate.core import FloatArray, Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Skin
 from palpate.markers import DetectSpec
-from palpate.sensor.print_law import PrintLaw
+from palpate.sensor.print_law import PrintDistortion
 from palpate.sensor.register import Registration
-from palpate.sensor.sensor import read_rest
+from palpate.sensor.sensor import analyse_rest
 from palpate.sensor.unit import Unit
 
 
-class InspectSpec(Spec):
+class InspectionSpec(Spec):
     """What a printed dome must keep."""
 
     tolerance: float = parameter(
@@ -57,9 +57,9 @@ class Inspection:
     tolerance: float
 
     @property
-    def law(self) -> PrintLaw | None:
+    def distortion(self) -> PrintDistortion | None:
         """How the print is bent as a whole; `None` where the dots lie as designed, but for each one's own error."""
-        return self.registration.law
+        return self.registration.distortion
 
     @property
     def distance(self) -> FloatArray:
@@ -83,7 +83,7 @@ class Inspection:
 
 
 def inspect_unit(
-    images: Iterable[NDArray[Any]], unit: Unit, spec: InspectSpec | None = None, detect: DetectSpec | None = None
+    images: Iterable[NDArray[Any]], unit: Unit, spec: InspectionSpec | None = None, detect: DetectSpec | None = None
 ) -> Inspection:
     """Find the print error of every marker.
 
@@ -101,11 +101,11 @@ def inspect_unit(
     PalpateError
         If the dots are not those of the design, or their names are ambiguous.
     """
-    registration = read_rest(images, unit, detect).registration
+    registration = analyse_rest(images, unit, detect).registration
     camera, points = registration.camera, unit.layout.positions
     outward = unit.skin.normal(points)
     nominal = camera.project(points)
-    bias = trace_dots(camera, dot_edges(points, outward, unit.layout.diameter)).centres - nominal
+    bias = project_markers(camera, flat_marker_outlines(points, outward, unit.layout.diameter)).centres - nominal
     seen = nominal + registration.reprojection_residual_px
     found = np.isfinite(seen).all(axis=1)
     dots = np.full_like(points, np.nan)
@@ -113,13 +113,13 @@ def inspect_unit(
     axes = np.stack(unit.skin.tangents(points)[1:], axis=1)
     error = np.einsum("mij,mj->mi", axes, dots - points)
     return Inspection(
-        unit, registration, error, _scale(camera, unit.skin, nominal + bias), (spec or InspectSpec()).tolerance
+        unit, registration, error, _scale(camera, unit.skin, nominal + bias), (spec or InspectionSpec()).tolerance
     )
 
 
 def _on_dome(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
-    return skin.hit(*camera.sight(pixels))
+    return skin.hit(*camera.sight_lines(pixels))
 
 
 def _scale(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.fea import WallSpec, solve_press
-from palpate.markers import Naming, PressFit, name_by_press
+from palpate.markers import MarkerAssignment, PressFit, disambiguate_by_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor.register import register_dome
@@ -24,7 +24,7 @@ _IMAGE_STEP = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class KnownPress:
+class ReferencePress:
     """An image of a press, and where its markers should be.
 
     Attributes
@@ -67,9 +67,9 @@ class KnownPress:
             tilt_deg=float(np.hypot(rx, ry)),
             azimuth_deg=float(np.degrees(np.arctan2(ry, rx))) % 360.0,
             depth=depth,
-            image_step=min(_IMAGE_STEP, depth),
+            depth_step=min(_IMAGE_STEP, depth),
         )
-        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
         press = solve_press(mesh, material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
@@ -80,7 +80,7 @@ class KnownPress:
         return cls(image, press.positions(unit.layout.positions)[-1])
 
 
-def ask_press(naming: Naming, pressed_px: FloatArray, positions: FloatArray, unit: Unit) -> PressFit:
+def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: FloatArray, unit: Unit) -> PressFit:
     """Choose among the numberings of a rest image by the dots (n, 2) of a known press.
 
     Each numbering gives the camera another pose; the markers at `positions` (m, 3) are seen from there.
@@ -88,17 +88,17 @@ def ask_press(naming: Naming, pressed_px: FloatArray, positions: FloatArray, uni
     Raises
     ------
     PalpateError
-        If a numbering cannot be registered, or where `palpate.markers.name_by_press` fails.
+        If a numbering cannot be registered, or where `palpate.markers.disambiguate_by_press` fails.
     """
     nominal = unit.lens or unit.nominal or CameraSpec()
     choices = (naming, *naming.alternatives)
     motions = np.stack([_motion(choice, positions, unit, nominal) for choice in choices])
     rest = build_camera(nominal).project(unit.layout.positions)
     spacing = float(cKDTree(rest).query(rest, 2)[0][:, 1].min())
-    return name_by_press(naming, motions, pressed_px, spacing)
+    return disambiguate_by_press(naming, motions, pressed_px, spacing)
 
 
-def _motion(choice: Naming, positions: FloatArray, unit: Unit, nominal: CameraSpec) -> FloatArray:
+def _motion(choice: MarkerAssignment, positions: FloatArray, unit: Unit, nominal: CameraSpec) -> FloatArray:
     """(m, 2) motion of the markers in the image under one numbering; a mirrored image is flipped for it and back."""
     flip = np.array([-1.0 if choice.mirrored else 1.0, 1.0])
     if choice.mirrored:

@@ -31,7 +31,7 @@ _STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class PrintLaw:
+class PrintDistortion:
     """How a print of rings is bent as a whole.
 
     Attributes
@@ -70,13 +70,13 @@ class PrintLaw:
         return float(np.abs(self.growth - 1.0).max())
 
 
-def fit_law(
+def fit_print_distortion(
     rings: Rings,
     design: tuple[MarkerLayout, Skin],
     seen: tuple[NDArray[np.intp], FloatArray],
     posed: Callable[[FloatArray], Camera],
     start: tuple[FloatArray, FloatArray],
-) -> tuple[FloatArray, PrintLaw]:
+) -> tuple[FloatArray, PrintDistortion]:
     """Fit the camera's pose and the law of the rings.
 
     Parameters
@@ -96,7 +96,7 @@ def fit_law(
     -------
     ndarray
         (6,) the pose.
-    PrintLaw
+    PrintDistortion
         The law.
     """
     layout, skin = design
@@ -135,10 +135,10 @@ def fit_law(
     return fit.x[:6], _law(rings, layout, skin, fit.x[6:], rms)
 
 
-def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms_px: float) -> PrintLaw:
+def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms_px: float) -> PrintDistortion:
     growth, x, y, along, across, turn = values[2:].reshape(len(rings), -1).T[:6]
     flat = np.hypot(along, across)
-    return PrintLaw(
+    return PrintDistortion(
         rings=rings,
         radius=rings.rho[1:] * (1.0 + growth),
         growth=1.0 + growth,

@@ -19,19 +19,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.built import FitState, Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
+from palpate.built import FitState, Force, PoseFit, PoseFitter, build_unit_model, infer_from_rest, predict_force
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_normal
+from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.recording import is_recorded_model
 from palpate.relaxation import Relaxation
-from palpate.sensor.print_law import PrintLaw
+from palpate.sensor.print_law import PrintDistortion
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
-from palpate.sensor.rest_drift import RestMotion, RestState, RestWatch
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.rest_drift import DriftTracker, RestDrift, RestState
+from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path, twin_relaxation
 
@@ -41,11 +41,11 @@ _SAME_MM = 0.1
 _NEAR = np.array([2.0, 2.0, 0.5])
 """Change of rx, ry (degrees) and depth (mm) within which a drift of the camera shows alike."""
 
-Model = Predictor | Twin
+PoseModel = Predictor | Twin
 """What a sensor reads with."""
 
 
-class Estimate(NamedTuple):
+class PoseEstimate(NamedTuple):
     """What a reader says about one image: pose, half-widths, motion (px rms), flags, force, fit and rest."""
 
     pose: FloatArray
@@ -54,7 +54,7 @@ class Estimate(NamedTuple):
     flags: tuple[Flag, ...]
     force: Force | None = None
     fit: PoseFit | None = None
-    rest: RestMotion | None = None
+    rest: RestDrift | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class ReaderState:
     touch: FloatArray | None = None
 
 
-class Reader(ABC):
+class PoseEstimator(ABC):
     """Reads the named markers of one unit.
 
     Attributes
@@ -102,52 +102,62 @@ class Reader(ABC):
         return ReaderState()
 
     @abstractmethod
-    def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
+    def estimate(
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
         """Estimate the pose from where markers are in the image after a state; the estimate, and the next state.
 
         `near` is an estimate of the same image by other markers, from which this one may begin, and `time_s` when the
         image was taken, where a clock says so.
         """
 
-    def foresee(self, estimate: Estimate) -> FloatArray | None:
+    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
         """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
         return None
 
 
-class NetworkReader(Reader):
+class NetworkEstimator(PoseEstimator):
     """Reads by a trained network."""
 
-    def __init__(self, predictor: Predictor, unit: Unit, naming: Naming, registration: Registration) -> None:
+    def __init__(
+        self, predictor: Predictor, unit: Unit, naming: MarkerAssignment, registration: Registration
+    ) -> None:
         self.predictor, self.unit, self.space = predictor, unit, predictor.space
         self._camera = registration.camera
         self._nominal = build_camera(unit.nominal)
         self._rest_model = self._nominal.project(unit.layout.positions)
-        self._rest = self._carry(self._camera.sight(naming.positions_px))
+        self._rest = self._carry(self._camera.sight_lines(naming.positions_px))
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
-    def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
-        sight = self._camera.sight(sighting.positions_px)
+    def estimate(
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
+        sight = self._camera.sight_lines(sighting.positions_px)
         moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
-        if not self._same and self.space.tilts:
+        if not self._same and self.space.is_tilt:
             # now that the wall is about known, so is how far the markers sank
             moved = self._carry(sight, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
-        flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
+        flags = (Flag.OUT_OF_DISTRIBUTION,) if prediction.out_of_distribution[0] else ()
         moved_px = float(np.sqrt(np.mean(moved**2)))
         force = self._force(prediction)
-        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
+        return PoseEstimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
 
     def _force(self, prediction: Prediction) -> Force | None:
         """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
         if prediction.forces is None or prediction.forces_half_width is None:
             return None
         turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
-        return expect_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
+        return predict_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
         """Dots on sights of the real camera as the nominal camera would show them, for a wall of about this pose."""
@@ -160,28 +170,32 @@ class NetworkReader(Reader):
         return self._nominal.project(starts + rays * reach[:, None])
 
 
-def _as_printed(layout: MarkerLayout, law: PrintLaw | None) -> MarkerLayout:
+def _as_printed(layout: MarkerLayout, law: PrintDistortion | None) -> MarkerLayout:
     """A layout as designed, or where the law of its rings has it printed."""
     return layout if law is None else replace(layout, positions=law.positions)
 
 
-class TwinReader(Reader):
+class TwinEstimator(PoseEstimator):
     """Reads by fitting the unit's twin."""
 
-    def __init__(self, twin: Twin, unit: Unit, naming: Naming, spec: RigSpec, law: PrintLaw | None = None) -> None:
-        self.space = TILT_DEPTH
+    def __init__(
+        self, twin: Twin, unit: Unit, naming: MarkerAssignment, spec: SensorSpec, law: PrintDistortion | None = None
+    ) -> None:
+        self.space = TILT_SPACE
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
         calibrated = unit.lens or unit.nominal or CameraSpec()
         mounting, scale = None, None
-        if unit.known is None:
-            belief = learn_rest(twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px)
+        if unit.identified is None:
+            belief = infer_from_rest(
+                twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px
+            )
         else:
-            belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
-            scale = unit.known.scale
-            _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
-        model = model_unit(twin, unit.layout, belief, unit.tolerance)
+            belief, mounting = replace(unit.identified.posterior, rest_px=rest), unit.identified.mounting
+            scale = unit.identified.scale
+            _refuse_moved(unit.identified.posterior.rest_px, rest, spec.drift_px)
+        model = build_unit_model(twin, unit.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
-        self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
+        self.watch = DriftTracker(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
         self._near = _NEAR * [1.0, 1.0, model.size]
 
@@ -196,25 +210,29 @@ class TwinReader(Reader):
     def begin(self) -> ReaderState:
         return ReaderState(self.watch.begin())
 
-    def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
+    def estimate(
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        rest = self.watch.watch(state.rest or self.watch.begin(), seen, time_s)
+        rest = self.watch.update(state.rest or self.watch.begin(), seen, time_s)
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
         twin = self.fitter.model.dots.twin
-        flags = [Flag.MOVED] if rest.displaced else []
-        if not ((fit.inverted and twin.inverted) or twin).covers(fit.theta[:3]):
-            flags.append(Flag.OUTSIDE)
+        flags = [Flag.CAMERA_MOVED] if rest.displaced else []
+        if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[:3]):
+            flags.append(Flag.OUT_OF_DISTRIBUTION)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        touch = fit.theta if fit.misfit <= self._most and not fit.inverted else None
-        estimate = Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
+        touch = fit.state if fit.misfit <= self._most and not fit.inverted else None
+        estimate = PoseEstimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
         return estimate, ReaderState(rest, fitted, touch)
 
-    def foresee(self, estimate: Estimate) -> FloatArray | None:
-        return None if estimate.fit is None else self.fitter.foresee(estimate.fit)
+    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
+        return None if estimate.fit is None else self.fitter.predict_pixels(estimate.fit)
 
     def _fit(
         self, seen: FloatArray, rest: RestState, state: ReaderState, near: PoseFit | None
@@ -224,10 +242,10 @@ class TwinReader(Reader):
         Where the touch is far from the last image's, drift is taken out once more, as it shows there.
         """
         last = state.touch
-        still = self.watch.as_at_first(rest, seen, last)
+        still = self.watch.remove_drift(rest, seen, last)
         fit, after = self.fitter.follow(still, state.fit, near)
-        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > self._near).any()):
-            still = self.watch.as_at_first(rest, seen, fit.theta)
+        if still is not seen and (last is None or (np.abs(fit.state - last)[:3] > self._near).any()):
+            still = self.watch.remove_drift(rest, seen, fit.state)
             fit, after = self.fitter.follow(still, state.fit, fit)
         return still, fit, after
 
@@ -243,14 +261,16 @@ def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
         )
 
 
-def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registration, spec: RigSpec) -> Reader:
+def make_estimator(
+    model: PoseModel, unit: Unit, naming: MarkerAssignment, registration: Registration, spec: SensorSpec
+) -> PoseEstimator:
     """The reader of a unit whose rest image was named and registered."""
     if isinstance(model, Twin):
-        return TwinReader(model, unit, naming, spec, registration.law)
-    return NetworkReader(model, unit, naming, registration)
+        return TwinEstimator(model, unit, naming, spec, registration.distortion)
+    return NetworkEstimator(model, unit, naming, registration)
 
 
-def open_model(path: Path, skin: Skin | None = None) -> Model:
+def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
     """Open what reads a sensor of a known design: a twin (``.h5``), a network (``.onnx``), or a twin of a folder.
 
     Parameters
@@ -291,7 +311,7 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
     return found
 
 
-def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> None:
+def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) -> None:
     """Refuse a model of another design, or of another pose, with a `PalpateError`."""
     if isinstance(model, Twin):
         if model.skin.spec_data != unit.skin.spec_data:
@@ -300,11 +320,11 @@ def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> Non
                 "Use its own twin.",
                 code="twin-design-differs",
             )
-        if unit.known is not None:
-            unit.known.check(unit.skin, unit.layout)
-        estimates = TILT_DEPTH
+        if unit.identified is not None:
+            unit.identified.check(unit.skin, unit.layout)
+        estimates = TILT_SPACE
     else:
-        if unit.known is not None:
+        if unit.identified is not None:
             raise PalpateError(
                 "A network cannot use what presses told about a unit.",
                 "Read by the design's twin.",
@@ -328,5 +348,5 @@ def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> Non
 def _wall(skin: Skin, pose: FloatArray) -> tuple[FloatArray, float]:
     """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
     normal = wall_normal(*np.radians(pose[:2]))
-    limit = skin.touch(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
+    limit = skin.support_point(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
     return normal, float(limit)

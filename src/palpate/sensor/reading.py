@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from palpate.built import Force, PoseFit
-from palpate.design import TILT_DEPTH, PoseSpace
-from palpate.markers import Sighting
-from palpate.sensor.rest_drift import RestMotion
+from palpate.design import TILT_SPACE, PoseSpace
+from palpate.markers import TrackedMarkers
+from palpate.sensor.rest_drift import RestDrift
 
 
 class Flag(StrEnum):
@@ -18,10 +18,10 @@ class Flag(StrEnum):
     UNREADABLE = "the image could not be read"
     FEW_MARKERS = "too few markers were found"
     JUMPED = "the markers jumped"
-    OUTSIDE = "the markers moved as in no image of the training"
-    MOVED = "the camera has moved since the images at rest"
+    OUT_OF_DISTRIBUTION = "the markers moved as in no image of the training"
+    CAMERA_MOVED = "the camera has moved since the images at rest"
     MISFIT = "no press of this unit looks like the image"
-    BY_PICTURE = "the dots could not be numbered; the pose is read from the picture"
+    IMAGE_ONLY = "the dots could not be numbered; the pose is read from the picture"
 
 
 @dataclass(frozen=True)
@@ -67,11 +67,11 @@ class Reading:
     flags: tuple[Flag, ...]
     latency_ms: float
     reason: str = ""
-    sighting: Sighting | None = field(default=None, compare=False, repr=False)
-    space: PoseSpace = TILT_DEPTH
+    sighting: TrackedMarkers | None = field(default=None, compare=False, repr=False)
+    space: PoseSpace = TILT_SPACE
     force: Force | None = field(default=None, compare=False, repr=False)
     fit: PoseFit | None = field(default=None, compare=False, repr=False)
-    rest: RestMotion | None = field(default=None, compare=False, repr=False)
+    rest: RestDrift | None = field(default=None, compare=False, repr=False)
 
     def __getitem__(self, name: str) -> float:
         return self.pose[self.space.names.index(name)]
@@ -79,12 +79,12 @@ class Reading:
     @property
     def depth_mm(self) -> float:
         """Depth since first touch."""
-        return self.pose[2] if self.space.lies else self.pose[-1]
+        return self.pose[2] if self.space.is_line else self.pose[-1]
 
     @property
     def line(self) -> tuple[float, float]:
         """Offset (mm) and angle (degrees) of an obstacle that lies level; NaN of one that does not."""
-        offset, angle = self.space.line(self.pose).tolist() if self.space.lies else (math.nan, math.nan)
+        offset, angle = self.space.line(self.pose).tolist() if self.space.is_line else (math.nan, math.nan)
         return offset, angle
 
     @property

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.markers import Sighting
+from palpate.markers import TrackedMarkers
 from palpate.recording import PoseReading, RecordedModel
 from palpate.sensor.reading import Flag, Reading
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.spec import SensorSpec
 
 
 class RecordedSensor:
@@ -24,8 +24,8 @@ class RecordedSensor:
         What it reads with, and when it flags.
     """
 
-    def __init__(self, model: RecordedModel, spec: RigSpec | None = None) -> None:
-        self.model, self.spec = model, spec or RigSpec()
+    def __init__(self, model: RecordedModel, spec: SensorSpec | None = None) -> None:
+        self.model, self.spec = model, spec or SensorSpec()
         self._count = 0
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
@@ -48,14 +48,14 @@ class RecordedSensor:
                 0,
                 (Flag.UNREADABLE,),
                 latency,
-                PalpateError.of(error).what,
+                PalpateError.of(error).problem,
                 space=space,
             )
 
     def _describe(self, found: PoseReading, start: float) -> Reading:
-        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.BY_PICTURE]
+        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.IMAGE_ONLY]
         if np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width):
-            flags.append(Flag.OUTSIDE)
+            flags.append(Flag.OUT_OF_DISTRIBUTION)
         seen = found.correspondence
         moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
         return Reading(
@@ -71,11 +71,11 @@ class RecordedSensor:
             space=self.model.space,
         )
 
-    def _sighting(self, found: PoseReading) -> Sighting | None:
+    def _sighting(self, found: PoseReading) -> TrackedMarkers | None:
         """Where numbered dots were seen; `None` where they were not believed."""
         seen, layout = found.correspondence, self.model.layout
-        if seen is None or layout is None or not seen.good:
+        if seen is None or layout is None or not seen.accepted:
             return None
         places = layout.rest_px + seen.moved_px
         blob = np.linalg.norm(places[:, None] - found.dots_px[None], axis=-1).argmin(axis=1)
-        return Sighting(places, seen.found, np.where(seen.found, blob, -1), False)
+        return TrackedMarkers(places, seen.found, np.where(seen.found, blob, -1), False)

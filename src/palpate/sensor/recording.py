@@ -21,17 +21,17 @@ from typing import Any
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 
 REST = "rest"
-_ESTIMATE = TILT_DEPTH.names
+_ESTIMATE = TILT_SPACE.names
 _TRUTH = ("image", "press", *_ESTIMATE)
 _FORCE = "force_n"
 _EXAMPLE = f"Give a CSV with the columns {', '.join(_TRUTH)}."
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class GroundTruth:
     """Known poses of recorded images.
 
     Attributes
@@ -55,7 +55,7 @@ class Truth:
     forces: FloatArray
 
 
-def read_truth(path: Path) -> Truth:
+def read_ground_truth(path: Path) -> GroundTruth:
     """Read the table of the truth.
 
     Raises
@@ -79,10 +79,10 @@ def read_truth(path: Path) -> Truth:
     names = list(dict.fromkeys(row["press"] for _, row in pressed))
     press = np.array([names.index(row["press"]) for _, row in pressed])
     forces = np.array([_number(path, line, row, _FORCE) for line, row in pressed])
-    return Truth(rest, tuple(row["image"] for _, row in pressed), press, poses, forces)
+    return GroundTruth(rest, tuple(row["image"] for _, row in pressed), press, poses, forces)
 
 
-def read_readings(path: Path, truth: Truth) -> tuple[FloatArray, BoolArray]:
+def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray]:
     """Read what `palpate live --out` wrote about the images of a truth.
 
     Returns

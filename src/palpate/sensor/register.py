@@ -21,11 +21,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from palpate.camera import LENSES, Camera, CameraSpec, build_camera, dot_edges, trace_dots
+from palpate.camera import LENSES, Camera, CameraSpec, build_camera, flat_marker_outlines, project_markers
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
-from palpate.markers import Naming, find_rings
-from palpate.sensor.print_law import PrintLaw, fit_law
+from palpate.markers import MarkerAssignment, find_rings
+from palpate.sensor.print_law import PrintDistortion, fit_print_distortion
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
@@ -60,7 +60,7 @@ class Registration:
     lens_sd
         (3 + k,) standard deviation of the focal length (share), of the centre (px) and of the lens' k refinable
         coefficients; NaN where they were held.
-    law
+    distortion
         How the print is bent as a whole, where the pose alone does not explain the dots; else `None`.
     """
 
@@ -70,7 +70,7 @@ class Registration:
     sd: FloatArray
     held_rms_px: float
     lens_sd: FloatArray
-    law: PrintLaw | None = None
+    distortion: PrintDistortion | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class _Fit:
 
 
 def register_dome(
-    naming: Naming,
+    naming: MarkerAssignment,
     layout: MarkerLayout,
     skin: Skin,
     nominal: CameraSpec | None = None,
@@ -124,18 +124,18 @@ def register_dome(
         )
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
     normals = skin.normal(points)
-    edges = dot_edges(points, normals, layout.diameter)
+    edges = flat_marker_outlines(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
     about = _posed(nominal, start)
-    where = points, seen, trace_dots(about, edges).centres - about.project(points)
+    where = points, seen, project_markers(about, edges).centres - about.project(points)
     held = fit = _fit(nominal, start, where)
     if refine_lens:
         fit = _fit(nominal, np.concatenate([_pose_of(held.camera), start[6:]]), where, held.rms_px / np.sqrt(2.0))
     spacing = float(np.median(cKDTree(seen).query(seen, 2)[0][:, 1]))
     law = None
     if fit.rms_px > _LEAST_BENT_PX:
-        bent, law = _bend(fit, naming, (layout, skin), nominal, start)
+        bent, law = _distort(fit, naming, (layout, skin), nominal, start)
         if law and (fit.rms_px > _EVEN * spacing or law.rms_px < _BETTER * fit.rms_px):
             fit = held = bent
         else:
@@ -173,9 +173,9 @@ def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
         )
 
 
-def _bend(
-    fit: _Fit, naming: Naming, design: tuple[MarkerLayout, Skin], nominal: CameraSpec, start: FloatArray
-) -> tuple[_Fit, PrintLaw | None]:
+def _distort(
+    fit: _Fit, naming: MarkerAssignment, design: tuple[MarkerLayout, Skin], nominal: CameraSpec, start: FloatArray
+) -> tuple[_Fit, PrintDistortion | None]:
     """The pose of a print that is bent as a whole, and its law; what a layout without rings keeps."""
     layout, skin = design
     rings = find_rings(layout.positions)
@@ -187,11 +187,11 @@ def _bend(
         return _posed(nominal, np.concatenate([pose, lens]))
 
     points = layout.positions[naming.found]
-    edges = dot_edges(points, skin.normal(points), layout.diameter)
-    bias = trace_dots(fit.camera, edges).centres - fit.camera.project(points)
+    edges = flat_marker_outlines(points, skin.normal(points), layout.diameter)
+    bias = project_markers(fit.camera, edges).centres - fit.camera.project(points)
     which = np.flatnonzero(naming.found)
     seen = naming.positions_px[which] - bias
-    pose, law = fit_law(rings, design, (which, seen), posed, (_pose_of(fit.camera), start[:6]))
+    pose, law = fit_print_distortion(rings, design, (which, seen), posed, (_pose_of(fit.camera), start[:6]))
     camera = posed(pose)
     left = camera.project(points) - seen
     return _Fit(camera, left, fit.sd), law

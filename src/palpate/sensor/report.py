@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from palpate.core import provenance, writing
+from palpate.core import provenance, wrap_write_errors
 
 Rows = Sequence[Sequence[str]]
 
@@ -33,7 +33,7 @@ def write_report(folder: Path, name: str, content: Any, page: str, table: Rows =
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
+    with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps(_finite(content), indent=2, allow_nan=False)
         (folder / f"{name}.json").write_text(text + "\n", encoding="utf-8")
@@ -43,12 +43,12 @@ def write_report(folder: Path, name: str, content: Any, page: str, table: Rows =
                 csv.writer(file).writerows(table)
 
 
-def table_lines(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Lines of a table in Markdown."""
     return [f"| {' | '.join(row)} |" for row in (columns, ["---"] * len(columns), *rows)]
 
 
-def made_by() -> str:
+def provenance_line() -> str:
     """The sentence that names the versions a report was made with."""
     return "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + "."
 

@@ -8,7 +8,7 @@ directions of its twin's touches, `_TOUCHES`):
 
 Only c is ever followed, so a light touch, held for however long, goes to t and is not learnt as rest. An image counts
 as untouched where t explains nothing beyond the noise, and nothing else is left over. Then the rest follows a small
-difference of c, each combination of the camera's numbers as far as the dots know it (`CreepFilter`); a large one that
+difference of c, each combination of the camera's numbers as far as the dots know it (`DriftFilter`); a large one that
 is no noise is a knock. Few dots tell some motions of the camera from touches badly: 37 dots show one of 0.09 px rms
 where nothing moved.
 """
@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built import UNKNOWN, UnitModel
+from palpate.built import UNIT_PARAMETERS, UnitModel
 from palpate.core import BoolArray, FloatArray
-from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, Creep, CreepFilter
+from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
 
-_CAMERA = UNKNOWN[:-1]
+_CAMERA = UNIT_PARAMETERS[:-1]
 _MOVES = {
     "offset_x": 0.1,
     "offset_y": 0.1,
@@ -59,7 +59,7 @@ _NOTHING_PX = 0.01
 """Motion of the rest below which dots are taken as they are, px rms."""
 
 
-class RestMotion(NamedTuple):
+class RestDrift(NamedTuple):
     """How the untouched dots have moved as a whole since the images at rest.
 
     Attributes
@@ -79,7 +79,7 @@ class RestMotion(NamedTuple):
     turn_deg: float
     scale: float
 
-    def sentence(self) -> str:
+    def summary(self) -> str:
         """What a person reads."""
         across, down = self.shift_px
         return (
@@ -88,7 +88,7 @@ class RestMotion(NamedTuple):
         )
 
 
-_STILL = RestMotion(0.0, (0.0, 0.0), 0.0, 1.0)
+_STILL = RestDrift(0.0, (0.0, 0.0), 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,10 +109,10 @@ class RestState:
         When the last image was taken that was followed; `None` where no clock told it, or none was followed.
     """
 
-    creep: Creep
+    creep: CameraDrift
     quiet: float = np.inf
     displaced: bool = False
-    motion: RestMotion = _STILL
+    motion: RestDrift = _STILL
     time_s: float | None = None
 
     def step_s(self, time_s: float | None) -> float:
@@ -123,7 +123,7 @@ class RestState:
 
 
 @dataclass(eq=False)
-class RestWatch:
+class DriftTracker:
     """Follows the rest of one unit.
 
     Attributes
@@ -134,18 +134,18 @@ class RestWatch:
         (m, 2) dots in the images at rest; NaN where none was seen.
     noise_px
         Standard deviation of a dot's coordinate in one image.
-    most_px
+    max_drift_px
         How far the rest is followed, px rms; 0 follows nothing.
     """
 
     model: UnitModel
     rest_px: FloatArray
     noise_px: float
-    most_px: float
+    max_drift_px: float
 
     def __post_init__(self) -> None:
-        self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.seen
-        slopes = self.model.shifted.slopes(self.model.dots.places)
+        self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.visible
+        slopes = self.model.shifted.jacobian(self.model.dots.places)
         size = self.model.size
         steps = {name: step * (size if name in _LENGTHS else 1.0) for name, step in _MOVES.items()}
         moves = slopes[..., [_CAMERA.index(name) for name in steps]] * list(steps.values())
@@ -161,29 +161,29 @@ class RestWatch:
 
     def begin(self) -> RestState:
         """What is known before any image but those at rest."""
-        return RestState(self._filter.begin())
+        return RestState(self._filter.initial())
 
-    def _make_filter(self) -> CreepFilter:
+    def _make_filter(self) -> DriftFilter:
         """Follows motions of the camera as far as the dots of one image tell them from touches."""
         ways = self._whole[0]
         camera = ways[:, : self._free]
         unknown = self.noise_px**2 * np.linalg.inv(self._normal(ways))[: self._free, : self._free]
-        return CreepFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
+        return DriftFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
 
-    def _describe(self, followed: FloatArray) -> RestMotion:
+    def _describe(self, followed: FloatArray) -> RestDrift:
         """What a motion (k,) of the camera is to the dots."""
         moved = (self._ways[..., : self._free] @ followed)[self._known]
         rest = self.rest_px[self._known] - self.rest_px[self._known].mean(axis=0)
         shift, size = moved.mean(axis=0), float(np.sum(rest**2))
         turn = float(np.sum(rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0])) / size
-        return RestMotion(
+        return RestDrift(
             self._rms(followed),
             (float(shift[0]), float(shift[1])),
             float(np.degrees(turn)),
             1.0 + float(np.sum(rest * moved)) / size,
         )
 
-    def as_at_first(self, state: RestState, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
+    def remove_drift(self, state: RestState, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
         """Dots (m, 2) px where they would be had the rest not moved.
 
         How far a drift of the camera shows depends on where the dots are: as under about the touch (rx, ry, depth,
@@ -191,14 +191,14 @@ class RestWatch:
         """
         if state.motion.rms_px < _NOTHING_PX:
             return seen_px
-        followed = self._filter.moved(state.creep)
+        followed = self._filter.motion(state.creep)
         if touch is None:
             return np.asarray(seen_px - self._ways[..., : self._free] @ followed)
-        thicker = float(self.model.belief.mean[-1])
-        points = self.model.dots.move(touch[:3], float(touch[3]), thicker).positions
-        return np.asarray(seen_px - self.model.shifted.slopes(points) @ (self._mix @ followed))
+        thicker = float(self.model.posterior.mean[-1])
+        points = self.model.dots.evaluate(touch[:3], float(touch[3]), thicker).positions
+        return np.asarray(seen_px - self.model.shifted.jacobian(points) @ (self._mix @ followed))
 
-    def watch(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:
+    def update(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:
         """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`.
 
         `time_s` is when the image was taken; without it, images follow each other at the nominal rate.
@@ -209,13 +209,13 @@ class RestWatch:
         if moved is None:
             return state
         step_s = state.step_s(time_s)
-        if self._filter.knocked(state.creep, moved, step_s, _KNOCK_PX, _SURE):
+        if self._filter.is_jump(state.creep, moved, step_s, _KNOCK_PX, _SURE):
             return replace(state, displaced=True)
-        if self.most_px <= 0:
+        if self.max_drift_px <= 0:
             return replace(state, displaced=False)
-        creep = self._filter.follow(state.creep, moved, step_s)
-        followed = self._filter.moved(creep)
-        if self._rms(followed) > self.most_px:
+        creep = self._filter.update(state.creep, moved, step_s)
+        followed = self._filter.motion(creep)
+        if self._rms(followed) > self.max_drift_px:
             return replace(state, displaced=True)
         return RestState(creep, quiet, False, self._describe(followed), time_s)
 
@@ -261,14 +261,14 @@ class RestWatch:
     def _touches(self) -> FloatArray:
         """Main directions (m, 2, k) of what light touches do, px."""
         depths, tilts, turns = self.model.size * np.array(_TOUCHES[0]), *_TOUCHES[1:]
-        slip = float(self.model.tolerance.slip[0])
-        rest = self.model.look(np.zeros(3), slip, unit=False).pixels
+        slip = float(self.model.tolerance.inverse_friction_prior[0])
+        rest = self.model.predict(np.zeros(3), slip, unit=False).pixels
         moved = []
         for tilt in tilts:
             for turn in np.arange(turns if tilt else 1) * (2.0 * np.pi / turns):
                 flat = tilt * np.cos(turn), tilt * np.sin(turn)
                 poses = (np.array([*flat, depth]) for depth in depths)
-                moved += [self.model.look(pose, slip, unit=False).pixels - rest for pose in poses]
+                moved += [self.model.predict(pose, slip, unit=False).pixels - rest for pose in poses]
         fields = np.where(self._known[:, None], np.array(moved), 0.0).reshape(len(moved), -1)
         _, sizes, ways = np.linalg.svd(fields, full_matrices=False)
         kept = sizes > _LOST_PX * np.sqrt(fields.shape[1])

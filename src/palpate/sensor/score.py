@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, generator
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 from palpate.learn import ErrorSummary
 
-COMPONENTS = tuple((item.word, item.unit) for item in TILT_DEPTH.components)
+COMPONENTS = tuple((item.label, item.unit) for item in TILT_SPACE.components)
 """rx, ry and depth by the names of the paper, and their units."""
 LEVEL = 0.95
 """Share of repetitions that an interval covers."""

@@ -18,25 +18,33 @@ from palpate.design import place_orientation_mark
 from palpate.markers import (
     Detector,
     DetectSpec,
+    MarkerAssignment,
     MarkerPattern,
-    Motion,
-    Naming,
-    Sighting,
+    MotionModel,
+    TrackedMarkers,
     Tracker,
     TrackState,
+    assign_markers,
     build_pattern,
-    name_markers,
     prepare_detector,
 )
 from palpate.recording import RecordedModel
-from palpate.sensor.fading_force import FadingForce
-from palpate.sensor.known_press import KnownPress, ask_press
-from palpate.sensor.reader import Estimate, Model, Reader, ReaderState, TwinReader, check_model, open_reader
+from palpate.sensor.fading_force import ForceRelaxation
+from palpate.sensor.known_press import ReferencePress, disambiguate
+from palpate.sensor.reader import (
+    PoseEstimate,
+    PoseEstimator,
+    PoseModel,
+    ReaderState,
+    TwinEstimator,
+    check_model,
+    make_estimator,
+)
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
-from palpate.sensor.rest_drift import RestMotion
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.rest_drift import RestDrift
+from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 
 _FOUND, _DIRT = (0.8, 1.5), 10
@@ -60,9 +68,9 @@ class Sensor:
 
     Attributes
     ----------
-    unit, reader, spec
+    unit, estimator, spec
         What it is, what it estimates with, and when it flags.
-    detector, naming, registration
+    detector, assignment, registration
         What the rest image gave.
     clock
         Asked once an image, before it is read: when it was taken, in s. With it, forces are those of that time where
@@ -71,30 +79,30 @@ class Sensor:
     """
 
     unit: Unit
-    reader: Reader
-    spec: RigSpec
+    estimator: PoseEstimator
+    spec: SensorSpec
     detector: Detector
-    naming: Naming
+    assignment: MarkerAssignment
     registration: Registration
     clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
-        relaxation = self.reader.relaxation
-        self._fading = FadingForce(relaxation) if relaxation is not None else None
-        self._tracker = Tracker(Motion(self.naming.positions_px))
-        self._state = _State(self._tracker.begin(), self.reader.begin())
+        relaxation = self.estimator.relaxation
+        self._fading = ForceRelaxation(relaxation) if relaxation is not None else None
+        self._tracker = Tracker(MotionModel(self.assignment.positions_px))
+        self._state = _State(self._tracker.begin(), self.estimator.begin())
         self._count = 0
 
     @property
-    def rest(self) -> RestMotion | None:
+    def rest(self) -> RestDrift | None:
         """How far the untouched dots have drifted; `None` where nothing looks."""
         rest = self._state.reader.rest
         return None if rest is None else rest.motion
 
     def fit_by(self, fitter: PoseFitter) -> None:
         """Read by another fit of the unit's twin from the next image on, as one that has fitted none."""
-        assert isinstance(self.reader, TwinReader)
-        self.reader.fitter = fitter
+        assert isinstance(self.estimator, TwinEstimator)
+        self.estimator.fitter = fitter
         self._state = replace(self._state, reader=replace(self._state.reader, fit=FitState()))
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
@@ -107,12 +115,12 @@ class Sensor:
         try:
             return self._read(image, start)
         except Exception as error:  # a sensor at work outlives whatever one image does to a library
-            return self._without_pose(start, 0, (Flag.UNREADABLE,), PalpateError.of(error).what)
+            return self._without_pose(start, 0, (Flag.UNREADABLE,), PalpateError.of(error).problem)
 
     def _read(self, image: NDArray[Any] | PalpateError, start: float) -> Reading:
         taken_s = None if self.clock is None else self.clock()
         elastic = self._read_elastic(image, start, taken_s)
-        return elastic if self._fading is None or taken_s is None else self._fading.follow(elastic, taken_s)
+        return elastic if self._fading is None or taken_s is None else self._fading.update(elastic, taken_s)
 
     def _read_elastic(self, image: NDArray[Any] | PalpateError, start: float, taken_s: float | None) -> Reading:
         """The reading with the force that the law alone gives."""
@@ -121,13 +129,15 @@ class Sensor:
         blobs = self.detector.find(image)
         sighting, tracks = self._tracker.follow(blobs.positions_px, self._state.tracks)
         found = int(sighting.found.sum())
-        if found < self.spec.least_found * len(self.unit.layout):
+        if found < self.spec.min_found * len(self.unit.layout):
             self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
         sighting, estimate, state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
-        flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
+        flags += [
+            flag for flag in estimate.flags if touching or flag is Flag.CAMERA_MOVED
+        ]  # at rest no pose is outside
         reading = Reading(
             image=self._count,
             pose=tuple(estimate.pose.tolist()),
@@ -137,7 +147,7 @@ class Sensor:
             flags=tuple(flags),
             latency_ms=(time.perf_counter() - start) * 1e3,
             sighting=sighting,
-            space=self.reader.space,
+            space=self.estimator.space,
             force=estimate.force,
             fit=estimate.fit,
             rest=estimate.rest,
@@ -146,50 +156,52 @@ class Sensor:
         return reading
 
     def _estimate(
-        self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState, taken_s: float | None
-    ) -> tuple[Sighting, Estimate, _State]:
+        self, blobs_px: FloatArray, sighting: TrackedMarkers, tracks: TrackState, taken_s: float | None
+    ) -> tuple[TrackedMarkers, PoseEstimate, _State]:
         """Where markers are, the estimate, and the state after this image.
 
         Where markers jumped or the estimate does not explain them, they are named anew by it, if that explains more;
         both readings begin from the state after the image before.
         """
-        estimate, reader = self.reader.read(sighting, self._state.reader, time_s=taken_s)
+        estimate, reader = self.estimator.estimate(sighting, self._state.reader, time_s=taken_s)
         first = sighting, estimate, _State(tracks, reader)
         if not sighting.jumped and Flag.MISFIT not in estimate.flags:
             return first
-        foreseen = self.reader.foresee(estimate)
+        foreseen = self.estimator.predict_markers(estimate)
         if foreseen is None or estimate.fit is None:
             return first
-        named, tracks = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
+        named, tracks = self._tracker.reassign(
+            blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px)
+        )
         if np.array_equal(named.blob, sighting.blob):  # the fit foresees what was seen: no marker jumped
             return named, estimate, _State(tracks, reader)
-        again, reader = self.reader.read(named, self._state.reader, estimate, taken_s)
+        again, reader = self.estimator.estimate(named, self._state.reader, estimate, taken_s)
         if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
             return named, again, _State(tracks, reader)
         return first
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
-        space, latency = self.reader.space, (time.perf_counter() - start) * 1e3
+        space, latency = self.estimator.space, (time.perf_counter() - start) * 1e3
         none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
         return Reading(self._count, none, anything, False, found, flags, latency, reason, space=space)
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
+class RestReference:
     """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is."""
 
     detector: Detector
-    naming: Naming
+    naming: MarkerAssignment
     registration: Registration
 
 
-def read_rest(
+def analyse_rest(
     images: Iterable[NDArray[Any]],
     unit: Unit,
     detect: DetectSpec | None = None,
-    known: KnownPress | None = None,
+    reference_press: ReferencePress | None = None,
     refine_lens: bool = False,
-) -> Rest:
+) -> RestReference:
     """Find and name the dots of the untouched dome, and register the camera.
 
     Parameters
@@ -200,7 +212,7 @@ def read_rest(
         The sensor.
     detect
         How to find dots.
-    known
+    reference_press
         A press that tells the numbers where the mark does not.
     refine_lens
         Whether focal length and centre are fitted as well (`palpate.sensor.register`).
@@ -215,18 +227,20 @@ def read_rest(
         raise PalpateError(
             "There is no image at rest.", "Record the untouched dome first.", code="rest-image-missing"
         )
-    mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
+    mark = place_orientation_mark(unit.skin, unit.layout) if unit.has_orientation_mark else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     detector, naming = _find_and_name(images[0], unit, detect, pattern)
-    if naming.ambiguous and known is not None:
-        naming = ask_press(naming, detector.find(known.image).positions_px, known.positions, unit).naming
+    if naming.ambiguous and reference_press is not None:
+        naming = disambiguate(
+            naming, detector.find(reference_press.image).positions_px, reference_press.positions, unit
+        ).naming
         if naming.ambiguous:
             raise PalpateError(
                 f"The known press leaves {1 + len(naming.alternatives)} ways to number the markers.",
                 "Press by a wall slanted by 5° or more, towards 15° from a row of markers.",
                 code="assignment-ambiguous",
             )
-    elif unit.marked and naming.ambiguous:
+    elif unit.has_orientation_mark and naming.ambiguous:
         raise PalpateError(
             f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
             "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
@@ -234,12 +248,12 @@ def read_rest(
         )
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)
-    return Rest(detector, naming, where)
+    return RestReference(detector, naming, where)
 
 
 def _find_and_name(
     image: NDArray[Any], unit: Unit, detect: DetectSpec | None, pattern: MarkerPattern
-) -> tuple[Detector, Naming]:
+) -> tuple[Detector, MarkerAssignment]:
     """A detector by the image alone, and the names of its dots.
 
     Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
@@ -247,7 +261,7 @@ def _find_and_name(
     gap = _SPARE * pattern.widest_gap
     try:
         detector = prepare_detector(image, detect, doubt=False, gap=gap)  # naming holds the dots against the design
-        return detector, name_markers(detector.find(image).positions_px, pattern)
+        return detector, assign_markers(detector.find(image).positions_px, pattern)
     except PalpateError:
         camera = unit.lens or unit.nominal
         if detect is not None or camera is None:
@@ -259,17 +273,17 @@ def _find_and_name(
                 detector = prepare_detector(image, spec, doubt=False, gap=gap)
                 found = detector.find(image).positions_px
                 if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout) + _DIRT:
-                    return detector, name_markers(found, pattern)
+                    return detector, assign_markers(found, pattern)
         raise
 
 
 def open_sensor(
     rest: Iterable[NDArray[Any]],
     unit: Unit,
-    model: Model,
-    spec: RigSpec | None = None,
+    model: PoseModel,
+    spec: SensorSpec | None = None,
     detect: DetectSpec | None = None,
-    known: KnownPress | None = None,
+    reference_press: ReferencePress | None = None,
 ) -> Sensor:
     """Begin with images of the untouched dome.
 
@@ -281,23 +295,23 @@ def open_sensor(
         The sensor, and what it reads with: a trained network, or the twin of its design.
     spec, detect
         When to flag, and how to find dots.
-    known
+    reference_press
         A press that tells the numbers where the mark does not.
 
     Raises
     ------
     PalpateError
-        If the model is that of another design, or where `read_rest` fails.
+        If the model is that of another design, or where `analyse_rest` fails.
     """
     check_model(model, unit)
-    spec = spec or RigSpec()
-    seen = read_rest(rest, unit, detect, known, spec.refine_lens)
-    reader = open_reader(model, unit, seen.naming, seen.registration, spec)
+    spec = spec or SensorSpec()
+    seen = analyse_rest(rest, unit, detect, reference_press, spec.refine_lens)
+    reader = make_estimator(model, unit, seen.naming, seen.registration, spec)
     return Sensor(unit, reader, spec, seen.detector, seen.naming, seen.registration)
 
 
 def run_sensor(
-    sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: RigSpec | None = None
+    sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: SensorSpec | None = None
 ) -> Iterator[Reading]:
     """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried.
 
@@ -307,11 +321,11 @@ def run_sensor(
     return (reads.read(image) for image in images)
 
 
-def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> Naming:
+def _average(naming: MarkerAssignment, detector: Detector, images: list[NDArray[Any]]) -> MarkerAssignment:
     """The same naming with positions averaged over all rest images."""
     if len(images) == 1:
         return naming
-    tracker = Tracker(Motion(naming.positions_px))
+    tracker = Tracker(MotionModel(naming.positions_px))
     seen = [tracker.step(detector.find(image).positions_px) for image in images]
     positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
     found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5

@@ -6,13 +6,13 @@ from palpate.built import NOISE_PX
 from palpate.core import Spec, parameter
 
 
-class RigSpec(Spec):
+class SensorSpec(Spec):
     """When a reading counts as a touch, and when it is flagged."""
 
     touch_px: float = parameter(
         0.25, unit="px", meaning="root mean square motion of the markers above which the dome is touched", gt=0, le=20
     )
-    least_found: float = parameter(
+    min_found: float = parameter(
         0.6, unit="1", meaning="share of the markers that must be found for a pose", gt=0, le=1
     )
     rest_images: int = parameter(1, unit="1", meaning="images at rest that are averaged", ge=1, le=1000)

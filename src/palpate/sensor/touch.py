@@ -18,7 +18,7 @@ LEAST_IMAGES = 3
 
 
 @dataclass(frozen=True)
-class TouchZero:
+class DepthZero:
     """Where the sensor's depth 0 lies on another scale.
 
     Attributes
@@ -36,16 +36,16 @@ class TouchZero:
     images: int
 
 
-def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4) -> TouchZero:
+def find_depth_zero(estimated: FloatArray, other: FloatArray, min_depth: float = 2.4) -> DepthZero:
     """Find the zero from one press.
 
     Parameters
     ----------
     estimated
-        (n,) mm, depths by the sensor; those that are not numbers or below `least_depth` do not count.
+        (n,) mm, depths by the sensor; those that are not numbers or below `min_depth` do not count.
     other
         (n,) mm, depths of the same images by the robot.
-    least_depth
+    min_depth
         Depth from which the model was trained, mm.
 
     Raises
@@ -56,16 +56,16 @@ def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4
     Examples
     --------
     >>> sensor, robot = np.array([2.5, 3.5, 4.5]), np.array([3.5, 4.4, 5.6])
-    >>> round(find_zero(sensor, robot).offset, 6)
+    >>> round(find_depth_zero(sensor, robot).offset, 6)
     1.0
     """
-    counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= least_depth)
+    counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= min_depth)
     if counts.sum() < LEAST_IMAGES:
         raise PalpateError(
-            f"{counts.sum()} images deeper than {least_depth:g} mm do not give the depth's zero.",
+            f"{counts.sum()} images deeper than {min_depth:g} mm do not give the depth's zero.",
             f"Press deeper and record at least {LEAST_IMAGES} images.",
             code="depth-zero-unknown",
         )
     apart = other[counts] - estimated[counts]
     offset = float(np.median(apart))
-    return TouchZero(offset, float(np.median(np.abs(apart - offset))), int(counts.sum()))
+    return DepthZero(offset, float(np.median(np.abs(apart - offset))), int(counts.sum()))

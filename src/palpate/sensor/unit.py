@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from palpate.built import KnownUnit, ToleranceSpec
+from palpate.built import IdentifiedUnit, ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.design import MarkerLayout, Skin
 
@@ -17,13 +17,13 @@ class Unit:
     ----------
     skin, layout
         Its design.
-    marked
+    has_orientation_mark
         Whether the orientation mark is printed.
     nominal
         The camera that the model was trained for.
     lens
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
-    known
+    identified
         What presses told about it (`palpate identify`).
     tolerance
         How far it may be from its design.
@@ -31,8 +31,8 @@ class Unit:
 
     skin: Skin
     layout: MarkerLayout
-    marked: bool = True
+    has_orientation_mark: bool = True
     nominal: CameraSpec | None = None
     lens: CameraSpec | None = None
-    known: KnownUnit | None = None
+    identified: IdentifiedUnit | None = None
     tolerance: ToleranceSpec = field(default_factory=ToleranceSpec)

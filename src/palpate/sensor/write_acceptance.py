@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.core import writing
+from palpate.core import wrap_write_errors
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
-from palpate.sensor.report import made_by, table_lines, write_report
+from palpate.sensor.report import markdown_table, provenance_line, write_report
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
@@ -27,7 +27,7 @@ def write_acceptance(folder: Path | None, found: Acceptance, title: str) -> str:
     page = _page(found, title)
     if folder is not None:
         write_report(folder, "accept", {"unit": title, **found.as_dict()}, page)
-        with writing(folder, "Choose another folder."):
+        with wrap_write_errors(folder, "Choose another folder."):
             draw_acceptance(found, title).savefig(folder / "accept.pdf")
     return page
 
@@ -45,13 +45,13 @@ def _page(found: Acceptance, title: str) -> str:
             "",
             f"**{verdict(found)}**",
             "",
-            *table_lines(("figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""), map(_row, found.checks)),
+            *markdown_table(("figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""), map(_row, found.checks)),
             "",
-            *table_lines(("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"), table),
+            *markdown_table(("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"), table),
             "",
             *basis(found),
             "",
-            made_by(),
+            provenance_line(),
             "",
         ]
     )
@@ -66,7 +66,7 @@ def verdict(found: Acceptance) -> str:
 def basis(found: Acceptance) -> list[str]:
     """What the figures stand on, in sentences."""
     lines = [
-        f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.least_depth:g} mm deep or "
+        f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep or "
         f"more; {found.left_out} others left out, {found.flagged} flagged readings among them that count.",
         "Intervals come from drawing whole presses with replacement; the greatest error has none."
         + (" Their upper ends were judged." if found.spec.guard else ""),

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra, writing
+from palpate.core import PalpateError, load_extra, wrap_write_errors
 from palpate.ros import Message, build_message, header_of, pose_message, pose_stamped, wrench_stamped
 from palpate.sensor.reading import Reading
 
@@ -38,7 +38,7 @@ class Bag:
         typesys = load_extra("rosbags.typesys", "ros", "rosbags")
         self._store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
         self._writer = rosbag2.Writer(folder, version=_VERSION)
-        with writing(folder, "Choose another folder."):
+        with wrap_write_errors(folder, "Choose another folder."):
             self._writer.open()
         self._pose = self._connect("/palpate/pose", "geometry_msgs/msg/PoseStamped")
         self._force = self._connect("/palpate/force", "geometry_msgs/msg/WrenchStamped")
@@ -67,7 +67,7 @@ class Bag:
 
 def _pose_of(reading: Reading) -> Message:
     first, none = reading.pose[:2], (0.0, 0.0)
-    tilt, place = (first, none) if reading.space.tilts else (none, first)
+    tilt, place = (first, none) if reading.space.is_tilt else (none, first)
     return pose_message(tilt, place, reading.depth_mm)
 
 

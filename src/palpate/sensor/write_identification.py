@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.built import ForeseeSpec, Identified, RobotSpec, rank_presses
-from palpate.core import FloatArray, PalpateError, writing
-from palpate.sensor.reader import TwinReader
-from palpate.sensor.report import made_by, table_lines, write_report
+from palpate.built import AccuracySpec, IdentificationResult, RobotUncertainty, rank_next_presses
+from palpate.core import FloatArray, PalpateError, wrap_write_errors
+from palpate.sensor.reader import TwinEstimator
+from palpate.sensor.report import markdown_table, provenance_line, write_report
 from palpate.sensor.sensor import Sensor
 
 _KNOWN, _OPEN = 0.5, 0.9
 """Standard deviation over that before any image, below which a number counts as learnt, and above as still open."""
 
 
-def write_identification(folder: Path, found: Identified, sensor: Sensor, robot: RobotSpec) -> None:
+def write_identification(folder: Path, found: IdentificationResult, sensor: Sensor, robot: RobotUncertainty) -> None:
     """Write ``identification.json``, ``.md`` and ``.png`` into a folder.
 
     Parameters
@@ -35,15 +35,15 @@ def write_identification(folder: Path, found: Identified, sensor: Sensor, robot:
     PalpateError
         If the sensor reads by a network, or the files cannot be written.
     """
-    if not isinstance(sensor.reader, TwinReader):
+    if not isinstance(sensor.estimator, TwinEstimator):
         raise PalpateError(
             "A network has not learnt its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
         )
-    fitter = sensor.reader.fitter
-    spec = ForeseeSpec(
+    fitter = sensor.estimator.fitter
+    spec = AccuracySpec(
         noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.dots.twin.tilts_deg[-1])
     )
-    now, ranked = rank_presses(fitter.model, found.mounting, float(np.median(found.slips)), spec)
+    now, ranked = rank_next_presses(fitter.model, found.mounting, float(np.median(found.inverse_frictions)), spec)
     rows = found.rows(fitter.model.tolerance)
     content = {
         "known": rows,
@@ -52,12 +52,12 @@ def write_identification(folder: Path, found: Identified, sensor: Sensor, robot:
         "next": [press._asdict() for press in ranked],
     }
     write_report(folder, "identification", content, _page(rows, found, now, ranked))
-    with writing(folder, "Choose another folder."):
-        left = fitter.model.belief.rest_px - fitter.model.camera.project(fitter.model.layout.positions)
-        _draw(rows, fitter.model.belief.rest_px, left).savefig(folder / "identification.png", dpi=120)
+    with wrap_write_errors(folder, "Choose another folder."):
+        left = fitter.model.posterior.rest_px - fitter.model.camera.project(fitter.model.layout.positions)
+        _draw(rows, fitter.model.posterior.rest_px, left).savefig(folder / "identification.png", dpi=120)
 
 
-def _page(rows: list[dict[str, Any]], found: Identified, now: float, ranked: tuple[Any, ...]) -> str:
+def _page(rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]) -> str:
     table = [
         (row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row)) for row in rows
     ]
@@ -69,7 +69,7 @@ def _page(rows: list[dict[str, Any]], found: Identified, now: float, ranked: tup
             "",
             f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}.",
             "",
-            *table_lines(("number", "found", "± (1 sd)", "before", ""), table),
+            *markdown_table(("number", "found", "± (1 sd)", "before", ""), table),
             "",
             "## Which press would teach most",
             "",
@@ -79,7 +79,7 @@ def _page(rows: list[dict[str, Any]], found: Identified, now: float, ranked: tup
             "",
             "![What was known before and is now, and the dots at rest against the design](identification.png)",
             "",
-            made_by(),
+            provenance_line(),
             "",
         ]
     )

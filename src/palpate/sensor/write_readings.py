@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from palpate.core import PalpateError, writing
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.core import PalpateError, wrap_write_errors
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
@@ -58,13 +58,21 @@ def _forces(reading: Reading) -> tuple[float, ...]:
     """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
     if reading.force is None or not reading.touching:
         return (math.nan,) * len(_FORCE)
-    normal, tangential = reading.force.pressing, reading.force.tangential
-    friction = 1.0 / reading.fit.slip if reading.fit is not None and reading.fit.slip > 0 else math.nan
-    bend = (reading.fit.bend, reading.fit.bend_sd) if reading.fit and reading.fit.bend_sd > 0 else (math.nan,) * 2
+    normal, tangential = reading.force.normal_force, reading.force.tangential_force
+    friction = (
+        1.0 / reading.fit.inverse_friction
+        if reading.fit is not None and reading.fit.inverse_friction > 0
+        else math.nan
+    )
+    bend = (
+        (reading.fit.curvature, reading.fit.curvature_sd)
+        if reading.fit and reading.fit.curvature_sd > 0
+        else (math.nan,) * 2
+    )
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction, *bend
 
 
-def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:
+def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_SPACE) -> Iterator[Reading]:
     """Write readings with poses of one space as they come, to a .csv or .jsonl file or a new .rosbag2 folder.
 
     They are handed on.
@@ -88,7 +96,7 @@ def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = T
 
 
 def _write_text(path: Path, readings: Iterable[Reading], columns: tuple[str, ...]) -> Iterator[Reading]:
-    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
+    with wrap_write_errors(path), path.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, columns)
         if path.suffix == ".csv":
             table.writeheader()

@@ -17,7 +17,7 @@ from palpate.cad import SurfaceMesh
 from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
 from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
-from palpate.simulator.mass import MassProperties, weigh
+from palpate.simulator.mass import MassProperties, compute_mass_properties
 from palpate.simulator.shell import skin_surface
 from palpate.simulator.spec import AssetSpec
 
@@ -80,7 +80,7 @@ class SensorAsset:
         return self.camera.camera_from_dome.T
 
 
-def check_wall(wall: ObstacleSpec) -> None:
+def check_force_curve_press(wall: ObstacleSpec) -> None:
     """Refuse what would not tell a force curve, before it is pressed.
 
     Raises
@@ -88,16 +88,16 @@ def check_wall(wall: ObstacleSpec) -> None:
     PalpateError
         If it is no straight flat wall, or pressed in too few steps.
     """
-    if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.bend:
+    if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.curvature:
         raise PalpateError(
-            f"The skin is pressed by {wall.words}.",
+            f"The skin is pressed by {wall.label}.",
             "Press it by a straight flat wall: --tilt 0.",
             code="asset-wall-not-straight",
         )
-    if wall.depth < _TERMS * wall.image_step:
+    if wall.depth < _TERMS * wall.depth_step:
         raise PalpateError(
-            f"A press to {wall.depth:g} mm in steps of {wall.image_step:g} mm is too short for a force curve.",
-            f"Press to {_TERMS * wall.image_step:g} mm or deeper, or in shorter steps.",
+            f"A press to {wall.depth:g} mm in steps of {wall.depth_step:g} mm is too short for a force curve.",
+            f"Press to {_TERMS * wall.depth_step:g} mm or deeper, or in shorter steps.",
             code="asset-press-short",
         )
 
@@ -108,11 +108,11 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
     Raises
     ------
     PalpateError
-        As `check_wall`, or if the press ended or jumped too early.
+        As `check_force_curve_press`, or if the press ended or jumped too early.
     """
     spec = spec or AssetSpec()
     skin = press.mesh.skin
-    check_wall(press.wall)
+    check_force_curve_press(press.obstacle)
     kept = (press.branch == Branch.FLAT) & ~(press.depth >= press.jump_depth)
     depth, force = press.depth[kept] / 1e3, press.force[kept, 2]
     if len(depth) <= _TERMS:
@@ -127,7 +127,7 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
         name="palpate_" + "".join(letter if letter.isalnum() else "_" for letter in skin.name.lower()),
         spec=spec,
         surface=skin_surface(skin),
-        body=weigh(skin, spec.density, filled=press.mesh.filling > 0),
+        body=compute_mass_properties(skin, spec.density, filled=press.mesh.filling > 0),
         camera=camera,
         spring=spring,
         stiffness=float(line[0]),

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from palpate.core import PalpateError, load_extra, new_folder, provenance
+from palpate.core import PalpateError, atomic_folder, load_extra, provenance
 from palpate.fabricate import write_mesh
 from palpate.simulator.asset import SensorAsset
 from palpate.simulator.mjcf import mjcf_text
@@ -56,7 +56,7 @@ def export_asset(folder: Path, asset: SensorAsset, to: AssetFormat) -> Path:
     """
     check_asset(folder)
     name, text = _FILES[to]
-    with new_folder(folder, "Name another folder.") as draft:
+    with atomic_folder(folder, "Name another folder.") as draft:
         (draft / name).write_text(text(asset, MESH), encoding="utf-8")
         write_mesh(draft / MESH, asset.surface)
         (draft / "asset.json").write_text(json.dumps(describe_asset(asset), indent=2) + "\n", encoding="utf-8")

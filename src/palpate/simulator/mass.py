@@ -35,7 +35,7 @@ class MassProperties(NamedTuple):
     inertia: FloatArray
 
 
-def weigh(skin: Skin, density: float, *, filled: bool = False) -> MassProperties:
+def compute_mass_properties(skin: Skin, density: float, *, filled: bool = False) -> MassProperties:
     """Mass properties of a skin of one density (kg/m³), which a gel inside shares.
 
     With the second moments ``S = ∫ ρ r rᵀ dV`` about the centre the inertia is ``tr(S) 1 - S``.

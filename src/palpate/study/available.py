@@ -39,7 +39,7 @@ def available_memory(system: Path = _SYSTEM, group: Path = _GROUP) -> float:
     return max(room, 0.0)
 
 
-def fitting_workers() -> int:
+def default_workers() -> int:
     """Number of workers for which there are cores and memory; at least one."""
     memory = available_memory()
     fit = available_cores() if math.isinf(memory) else min(available_cores(), int(memory // WORKER_BYTES))

@@ -10,18 +10,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from palpate.built import BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
+from palpate.built import AccuracySpec, PredictedAccuracy, ToleranceSpec, predict_accuracy
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, Recipe, stage_version, written_whole
+from palpate.core import ArtefactStore, Recipe, atomic_write, stage_version
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
-from palpate.study.study import BuiltSpec, Study
-from palpate.study.task import PressTask, Task, find_made, write_json
+from palpate.study.study import AsBuiltSpec, Study
+from palpate.study.task import PressTask, Task, find_artefact, write_json
 from palpate.twin import (
     TWIN_DERIVATIVES,
     build_twin,
-    measure_off,
+    measure_interpolation_error,
     read_twin,
     twin_path,
     twin_version,
@@ -50,29 +50,29 @@ class TwinTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        keys = tuple(press.recipe.key for press in self.needs)
+        keys = tuple(press.recipe.key for press in self.dependencies)
         return Recipe(kind="twin", spec={}, inputs=keys, version=twin_version())
 
     @property
-    def needs(self) -> tuple[PressTask, ...]:
+    def dependencies(self) -> tuple[PressTask, ...]:
         return (*self.presses, *self.inverted, *self.checks)
 
     @property
     def cost(self) -> float:
-        return 0.2 * len(self.needs)
+        return 0.2 * len(self.dependencies)
 
     def make(self, store: ArtefactStore) -> None:
         flat, inverted, checks = (
-            [read_press(find_made(store, press)) for press in presses]
+            [read_press(find_artefact(store, press)) for press in presses]
             for presses in (self.presses, self.inverted, self.checks)
         )
         twin = build_twin(flat, inverted)
-        twin = replace(twin, off_mm=measure_off(twin, checks))
+        twin = replace(twin, interpolation_error_mm=measure_interpolation_error(twin, checks))
         store.write(self.recipe, lambda path: write_twin(path, twin))
 
 
 @dataclass(frozen=True)
-class BuiltTask(Task):
+class AccuracyTask(Task):
     """Foresee built units of one design, before and after known presses."""
 
     twin: TwinTask
@@ -80,7 +80,7 @@ class BuiltTask(Task):
     markers: MarkerSpec
     camera: CameraSpec
     tolerance: ToleranceSpec
-    figures: tuple[ForeseeSpec, ...]
+    specs: tuple[AccuracySpec, ...]
 
     suffix = ".json"
 
@@ -96,12 +96,12 @@ class BuiltTask(Task):
             "diameter": layout.diameter,
             "camera": self.camera.model_dump(mode="json"),
             "tolerance": self.tolerance.model_dump(mode="json"),
-            "figures": [asdict(figure) for figure in self.figures],
+            "figures": [asdict(figure) for figure in self.specs],
         }
         return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=stage_version("accuracy"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.twin,)
 
     @property
@@ -109,15 +109,15 @@ class BuiltTask(Task):
         return 1.0
 
     def make(self, store: ArtefactStore) -> None:
-        twin = read_twin(find_made(store, self.twin))
+        twin = read_twin(find_artefact(store, self.twin))
         layout, camera = place_markers(twin.skin, self.markers), build_camera(self.camera)
-        found = [asdict(foresee(twin, layout, camera, self.tolerance, spec)) for spec in self.figures]
+        found = [asdict(predict_accuracy(twin, layout, camera, self.tolerance, spec)) for spec in self.specs]
         store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
 
 
-def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
-    """Read what a `BuiltTask` made."""
-    return tuple(BuiltFigure(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
+def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
+    """Read what a `AccuracyTask` made."""
+    return tuple(PredictedAccuracy(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
 
 
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
@@ -133,36 +133,37 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
         code="twin-needs-revolution",
     )
-    asked = study.built or BuiltSpec()
+    asked = study.built or AsBuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
 
 
-def plan_built(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> BuiltTask:
+def plan_accuracy(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> AccuracyTask:
     """What units of one design will be, with its markers counted."""
-    asked = study.built or BuiltSpec()
+    asked = study.built or AsBuiltSpec()
     specs = (
-        ForeseeSpec(known=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed) for known in (0, asked.known)
+        AccuracySpec(calibration_presses=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed)
+        for known in (0, asked.calibration_presses)
     )
-    return BuiltTask(twin, skin, markers, study.camera, asked.tolerance, tuple(specs))
+    return AccuracyTask(twin, skin, markers, study.camera, asked.tolerance, tuple(specs))
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     slippery = study.wall.contact == "frictionless"
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
-    for contact in (study.wall.contact,) if slippery else (study.built or BuiltSpec()).contacts:
+    for contact in (study.wall.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
         for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.image_step}
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.wall.depth_step}
             yield PressTask(
                 skin=skin,
                 mesh=study.material.mesh(study.mesh),
                 material=study.material.material(),
-                wall=study.wall.model_copy(update=changed),
+                obstacle=study.wall.model_copy(update=changed),
                 solver=solver,
             )
 
 
-def _plan_checks(study: Study, skin: SkinSpec, asked: BuiltSpec) -> Iterator[PressTask]:
+def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[PressTask]:
     """Presses between those of the twin, in other directions, spread over its tilts and frictions."""
     slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
     for number in range(asked.checks):
@@ -175,7 +176,7 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: BuiltSpec) -> Iterator[Pre
             skin=skin,
             mesh=study.material.mesh(study.mesh),
             material=study.material.material(),
-            wall=study.wall.model_copy(update=changed),
+            obstacle=study.wall.model_copy(update=changed),
             solver=study.solver,
         )
 
@@ -190,21 +191,21 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
     for tilt_deg in study.tilts_deg:
-        changed = {"tilt_deg": tilt_deg, "image_step": _INVERTED_SHARE * study.wall.image_step}
+        changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.wall.depth_step}
         yield PressTask(
             skin=skin,
             mesh=mesh,
             material=study.material.material(),
-            wall=study.wall.model_copy(update=changed),
+            obstacle=study.wall.model_copy(update=changed),
             solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
             branch=Branch.INVERTED,
         )
 
 
-def keep_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:
+def export_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:
     """Copy twins into a result folder, under names by which the sensor and the viewer find them."""
     for skin, made in twins:
         kept = twin_path(folder, skin.build())
         kept.parent.mkdir(parents=True, exist_ok=True)
-        with written_whole(kept) as draft:
+        with atomic_write(kept) as draft:
             shutil.copyfile(made, draft)

@@ -14,7 +14,7 @@ from typing import Any
 
 from palpate.core import ArtefactStore, PalpateError, load_extra, worker_process
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import TaskEnd, TaskOutcome, perform
+from palpate.study.worker import TaskOutcome, TaskStatus, run_task
 from palpate.study.worker_pool import WORKER_DIED, WorkerPool
 
 MOST_WORKERS = 1024
@@ -55,11 +55,11 @@ class ClusterWorkers(WorkerPool):
     def size(self) -> int:
         return self._size
 
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         self._given += 1  # Dask takes one key for one computation, also after a worker died
         key = f"{task.recipe.kind}-{task.recipe.key}-{self._given}"
         needs = {GPU: 1} if _wants_gpu(task) and self._has_gpu() else None
-        future = self._client.submit(perform, task, self._store, key=key, pure=False, resources=needs)
+        future = self._client.submit(run_task, task, self._store, key=key, pure=False, resources=needs)
         self._busy[future] = task
 
     def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
@@ -72,7 +72,7 @@ class ClusterWorkers(WorkerPool):
         self._size = self._count()
         return ended
 
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         future = next((future for future, busy in self._busy.items() if busy is task), None)
         if future is None:
             return
@@ -82,9 +82,9 @@ class ClusterWorkers(WorkerPool):
         future.cancel()
         if workers:
             self._client.restart_workers(workers, timeout=CONNECT_S, raise_for_error=False)
-        self._stopped.append((task, TaskOutcome(WORKER_DIED, trace, 0.0, TaskEnd.DIED)))
+        self._stopped.append((task, TaskOutcome(WORKER_DIED, trace, 0.0, TaskStatus.DIED)))
 
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         for future in self._busy:
             with suppress(Exception):
                 future.cancel()
@@ -104,7 +104,7 @@ class ClusterWorkers(WorkerPool):
         return any(worker["resources"].get(GPU, 0) >= 1 for worker in workers)
 
 
-def check_place(where: str) -> None:
+def check_cluster_address(where: str) -> None:
     """Refuse what is neither ``local:N`` nor the address of a scheduler.
 
     Raises
@@ -125,7 +125,7 @@ def check_place(where: str) -> None:
 
 def _connect(where: str) -> tuple[Any, Any]:
     """A client, and the cluster that must be closed after it, where this is one of our own."""
-    check_place(where)
+    check_cluster_address(where)
     distributed = _distributed()
     if where.startswith("local:"):
         with worker_process.single_threaded():
@@ -170,8 +170,8 @@ def _outcome(future: Any) -> TaskOutcome:
     if error is None or isinstance(
         error, _distributed().KilledWorker
     ):  # a future that was lost has no error of its own
-        return TaskOutcome(WORKER_DIED, "", 0.0, TaskEnd.DIED)
-    return TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskEnd.FAILED)
+        return TaskOutcome(WORKER_DIED, "", 0.0, TaskStatus.DIED)
+    return TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskStatus.FAILED)
 
 
 def _wants_gpu(task: Task) -> bool:

@@ -14,11 +14,11 @@ from palpate.core import ArtefactStore, provenance, stage_version
 from palpate.design import Symmetry, build_skin
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
-from palpate.study.built_task import BuiltTask, read_figures
+from palpate.study.built_task import AccuracyTask, read_accuracy
 from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
-from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
-from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
+from palpate.study.result import Counts, DesignBounds, DesignResult, PressSummary
+from palpate.study.task import BoundTask, DatasetTask, EvaluationTask, Task, read_bounds
 from palpate.study.worker import TaskOutcome
 
 
@@ -47,18 +47,18 @@ def collect_designs(
     return tuple(_collect_design(*design, known) for design in zip(tasks, built, forces, strict=True))
 
 
-def collect_limits(
-    tasks: Sequence[LimitTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
-) -> tuple[DesignLimits, ...]:
+def collect_bounds(
+    tasks: Sequence[BoundTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
+) -> tuple[DesignBounds, ...]:
     """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
     found = []
     for task in tasks:
         path = store.find(task.recipe, task.suffix)
         design = (task.dataset.skin, task.dataset.markers)
         if path is not None:
-            found.append(DesignLimits(*design, read_limits(path)))
+            found.append(DesignBounds(*design, read_bounds(path)))
         else:
-            found.append(DesignLimits(*design, (), _reason((task, *task.needs), outcomes)))
+            found.append(DesignBounds(*design, (), _reason((task, *task.dependencies), outcomes)))
     return tuple(found)
 
 
@@ -77,15 +77,15 @@ class _Known:
 
 
 def _collect_design(
-    task: LearningTask, built: BuiltTask | None, forces: ForceTask | None, known: _Known
+    task: EvaluationTask, built: AccuracyTask | None, forces: ForceTask | None, known: _Known
 ) -> DesignResult:
     dataset = task.dataset
     tally = _read_tally(known.store.find(task.recipe, task.suffix))
-    limits = known.store.find(task.limit.recipe, task.limit.suffix)
+    limits = known.store.find(task.bound.recipe, task.bound.suffix)
     foreseen = known.store.find(built.recipe, built.suffix) if built else None
     keys = tuple(press.recipe.key for press in dataset.presses)
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
-    parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task, *([forces] if forces else ()))
+    parts: tuple[Task, ...] = (dataset, task.bound, task.estimator, task, *([forces] if forces else ()))
     return DesignResult(
         skin=dataset.skin,
         markers=dataset.markers,
@@ -101,11 +101,11 @@ def _collect_design(
         seed=known.seed,
         versions=known.versions,
         artefacts={"press": keys, **{part.recipe.kind: (part.recipe.key,) for part in parts}},
-        limits=read_limits(limits) if limits is not None else (),
+        bounds=read_bounds(limits) if limits is not None else (),
         coverage=Coverage(**tally["coverage"]) if tally and tally["coverage"] else None,
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
-        built=read_figures(foreseen) if foreseen else (),
+        built=read_accuracy(foreseen) if foreseen else (),
         failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )
 
@@ -123,19 +123,19 @@ def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
     """The azimuths that were pressed, of a skin that is no body of revolution."""
     if dataset.skin.build().symmetry is Symmetry.REVOLVED:
         return {}
-    return {"azimuths_deg": sorted({item.wall.turn_deg for item in dataset.presses})}
+    return {"azimuths_deg": sorted({item.obstacle.turn_deg for item in dataset.presses})}
 
 
-def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
+def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
-    wall = press.wall.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
+    wall = press.obstacle.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
     own = dataset.skin.model_dump(mode="json", exclude=_SIZES)
     return {
         **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
-        "tilts_deg": list(dict.fromkeys(item.wall.radial for item in dataset.presses)),
+        "tilts_deg": list(dict.fromkeys(item.obstacle.radial for item in dataset.presses)),
         **_azimuths(dataset),
         "wall": wall,
         "solver": press.solver.model_dump(mode="json"),
@@ -164,7 +164,7 @@ def _summarise_press(path: Path) -> PressSummary:
     press = read_press(path)
     moved = np.linalg.norm(press.displacement[-1], axis=1)
     return PressSummary(
-        tilt_deg=press.wall.radial,
+        tilt_deg=press.obstacle.radial,
         ended=str(press.ended),
         ended_depth_mm=float(press.ended_depth),
         force_n=float(np.linalg.norm(press.force[-1])),
@@ -173,7 +173,7 @@ def _summarise_press(path: Path) -> PressSummary:
         displacement_max_mm=float(moved.max()),
         displacement_mean_mm=float(moved.mean()),
         apex_gap_mm=float(press.apex_gap[-1]),
-        azimuth_deg=None if press.mesh.skin.symmetry is Symmetry.REVOLVED else press.wall.turn_deg,
+        azimuth_deg=None if press.mesh.skin.symmetry is Symmetry.REVOLVED else press.obstacle.turn_deg,
     )
 
 

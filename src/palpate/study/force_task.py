@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from palpate.core import ArtefactStore, Recipe, stage_version
-from palpate.study.task import EstimatorTask, Task, find_made
+from palpate.study.task import EstimatorTask, Task, find_artefact
 
 
 @dataclass(frozen=True)
@@ -23,24 +23,24 @@ class ForceTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.needs))
+        inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.dependencies))
         return Recipe(kind="forces", spec={}, inputs=inputs, version=stage_version("force_estimator"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (self.estimator, *self.estimator.dataset.needs)
+    def dependencies(self) -> tuple[Task, ...]:
+        return (self.estimator, *self.estimator.dataset.dependencies)
 
     @property
     def cost(self) -> float:
         return 15.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import learn_forces  # here, so that a study already learned needs no torch
+        from palpate.learn import train_force_output  # here, so that a study already learned needs no torch
 
-        estimator, chosen = find_made(store, self.estimator), self.estimator.spec
+        estimator, chosen = find_artefact(store, self.estimator), self.estimator.spec
         dataset = self.estimator.dataset.generate(store, forces=True)
         store.write(
             self.recipe,
-            lambda path: learn_forces(estimator, dataset, path, chosen.seed, chosen.device),
+            lambda path: train_force_output(estimator, dataset, path, chosen.seed, chosen.device),
             self.suffix,
         )

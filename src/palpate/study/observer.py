@@ -21,11 +21,11 @@ class Observer(ABC):
         """Say that a task ended after `seconds`; `reason` is empty, or why it gave nothing."""
 
     @abstractmethod
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Say how far it has come: a sentence for a person."""
 
 
-class Silence(Observer):
+class NullObserver(Observer):
     """Watches without a word."""
 
     def planned(self, tasks: int, reused: int, cost: float) -> None:
@@ -37,5 +37,5 @@ class Silence(Observer):
     def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
         pass
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         pass

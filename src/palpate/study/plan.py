@@ -14,13 +14,13 @@ from palpate.design import (
     build_skin,
     check_design,
     place_markers,
-    refuse_errors,
+    raise_on_errors,
 )
 from palpate.fea import Branch
-from palpate.study.built_task import BuiltTask, plan_built, plan_twin
+from palpate.study.built_task import AccuracyTask, plan_accuracy, plan_twin
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
-from palpate.study.task import DatasetTask, LearningTask, PressTask, Task
+from palpate.study.task import DatasetTask, EvaluationTask, PressTask, Task
 
 
 @dataclass(frozen=True)
@@ -37,31 +37,33 @@ class Plan:
         What adds forces to each design's estimator; empty likewise.
     """
 
-    designs: tuple[LearningTask, ...]
-    built: tuple[BuiltTask, ...] = ()
+    designs: tuple[EvaluationTask, ...]
+    built: tuple[AccuracyTask, ...] = ()
     forces: tuple[ForceTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return once([*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)])
+        return with_dependencies(
+            [*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)]
+        )
 
     def built_tasks(self) -> tuple[Task, ...]:
         """What foresees built units, each once, after those it needs."""
-        return once(self.built)
+        return with_dependencies(self.built)
 
     def read_at_the_end(self) -> tuple[Task, ...]:
         """The tasks whose artefacts the records of the designs are read from, each once."""
         unique: dict[str, Task] = {}
         for design in self.designs:
-            for task in (*design.dataset.presses, design.inverted, design.limit, design):
+            for task in (*design.dataset.presses, design.inverted, design.bound, design):
                 unique.setdefault(task.recipe.key, task)
         for more in (*self.built, *self.forces):
             unique.setdefault(more.recipe.key, more)
         return tuple(unique.values())
 
-    def limit_tasks(self) -> tuple[Task, ...]:
+    def bound_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
-        return once([design.limit for design in self.designs])
+        return with_dependencies([design.bound for design in self.designs])
 
 
 def plan_study(study: Study) -> Plan:
@@ -85,7 +87,7 @@ def plan_study(study: Study) -> Plan:
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
-        straight = min(presses, key=lambda press: press.wall.radial)
+        straight = min(presses, key=lambda press: press.obstacle.radial)
         # a filled skin has one state; of a barrel only the one pressed from rest is followed
         alone = study.material.gel or skin.build().hole
         inverted = straight if alone else replace(straight, branch=Branch.INVERTED)
@@ -97,11 +99,11 @@ def plan_study(study: Study) -> Plan:
                 markers=markers,
                 camera=study.camera,
                 spec=study.dataset,
-                relatives=relatives,
+                perturbed_presses=relatives,
             )
-            designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
+            designs.append(EvaluationTask(dataset=dataset, spec=study.learning, inverted=inverted))
             if twin is not None:
-                built.append(plan_built(study, twin, skin, markers))
+                built.append(plan_accuracy(study, twin, skin, markers))
     forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
 
@@ -109,7 +111,7 @@ def plan_study(study: Study) -> Plan:
 def _refuse_unfit(study: Study, skin: Skin) -> None:
     """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
     for tilt_deg in study.tilts_deg:
-        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).refuse_skin(skin, study.mesh.rim)
+        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).check_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
         raise PalpateError(
             f"{skin.name} is open at both ends: what fills it is not meshed.",
@@ -131,7 +133,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
             # half a skin is symmetric about the plane of the tilt
             mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
             material=study.material.material(),
-            wall=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
+            obstacle=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
             solver=study.solver,
         )
 
@@ -145,7 +147,7 @@ def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:
-    """Presses of units that differ from the design, as `RandomiseSpec` asks for: frictions, thinner, thicker."""
+    """Presses of units that differ from the design, as `RandomisationSpec` asks for: frictions, thinner, thicker."""
     varied = study.dataset.randomise
     if varied is None:
         return
@@ -161,13 +163,15 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     skin = build_skin(dome_spec)
     layout = place_markers(skin, markers)
     try:
-        refuse_errors(check_design(skin, layout))
+        raise_on_errors(check_design(skin, layout))
     except PalpateError as error:
-        raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy, code=error.code) from None
+        raise PalpateError(
+            f"Design {dome_spec.build().name}: {error.problem}", error.remedy, code=error.code
+        ) from None
     return markers.model_copy(update={"count": len(layout)})
 
 
-def once(last: Sequence[Task]) -> tuple[Task, ...]:
+def with_dependencies(last: Sequence[Task]) -> tuple[Task, ...]:
     """These tasks and all that they need, each once and after its own needs."""
     unique: dict[str, Task] = {}
     for end in last:
@@ -177,6 +181,6 @@ def once(last: Sequence[Task]) -> tuple[Task, ...]:
 
 
 def _needs_first(task: Task) -> Iterator[Task]:
-    for need in task.needs:
+    for need in task.dependencies:
         yield from _needs_first(need)
     yield task

@@ -69,7 +69,7 @@ def read_spec(
         return spec.model_validate(_plain(tree))
     except ValidationError as error:
         errors = sorted(error.errors(), key=lambda details: _line(tree, tuple(details["loc"])))
-        lines = [_say(path, tree, details, spec) for details in errors]
+        lines = [_describe(path, tree, details, spec) for details in errors]
         more = [f"… and {len(lines) - MOST_ERRORS} more"] if len(lines) > MOST_ERRORS else []
         raise PalpateError("\n".join([*lines[:MOST_ERRORS], *more]), code=errors[0]["type"]) from None
 
@@ -86,7 +86,7 @@ def _plain(node: Any) -> Any:
     return node
 
 
-def _say(path: Path, tree: CommentedMap, details: ErrorDetails, spec: type[Spec]) -> str:
+def _describe(path: Path, tree: CommentedMap, details: ErrorDetails, spec: type[Spec]) -> str:
     place = tuple(_written_place(tree, details["loc"]))
     key = ".".join(str(part) for part in place) or spec.__name__.removesuffix("Spec").lower()
     where = f"{path}:{_line(tree, place)}: {key}"

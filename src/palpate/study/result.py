@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.design import MarkerSpec, SkinSpec
-from palpate.learn import Coverage, DepthLimit, Metrics
+from palpate.learn import Coverage, ErrorBound, Metrics
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class DesignResult:
         Versions of palpate, of its stages and of the libraries that matter.
     artefacts
         Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``limit``, ``estimator``, ``learning``.
-    limits
+    bounds
         Bounds on the error of any estimator, by depth; empty where the chain broke before.
     coverage
         What the estimator's intervals are worth on presses that neither trained nor calibrated; `None` where it has
@@ -129,16 +129,16 @@ class DesignResult:
     seed: int
     versions: Mapping[str, str]
     artefacts: Mapping[str, tuple[str, ...]]
-    limits: tuple[DepthLimit, ...] = ()
+    bounds: tuple[ErrorBound, ...] = ()
     coverage: Coverage | None = None
     repeat_rmse_deg: tuple[float, ...] = ()
     spec: Mapping[str, Any] = field(default_factory=dict)
-    built: tuple[BuiltFigure, ...] = ()
+    built: tuple[PredictedAccuracy, ...] = ()
     failure: str = ""
 
 
 @dataclass(frozen=True)
-class DesignLimits:
+class DesignBounds:
     """How good any estimator of one design could be.
 
     Attributes
@@ -153,7 +153,7 @@ class DesignLimits:
 
     skin: SkinSpec
     markers: MarkerSpec
-    limits: tuple[DepthLimit, ...]
+    limits: tuple[ErrorBound, ...]
     failure: str = ""
 
 

@@ -12,20 +12,20 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core import ArtefactStore, MissingExtraError, writing
+from palpate.core import ArtefactStore, MissingExtraError, wrap_write_errors
 from palpate.learn import find_device
-from palpate.study.available import fitting_workers
-from palpate.study.built_task import keep_twins
+from palpate.study.available import default_workers
+from palpate.study.built_task import export_twins
 from palpate.study.cluster import ClusterWorkers
-from palpate.study.collect import collect_designs, collect_limits
+from palpate.study.collect import collect_bounds, collect_designs
 from palpate.study.force_task import ForceTask
-from palpate.study.observer import Observer, Silence
-from palpate.study.plan import once, plan_study
-from palpate.study.result import DesignLimits, StudyResult, TaskFailure
-from palpate.study.schedule import MOST_REMADE, do_tasks
+from palpate.study.observer import NullObserver, Observer
+from palpate.study.plan import plan_study, with_dependencies
+from palpate.study.result import DesignBounds, StudyResult, TaskFailure
+from palpate.study.schedule import MOST_REMADE, run_task_graph
 from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import TaskEnd, TaskOutcome
+from palpate.study.worker import TaskOutcome, TaskStatus
 from palpate.study.worker_pool import LocalWorkers, WorkerPool
 
 TRACES = "failures.log"
@@ -75,44 +75,46 @@ def run_study(
         is not installed.
     """
     started = time.perf_counter()
-    plan = plan_study(on_its_device(study))
-    run = Run(writable(out), plan.tasks(), Hands(workers, limit_s, cluster), observer or Silence())
-    run.do()
-    run.do_again(plan.read_at_the_end())
+    plan = plan_study(resolve_device(study))
+    run = Run(
+        ensure_writable(out), plan.tasks(), WorkerOptions(workers, limit_s, cluster), observer or NullObserver()
+    )
+    run.run()
+    run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
     made = {built.skin: run.store.find(built.twin.recipe) for built in plan.built}
-    keep_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
+    export_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
     names = {task.recipe.key: task.name for task in run.tasks}
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(
         name=study.name,
         designs=collect_designs(plan, run.store, outcomes, study.seed),
         failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
-        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is TaskEnd.MADE),
+        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is TaskStatus.MADE),
         reused=Counter(kinds[key] for key in run.made | run.found()),
         wall_s=time.perf_counter() - started,
     )
 
 
-def run_limits(
+def run_bounds(
     study: Study, out: Path, workers: int | None = None, observer: Observer | None = None
-) -> tuple[DesignLimits, ...]:
+) -> tuple[DesignBounds, ...]:
     """Bound the errors of every design of `study`, without any training; missing presses are solved.
 
     Parameters and errors are those of `run_study`, whose artefacts are used and made.
 
     Returns
     -------
-    tuple[DesignLimits, ...]
+    tuple[DesignBounds, ...]
         One record a design, in the order of the study.
     """
     plan = plan_study(study)
-    run = Run(writable(out), plan.limit_tasks(), Hands(workers), observer or Silence())
-    run.do()
-    run.do_again(tuple(design.limit for design in plan.designs))
+    run = Run(ensure_writable(out), plan.bound_tasks(), WorkerOptions(workers), observer or NullObserver())
+    run.run()
+    run.verify_outputs(tuple(design.bound for design in plan.designs))
     run.write_failures()
-    return collect_limits([design.limit for design in plan.designs], run.store, run.outcomes)
+    return collect_bounds([design.bound for design in plan.designs], run.store, run.outcomes)
 
 
 def run_tasks(
@@ -130,51 +132,56 @@ def run_tasks(
     PalpateError
         If the folder cannot be written.
     """
-    run = Run(writable(out), once(tasks), Hands(workers, None, cluster or None), observer or Silence())
-    run.do()
+    run = Run(
+        ensure_writable(out),
+        with_dependencies(tasks),
+        WorkerOptions(workers, None, cluster or None),
+        observer or NullObserver(),
+    )
+    run.run()
     run.write_failures()
-    reasons = {task.recipe.key: next(filter(None, map(run.reason, once([task]))), "") for task in tasks}
+    reasons = {task.recipe.key: next(filter(None, map(run.reason, with_dependencies([task]))), "") for task in tasks}
     return {key: reason for key, reason in reasons.items() if reason}
 
 
-def on_its_device(study: Study) -> Study:
+def resolve_device(study: Study) -> Study:
     """The same study with the device that it names or that this machine has: it decides the estimators' numbers."""
     device = find_device(study.learning.device)
     return study.model_copy(update={"learning": study.learning.model_copy(update={"device": device})})
 
 
 @dataclass(frozen=True)
-class Hands:
+class WorkerOptions:
     """Who does the tasks, and how long each may take; see `run_study`."""
 
     workers: int | None = None
     limit_s: float | None = None
     cluster: str | None = None
 
-    def crew(self, store: ArtefactStore, tasks: int) -> WorkerPool:
+    def make_pool(self, store: ArtefactStore, tasks: int) -> WorkerPool:
         """Workers for so many tasks."""
         if self.cluster is not None:
             return ClusterWorkers(store, self.cluster)
-        return LocalWorkers(store, min(self.workers or fitting_workers(), tasks))
+        return LocalWorkers(store, min(self.workers or default_workers(), tasks))
 
 
 class Run:
     """One run of the tasks of a study: what was there, and how the rest ended."""
 
-    def __init__(self, out: Path, tasks: tuple[Task, ...], hands: Hands, observer: Observer) -> None:
+    def __init__(self, out: Path, tasks: tuple[Task, ...], worker_options: WorkerOptions, observer: Observer) -> None:
         self.out, self.tasks = out, tasks
         self.store = ArtefactStore(out / "store")
         self.outcomes: dict[str, TaskOutcome] = {}
-        self.made = {task.recipe.key for task in tasks if self.store.holds(task.recipe, task.suffix)}
-        self._hands, self._observer = hands, observer
+        self.made = {task.recipe.key for task in tasks if self.store.has(task.recipe, task.suffix)}
+        self._hands, self._observer = worker_options, observer
 
-    def do(self) -> None:
+    def run(self) -> None:
         """Do what is not there yet."""
         todo = [task for task in self.tasks if task.recipe.key not in self.made]
         self._observer.planned(len(todo), len(self.made), sum(task.cost for task in todo))
         self._do(todo)
 
-    def do_again(self, read: Sequence[Task]) -> None:
+    def verify_outputs(self, read: Sequence[Task]) -> None:
         """Verify what is read at the end and was there before; what is found broken is made again."""
         for _ in range(MOST_REMADE):
             broken = [
@@ -188,7 +195,7 @@ class Run:
 
     def found(self) -> set[str]:
         """Keys of artefacts that another run has made in the meantime."""
-        return {key for key, how in self.outcomes.items() if how.ended is TaskEnd.FOUND}
+        return {key for key, how in self.outcomes.items() if how.ended is TaskStatus.FOUND}
 
     def reason(self, task: Task) -> str:
         """Why a task failed in this run; empty where it did not."""
@@ -214,16 +221,16 @@ class Run:
         if any(isinstance(task, EstimatorTask | ForceTask) for task in todo):
             _refuse_missing_libraries()
         self.made -= {task.recipe.key for task in todo}
-        with self._hands.crew(self.store, len(todo)) as crew:
+        with self._hands.make_pool(self.store, len(todo)) as crew:
             there = self.made | {key for key, how in self.outcomes.items() if not how.reason}
-            outcomes = do_tasks(todo, there, crew, self._observer, self._hands.limit_s)
+            outcomes = run_task_graph(todo, there, crew, self._observer, self._hands.limit_s)
         self.outcomes.update(outcomes)
         self.made -= outcomes.keys()  # what broke while it was read was made again
 
 
-def writable(out: Path) -> Path:
+def ensure_writable(out: Path) -> Path:
     """The result folder, made; a `PalpateError` where nothing can be written there."""
-    with writing(f"The result folder {out}", "Choose another with --out."):
+    with wrap_write_errors(f"The result folder {out}", "Choose another with --out."):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / f".writable-{os.getpid()}"
         probe.touch()

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from palpate.study.observer import Observer
 from palpate.study.task import Task
-from palpate.study.worker import TaskEnd, TaskOutcome
+from palpate.study.worker import TaskOutcome, TaskStatus
 from palpate.study.worker_pool import WorkerPool
 
 MOST_REMADE = 2
@@ -58,7 +58,7 @@ class Schedule:
         for task in tasks:
             self._add(task)
 
-    def take(self) -> Task | None:
+    def next_task(self) -> Task | None:
         """Take the ready task with the longest way to the end; `None` where none is ready now."""
         while self._ready:
             task = self._waiting.get(heapq.heappop(self._ready)[2])
@@ -66,7 +66,7 @@ class Schedule:
                 return self._waiting.pop(task.recipe.key)
         return None
 
-    def close(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
+    def complete(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
         """Note how a task ended, and end all that depend on a failed one; yields each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
@@ -77,16 +77,16 @@ class Schedule:
                 self._lacking[later].discard(key)
                 self._push(later)
             return
-        reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
+        reason = outcome.reason if task.dependencies else f"{task.name} failed: {outcome.reason}"
         for later in self._hanging.pop(key, []):
             if (hanging := self._waiting.pop(later, None)) is not None:
-                yield from self.close(hanging, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+                yield from self.complete(hanging, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
-    def give_up(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+    def cancel_all(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
         """End every waiting task for one reason; yields each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
-            yield from self.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+            yield from self.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
         """Let an artefact that `task` needs and that broke be made again, and the task after it.
@@ -96,7 +96,7 @@ class Schedule:
         bool
             Whether it may; not where it broke more than `MOST_REMADE` times.
         """
-        need = next((need for need in task.needs if need.recipe.key == missing), None)
+        need = next((need for need in task.dependencies if need.recipe.key == missing), None)
         if need is None or (missing in self.outcomes and self.outcomes[missing].reason):
             return False
         if missing in self.made:
@@ -112,7 +112,7 @@ class Schedule:
     def _add(self, task: Task) -> None:
         key = task.recipe.key
         self._waiting[key] = task
-        self._lacking[key] = {need.recipe.key for need in task.needs} - self.made
+        self._lacking[key] = {need.recipe.key for need in task.dependencies} - self.made
         for lacking in self._lacking[key]:
             self._hanging.setdefault(lacking, []).append(key)
         self._push(key)
@@ -124,7 +124,7 @@ class Schedule:
 
 
 @dataclass
-class Work:
+class RunningTasks:
     """What is at work now, and what has to be tried again.
 
     Attributes
@@ -151,8 +151,8 @@ class Work:
     alone: bool = False
 
 
-def do_tasks(
-    tasks: Iterable[Task], made: Iterable[str], crew: WorkerPool, observer: Observer, limit_s: float | None = None
+def run_task_graph(
+    tasks: Iterable[Task], made: Iterable[str], pool: WorkerPool, observer: Observer, limit_s: float | None = None
 ) -> dict[str, TaskOutcome]:
     """Do tasks, each as soon as its inputs exist.
 
@@ -162,7 +162,7 @@ def do_tasks(
         What is to be done, each task after those it needs.
     made
         Keys of the artefacts that exist already.
-    crew
+    pool
         Who does them.
     observer
         Called at every start and end.
@@ -174,30 +174,30 @@ def do_tasks(
     dict
         How each task ended, by the key of its recipe. What was broken and made again is among them.
     """
-    schedule, work = Schedule(tasks, made), Work()
+    schedule, work = Schedule(tasks, made), RunningTasks()
     while True:
-        while (task := _next(schedule, work, crew.size)) is not None:
+        while (task := _next(schedule, work, pool.size)) is not None:
             observer.started(task.name)
             limit = time_limit(task) if limit_s is None else limit_s
             work.running[task.recipe.key] = (task, time.monotonic() + limit)
-            crew.give(task)
+            pool.submit(task)
         if not work.running and not work.busy:
-            for ended, how in schedule.give_up(NEVER_CAME):
+            for ended, how in schedule.cancel_all(NEVER_CAME):
                 observer.ended(ended.name, ended.cost, how.seconds, how.reason)
             return schedule.outcomes
-        for task, outcome in crew.wait(POLL_S):
+        for task, outcome in pool.wait(POLL_S):
             del work.running[task.recipe.key]
             for ended, how in _settle(schedule, work, task, outcome):
                 observer.ended(ended.name, ended.cost, how.seconds, how.reason)
-        _stop_hung(work, crew, limit_s)
+        _stop_hung(work, pool, limit_s)
 
 
-def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
+def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
     """The next task to give to a free member."""
     if len(work.running) >= size or (work.alone and work.running):
         return None
     work.alone = False
-    task = schedule.take()
+    task = schedule.next_task()
     if task is None and work.busy and work.busy[0][0] <= time.monotonic():
         task = work.busy.popleft()[1]
     if task is None and work.suspects and not work.running and not work.busy:
@@ -205,43 +205,45 @@ def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
     return task
 
 
-def _settle(schedule: Schedule, work: Work, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
+def _settle(
+    schedule: Schedule, work: RunningTasks, task: Task, outcome: TaskOutcome
+) -> Iterator[tuple[Task, TaskOutcome]]:
     """Take what a member reported; yields the tasks that are over by it, each with its outcome."""
     key = task.recipe.key
-    if outcome.ended is TaskEnd.BUSY:
+    if outcome.ended is TaskStatus.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))
-    elif outcome.ended is TaskEnd.MISSING and schedule.remake(task, outcome.missing):
+    elif outcome.ended is TaskStatus.MISSING and schedule.remake(task, outcome.missing):
         return
-    elif outcome.ended is TaskEnd.DIED and key in work.stopped:
+    elif outcome.ended is TaskStatus.DIED and key in work.stopped:
         reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskEnd.FAILED))
-    elif outcome.ended is TaskEnd.DIED and not work.tried[key]:
+        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskStatus.FAILED))
+    elif outcome.ended is TaskStatus.DIED and not work.tried[key]:
         work.tried[key] += 1
         work.suspects.append(task)
-    elif outcome.ended is TaskEnd.DIED:
+    elif outcome.ended is TaskStatus.DIED:
         reason = f"{outcome.reason}; tried once more alone, it died again"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskEnd.FAILED))
+        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskStatus.FAILED))
     else:
-        yield from schedule.close(task, outcome)
-        if outcome.ended is TaskEnd.UNWRITABLE:
+        yield from schedule.complete(task, outcome)
+        if outcome.ended is TaskStatus.UNWRITABLE:
             yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
 
 
-def _give_up(schedule: Schedule, work: Work, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
     """End all that is not at work now."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
-        yield from schedule.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+        yield from schedule.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
     work.suspects.clear()
     work.busy.clear()
-    yield from schedule.give_up(reason)
+    yield from schedule.cancel_all(reason)
 
 
-def _stop_hung(work: Work, crew: WorkerPool, limit_s: float | None) -> None:
+def _stop_hung(work: RunningTasks, crew: WorkerPool, limit_s: float | None) -> None:
     now = time.monotonic()
     for key, (task, until) in work.running.items():
         if now > until and key not in work.stopped:
             work.stopped[key] = time_limit(task) if limit_s is None else limit_s
-            crew.stop(task)
+            crew.cancel(task)
 
 
 def _ways(tasks: list[Task]) -> dict[str, float]:
@@ -250,6 +252,6 @@ def _ways(tasks: list[Task]) -> dict[str, float]:
     for task in reversed(tasks):  # each after those it needs, so backwards
         key = task.recipe.key
         ways[key] = ways.get(key, 0.0) + task.cost
-        for need in task.needs:
+        for need in task.dependencies:
             ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
     return ways

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core import PalpateError, Stored, list_store
+from palpate.core import PalpateError, StoreContents, list_store
 from palpate.study.plan import plan_study
 from palpate.study.result import TaskFailure
-from palpate.study.run_study import FAILURES, on_its_device
+from palpate.study.run_study import FAILURES, resolve_device
 from palpate.study.study import Study
 from palpate.study.task import Task
 
@@ -23,19 +23,19 @@ class KindStatus:
 
     Attributes
     ----------
-    made, of
+    made, total
         Artefacts that are there, and that the study needs.
     working, quarantined
         Artefacts of the study that a process makes now, and that were found broken.
-    left_s
+    remaining_s
         Expected time on one core for what is missing, s; only its order of magnitude matters.
     """
 
     made: int
-    of: int
+    total: int
     working: int
     quarantined: int
-    left_s: float
+    remaining_s: float
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def find_status(study: Study, out: Path) -> StudyStatus:
     PalpateError
         If a design cannot be built.
     """
-    tasks = plan_study(on_its_device(study)).tasks()
+    tasks = plan_study(resolve_device(study)).tasks()
     stored = list_store(out / "store")
     kinds: dict[str, list[Task]] = {}
     for task in tasks:
@@ -82,14 +82,14 @@ def needed_keys(studies: Iterable[Study]) -> frozenset[str]:
     return frozenset(keys)
 
 
-def _count(kind: str, tasks: list[Task], stored: Stored) -> KindStatus:
+def _count(kind: str, tasks: list[Task], stored: StoreContents) -> KindStatus:
     missing = [task for task in tasks if (kind, _file(task)) not in stored.artefacts]
     return KindStatus(
         made=len(tasks) - len(missing),
-        of=len(tasks),
+        total=len(tasks),
         working=sum((kind, task.recipe.key) in stored.working for task in missing),
         quarantined=sum((kind, f"{_file(task)}.broken") in stored.quarantined for task in tasks),
-        left_s=sum(task.cost for task in missing),
+        remaining_s=sum(task.cost for task in missing),
     )
 
 

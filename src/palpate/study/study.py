@@ -28,7 +28,7 @@ from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact, obstacle_from_data
-from palpate.learn import SearchSpec
+from palpate.learn import LearningSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec
@@ -134,7 +134,7 @@ class MaterialSpec(Spec):
         return spec if self.gel is None else spec.model_copy(update={"filled": True})
 
 
-class BuiltSpec(Spec):
+class AsBuiltSpec(Spec):
     """What is foreseen of built units: each skin is pressed at every tilt under these contact laws for its twin."""
 
     contacts: tuple[Contact, ...] = parameter(
@@ -142,7 +142,9 @@ class BuiltSpec(Spec):
         unit="1",
         meaning="contact laws of the twin's presses, unless the study's wall is frictionless",
     )
-    known: int = parameter(5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100)
+    calibration_presses: int = parameter(
+        5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100
+    )
     inverted: bool = parameter(
         True, unit="", meaning="whether the twin has the skin's inverted state as well, where there is one"
     )
@@ -178,7 +180,7 @@ class Study(Spec):
     material: MaterialSpec = MaterialSpec()
     mesh: MeshSpec = MeshSpec()
     side_wall: Annotated[SerializeAsAny[ObstacleSpec], BeforeValidator(_read_side_wall)] | None = None
-    """The wall that comes to the side of barrels, in place of `wall`: its depth, image_step and contact."""
+    """The wall that comes to the side of barrels, in place of `wall`: its depth, depth_step and contact."""
     tilts_deg: tuple[float, ...] = parameter(
         (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
     )
@@ -191,13 +193,13 @@ class Study(Spec):
     solver: SolverSpec = SolverSpec()
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
-    learning: SearchSpec = SearchSpec()
+    learning: LearningSpec = LearningSpec()
     forces: bool = parameter(
         False,
         unit="",
         meaning="whether trained networks tell the force on the wall as well, by presses of the design",
     )
-    built: BuiltSpec | None = None
+    built: AsBuiltSpec | None = None
     """Whether built units are foreseen as well; takes some minutes a skin."""
 
     @field_validator("tilts_deg")
@@ -272,7 +274,7 @@ class Study(Spec):
         )
 
 
-def study_of(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
+def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
     """The study of one design, named by its skin, and by its material where that is another than usual."""
     shape = dict(skin.build().spec_data)
     sizes = {name: shape.pop(name) for name in SkinSpec.model_fields}

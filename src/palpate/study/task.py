@@ -14,7 +14,7 @@ from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.dataset import (
     Dataset,
     DatasetSpec,
-    VariedPresses,
+    PerturbedPresses,
     dataset_version,
     generate_dataset,
     read_dataset,
@@ -22,7 +22,7 @@ from palpate.dataset import (
 )
 from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
 from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_press, write_press
-from palpate.learn import PAPER_SPACE, DepthLimit, SearchSpec
+from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -56,7 +56,7 @@ class Task(ABC):
 
     @property
     @abstractmethod
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         """Tasks whose artefacts this one reads."""
 
     @property
@@ -76,38 +76,38 @@ class PressTask(Task):
     skin: SkinSpec
     mesh: MeshSpec
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     solver: SolverSpec
     branch: Branch = Branch.FLAT
 
     @property
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
-        friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
+        friction = "" if isinstance(self.obstacle.contact, str) else f" friction {self.obstacle.contact:g}"
         skin = self.skin.build()
-        turned = skin.symmetry is not Symmetry.REVOLVED and self.wall.radial > 0
-        azimuth = f" azimuth {self.wall.turn_deg:g}°" if turned else ""
-        return f"press {skin.name} tilt {self.wall.radial:g}°{azimuth}{friction}{state}"
+        turned = skin.symmetry is not Symmetry.REVOLVED and self.obstacle.radial > 0
+        azimuth = f" azimuth {self.obstacle.turn_deg:g}°" if turned else ""
+        return f"press {skin.name} tilt {self.obstacle.radial:g}°{azimuth}{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
         solver = self.solver.model_dump(mode="json")
-        return press_recipe(self.skin, self.mesh, self.material, self.wall, solver, self.branch)
+        return press_recipe(self.skin, self.mesh, self.material, self.obstacle, solver, self.branch)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return ()
 
     @property
     def cost(self) -> float:
-        images = self.wall.depth / self.wall.image_step
+        images = self.obstacle.depth / self.obstacle.depth_step
         # an inverted state begins early: what stands on both branches waits for it
         a_piece = 10.0 if self.branch is Branch.INVERTED else 0.5
         return a_piece * images * (10.0 if self.mesh.filled else 1.0) * (2.0 if self.mesh.whole else 1.0)
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.skin), self.mesh)
-        press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
+        press = solve_press(mesh, self.material, self.obstacle, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -120,7 +120,7 @@ class DatasetTask(Task):
     markers: MarkerSpec
     camera: CameraSpec
     spec: DatasetSpec
-    relatives: tuple[tuple[PressTask, ...], ...] = ()
+    perturbed_presses: tuple[tuple[PressTask, ...], ...] = ()
     """Presses of units that differ: for each friction of `spec.randomise`, then of a thinner and a thicker wall."""
 
     @property
@@ -135,12 +135,12 @@ class DatasetTask(Task):
             "camera": self.camera.model_dump(mode="json"),
             "dataset": self.spec.model_dump(mode="json"),
         }
-        inputs = tuple(press.recipe.key for press in self.needs)
+        inputs = tuple(press.recipe.key for press in self.dependencies)
         return Recipe(kind="dataset", spec=spec, inputs=inputs, version=dataset_version(build_camera(self.camera)))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (*self.presses, *(press for group in self.relatives for press in group))
+    def dependencies(self) -> tuple[Task, ...]:
+        return (*self.presses, *(press for group in self.perturbed_presses for press in group))
 
     @property
     def cost(self) -> float:
@@ -152,15 +152,18 @@ class DatasetTask(Task):
 
     def generate(self, store: ArtefactStore, *, forces: bool = False) -> Dataset:
         """The images from the presses of a store, with the forces of the wall if wished."""
-        groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
+        groups = [
+            [read_press(find_artefact(store, task)) for task in group]
+            for group in (self.presses, *self.perturbed_presses)
+        ]
         layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
-        relatives = VariedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
+        relatives = PerturbedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
         return generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives, forces)
 
 
 @dataclass(frozen=True)
-class LimitTask(Task):
+class BoundTask(Task):
     """Bound the errors of any estimator of one design, from the presses of its dome alone."""
 
     dataset: DatasetTask
@@ -177,7 +180,7 @@ class LimitTask(Task):
         return Recipe(kind="limit", spec=dataset.spec, inputs=dataset.inputs, version=stage_version("error_bound"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return self.dataset.presses
 
     @property
@@ -185,12 +188,12 @@ class LimitTask(Task):
         return 0.5
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import find_limits  # here, so that a study already judged compiles nothing
+        from palpate.learn import compute_error_bounds  # here, so that a study already judged compiles nothing
 
         dataset = self.dataset
-        presses = [read_press(find_made(store, task)) for task in dataset.presses]
+        presses = [read_press(find_artefact(store, task)) for task in dataset.presses]
         field = build_field(presses, place_markers(build_skin(dataset.skin), dataset.markers))
-        limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
+        limits = compute_error_bounds(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
         store.write(self.recipe, lambda path: write_json(path, [asdict(limit) for limit in limits]), self.suffix)
 
 
@@ -199,7 +202,7 @@ class EstimatorTask(Task):
     """Train one design's estimator; the artefact is a model file that predicts by itself."""
 
     dataset: DatasetTask
-    spec: SearchSpec
+    spec: LearningSpec
 
     suffix = ".onnx"
 
@@ -215,7 +218,7 @@ class EstimatorTask(Task):
         )
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.dataset,)
 
     @property
@@ -224,21 +227,24 @@ class EstimatorTask(Task):
         return {"quick": 40.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch
+        from palpate.learn import (  # here, so that a study already learned needs no torch
+            search_estimator,
+            write_estimator,
+        )
 
-        dataset = read_dataset(find_made(store, self.dataset))
+        dataset = read_dataset(find_artefact(store, self.dataset))
         journal = store.path(self.recipe, ".journal")
         journal.parent.mkdir(parents=True, exist_ok=True)
-        estimator = search(dataset, self.spec, journal)
+        estimator = search_estimator(dataset, self.spec, journal)
         store.write(self.recipe, lambda path: write_estimator(path, estimator), self.suffix)
 
 
 @dataclass(frozen=True)
-class LearningTask(Task):
+class EvaluationTask(Task):
     """Measure the errors of one design's estimator on the held-out presses; one too good to be true is refused."""
 
     dataset: DatasetTask
-    spec: SearchSpec
+    spec: LearningSpec
     inverted: PressTask
     """The other stable state of the dome; nothing is learned from it."""
 
@@ -249,9 +255,9 @@ class LearningTask(Task):
         return f"learning {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
-    def limit(self) -> LimitTask:
+    def bound(self) -> BoundTask:
         """The bounds that the errors are held against."""
-        return LimitTask(self.dataset)
+        return BoundTask(self.dataset)
 
     @cached_property
     def estimator(self) -> EstimatorTask:
@@ -263,25 +269,25 @@ class LearningTask(Task):
         return Recipe(
             kind="learning",
             spec={"seed": self.spec.seed},
-            inputs=tuple(task.recipe.key for task in self.needs),
+            inputs=tuple(task.recipe.key for task in self.dependencies),
             version=stage_version("test_errors"),
         )
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (self.dataset, self.limit, self.estimator)
+    def dependencies(self) -> tuple[Task, ...]:
+        return (self.dataset, self.bound, self.estimator)
 
     @property
     def cost(self) -> float:
         return 1.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import evaluate, find_leak, measure_coverage, read_estimator
+        from palpate.learn import evaluate, find_leakage, measure_coverage, read_estimator
 
-        dataset = read_dataset(find_made(store, self.dataset))
-        estimator = read_estimator(find_made(store, self.estimator))
+        dataset = read_dataset(find_artefact(store, self.dataset))
+        estimator = read_estimator(find_artefact(store, self.estimator))
         clean, jittered = evaluate(estimator, dataset, None), evaluate(estimator, dataset, self.spec.seed)
-        leak = find_leak(jittered, read_limits(find_made(store, self.limit)), dataset.spec)
+        leak = find_leakage(jittered, read_bounds(find_artefact(store, self.bound)), dataset.spec)
         if leak:
             raise PalpateError(
                 leak, "Look for a press, or a pose, that stands on both sides of the split.", code="evaluation-leaks"
@@ -304,12 +310,12 @@ class LearningTask(Task):
         store.write(self.recipe, lambda path: write_json(path, tally), self.suffix)
 
 
-def read_limits(path: Path) -> tuple[DepthLimit, ...]:
-    """Read the artefact of a `LimitTask`, by rising depth."""
-    return tuple(DepthLimit(**item) for item in json.loads(path.read_text()))
+def read_bounds(path: Path) -> tuple[ErrorBound, ...]:
+    """Read the artefact of a `BoundTask`, by rising depth."""
+    return tuple(ErrorBound(**item) for item in json.loads(path.read_text()))
 
 
-def find_made(store: ArtefactStore, task: Task) -> Path:
+def find_artefact(store: ArtefactStore, task: Task) -> Path:
     """Path of the artefact of a task that was done before.
 
     Raises

@@ -21,7 +21,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 """What the system says where nothing more can be written."""
 
 
-class TaskEnd(StrEnum):
+class TaskStatus(StrEnum):
     """How a task ended."""
 
     MADE = "made"
@@ -57,17 +57,17 @@ class TaskOutcome:
     reason: str
     trace: str
     seconds: float
-    ended: TaskEnd = TaskEnd.MADE
+    ended: TaskStatus = TaskStatus.MADE
     missing: str = ""
 
 
-def begin_worker(parent: int, traces: Path | None = None) -> None:
+def init_worker(parent: int, traces: Path | None = None) -> None:
     """Prepare a new worker whose parent has the process id `parent`.
 
     Where the interpreter breaks down, or is asked by the signal `ASK_WHERE`, it writes to the file `traces` where the
     program stood.
     """
-    worker_process.serve_parent(parent)
+    worker_process.attach_to_parent(parent)
     if traces is not None:
         file = traces.open("w")  # open as long as the process lives
         faulthandler.enable(file)
@@ -75,31 +75,31 @@ def begin_worker(parent: int, traces: Path | None = None) -> None:
             faulthandler.register(ASK_WHERE, file)
 
 
-def perform(task: Task, store: ArtefactStore) -> TaskOutcome:
+def run_task(task: Task, store: ArtefactStore) -> TaskOutcome:
     """Do one task; whatever goes wrong is an outcome, never an exception.
 
     While a task is done, its lease is held; what another run has made in the meantime is not made again.
     """
     started = time.perf_counter()
 
-    def outcome(ended: TaskEnd, reason: str = "", trace: str = "", missing: str = "") -> TaskOutcome:
+    def outcome(ended: TaskStatus, reason: str = "", trace: str = "", missing: str = "") -> TaskOutcome:
         return TaskOutcome(reason, trace, time.perf_counter() - started, ended, missing)
 
     try:
         with store.lease(task.recipe) as free:
             if not free:
-                return outcome(TaskEnd.BUSY)
-            if store.holds(task.recipe, task.suffix):
-                return outcome(TaskEnd.FOUND)
+                return outcome(TaskStatus.BUSY)
+            if store.has(task.recipe, task.suffix):
+                return outcome(TaskStatus.FOUND)
             task.make(store)
     except MissingArtefactError as error:
-        return outcome(TaskEnd.MISSING, str(error), missing=error.key)
+        return outcome(TaskStatus.MISSING, str(error), missing=error.key)
     except StoreError as error:
-        return outcome(TaskEnd.UNWRITABLE, str(error))
+        return outcome(TaskStatus.UNWRITABLE, str(error))
     except PalpateError as error:
-        return outcome(TaskEnd.FAILED, str(error))
+        return outcome(TaskStatus.FAILED, str(error))
     except Exception as error:
         full = isinstance(error, OSError) and error.errno in FULL
-        ended = TaskEnd.UNWRITABLE if full else TaskEnd.FAILED
+        ended = TaskStatus.UNWRITABLE if full else TaskStatus.FAILED
         return outcome(ended, f"{type(error).__name__}: {error}", traceback.format_exc())
-    return outcome(TaskEnd.MADE)
+    return outcome(TaskStatus.MADE)

@@ -19,7 +19,7 @@ from typing import Self
 
 from palpate.core import ArtefactStore, worker_process
 from palpate.study.task import Task
-from palpate.study.worker import ASK_WHERE, TaskEnd, TaskOutcome, begin_worker, perform
+from palpate.study.worker import ASK_WHERE, TaskOutcome, TaskStatus, init_worker, run_task
 
 WORKER_DIED = "its worker process died, perhaps for want of memory"
 
@@ -40,7 +40,7 @@ class WorkerPool(ABC):
         """Number of tasks that can be at work together."""
 
     @abstractmethod
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         """Give a task to a free member; at most `size` are given and not yet returned."""
 
     @abstractmethod
@@ -48,18 +48,18 @@ class WorkerPool(ABC):
         """Tasks that have ended, after `seconds` at most; a member that died is replaced."""
 
     @abstractmethod
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         """End the member that does a task; `wait` then tells that it died, and where it stood if it could say."""
 
     @abstractmethod
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         """End every member, at work or not."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.leave()
+        self.shutdown()
 
 
 class LocalWorkers(WorkerPool):
@@ -84,7 +84,7 @@ class LocalWorkers(WorkerPool):
     def size(self) -> int:
         return self._size
 
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         member = self._free.pop()
         self._busy[member.submit(task, self._store)] = (member, task)
 
@@ -97,20 +97,20 @@ class LocalWorkers(WorkerPool):
             try:
                 outcome = future.result()
             except BrokenProcessPool:
-                outcome = TaskOutcome(f"{WORKER_DIED}{member.how()}", member.trace(), 0.0, TaskEnd.DIED)
+                outcome = TaskOutcome(f"{WORKER_DIED}{member.how()}", member.trace(), 0.0, TaskStatus.DIED)
                 member.leave()
             except Exception as error:  # what came back could not be read
-                outcome = TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskEnd.FAILED)
+                outcome = TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskStatus.FAILED)
             self._free.append(member)
             ended.append((task, outcome))
         return ended
 
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         for member, busy in self._busy.values():
             if busy is task:
                 member.kill()
 
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         for member, _ in self._busy.values():
             member.leave()
         for member in self._free:
@@ -130,17 +130,17 @@ class _Member:
         """Let the process do a task; one that has died is replaced first."""
         if self._executor is not None:
             with suppress(BrokenProcessPool):  # it may have died while it had nothing to do
-                return self._executor.submit(perform, task, store)
+                return self._executor.submit(run_task, task, store)
             self.leave()
         with _STARTING, worker_process.single_threaded():
             self._executor = ProcessPoolExecutor(
                 1,
                 mp_context=multiprocessing.get_context("spawn"),
-                initializer=begin_worker,
+                initializer=init_worker,
                 initargs=(os.getpid(), self._traces),
             )
             before = set(multiprocessing.active_children())
-            future = self._executor.submit(perform, task, store)
+            future = self._executor.submit(run_task, task, store)
             self._process = next(iter(set(multiprocessing.active_children()) - before), None)
         return future
 

@@ -20,7 +20,7 @@ class LensSuite:
     @pytest.fixture
     def points(self, lens: Lens) -> FloatArray:
         """Points (n, 2) on the unit plane where the lens is valid; the first is the middle."""
-        reach = min(0.8, 0.9 * lens.limit)
+        reach = min(0.8, 0.9 * lens.max_radius)
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (400, 2)) * reach / np.sqrt(2)
         return np.concatenate([np.zeros((1, 2)), random])
 
@@ -40,7 +40,7 @@ class LensSuite:
         assert np.isnan(lens.distort(np.array([[np.nan, np.nan], [0.1, 0.1]]))).tolist() == [[True] * 2, [False] * 2]
 
     def test_the_image_grows_up_to_the_limit(self, lens: Lens) -> None:
-        radius = np.linspace(0.0, min(lens.limit, 3.0), 200)
+        radius = np.linspace(0.0, min(lens.max_radius, 3.0), 200)
         seen = lens.distort(np.column_stack([radius, np.zeros_like(radius)]))[:, 0]
         assert (np.diff(seen) > 0).all()
 

@@ -27,12 +27,12 @@ class ObstacleSuite:
     @pytest.fixture
     def obstacle(self, spec: ObstacleSpec, mesh: Mesh) -> Obstacle:
         """The obstacle at first touch."""
-        return spec.at_touch(mesh)[0]
+        return spec.at_first_contact(mesh)[0]
 
     @pytest.fixture
     def points(self, spec: ObstacleSpec, mesh: Mesh) -> FloatArray:
         """Points (n, 3) mm about the place that it touches first."""
-        touched = spec.at_touch(mesh)[1]
+        touched = spec.at_first_contact(mesh)[1]
         return touched + np.random.default_rng(0).uniform(-0.5, 0.5, (60, 3))
 
     def test_it_is_read_again_from_its_data(self, spec: ObstacleSpec) -> None:
@@ -44,37 +44,37 @@ class ObstacleSuite:
         curvature = np.zeros((len(points), 3, 3)) if gap.curvature is None else gap.curvature
         for axis in range(3):
             ahead, behind = points + step * np.eye(3)[axis], points - step * np.eye(3)[axis]
-            slope = (obstacle.reach(ahead) - obstacle.reach(behind)) / (2 * step)
+            slope = (obstacle.penetration(ahead) - obstacle.penetration(behind)) / (2 * step)
             assert gap.normal[:, axis] == pytest.approx(slope, abs=1e-7)
             bend = (obstacle.gap(ahead).normal - obstacle.gap(behind).normal) / (2 * step)
             assert curvature[:, :, axis] == pytest.approx(bend, abs=1e-7)
-        assert gap.reach == pytest.approx(obstacle.reach(points))
+        assert gap.penetration == pytest.approx(obstacle.penetration(points))
         assert np.linalg.norm(gap.normal, axis=1) == pytest.approx(1.0)
 
     def test_a_foot_lies_on_the_surface_and_moves_with_the_obstacle(
         self, obstacle: Obstacle, points: FloatArray
     ) -> None:
-        reach, place = obstacle.foot(points)
-        assert obstacle.reach(obstacle.point + place) == pytest.approx(0.0, abs=1e-6)
+        reach, place = obstacle.closest_points(points)
+        assert obstacle.penetration(obstacle.point + place) == pytest.approx(0.0, abs=1e-6)
         by = np.array([0.3, -0.1, 0.5])
-        again, same = obstacle.moved(by).foot(points + by)
+        again, same = obstacle.moved(by).closest_points(points + by)
         assert again == pytest.approx(reach)
         assert same == pytest.approx(place)
 
     def test_at_first_touch_it_touches_the_skin_and_enters_it_nowhere(self, spec: ObstacleSpec, mesh: Mesh) -> None:
-        obstacle, touched = spec.at_touch(mesh)
+        obstacle, touched = spec.at_first_contact(mesh)
         length = mesh.skin.base_radius
-        assert obstacle.reach(touched[None])[0] == pytest.approx(0.0, abs=1e-7 * length)
+        assert obstacle.penetration(touched[None])[0] == pytest.approx(0.0, abs=1e-7 * length)
         angle, radius = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 91), np.linspace(0, 1, 60))
         disc = np.column_stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()])
         outside = mesh.skin.point(disc, 1.0, mesh.spec.rim)
-        assert obstacle.reach(outside).max() < 1e-6 * length
-        assert obstacle.reach(outside).max() > -0.02 * length
+        assert obstacle.penetration(outside).max() < 1e-6 * length
+        assert obstacle.penetration(outside).max() > -0.02 * length
 
     def test_its_patch_lies_on_it_and_is_counter_clockwise_from_inside(self, spec: ObstacleSpec, mesh: Mesh) -> None:
-        obstacle, touched = spec.at_touch(mesh)
+        obstacle, touched = spec.at_first_contact(mesh)
         points, quads = obstacle.patch(touched, 0.1 * mesh.skin.base_radius)
-        assert np.abs(obstacle.reach(points)).max() < 1e-6 * mesh.skin.base_radius
+        assert np.abs(obstacle.penetration(points)).max() < 1e-6 * mesh.skin.base_radius
         a, b, c, d = points[quads].transpose(1, 0, 2)
         facing = np.cross(c - a, d - b)
         assert ((facing * obstacle.gap((a + b + c + d) / 4).normal).sum(axis=1) > 0).all()

@@ -99,9 +99,9 @@ class SkinSuite:
         outer = skin.point(disc, 1.0)
         for tilt in (0.0, 5.0, 12.0):
             normal = wall_normal(*rotation_vector(np.radians(tilt), 0.4))
-            height = (outer - skin.touch(normal)) @ normal
+            height = (outer - skin.support_point(normal)) @ normal
             assert height.max() < 1e-7 * skin.base_radius
-            wall, ends = skin.distance(skin.touch(normal)) - skin.pin, (skin.thickness, skin.rim_thickness)
+            wall, ends = skin.distance(skin.support_point(normal)) - skin.pin, (skin.thickness, skin.rim_thickness)
             assert min(ends) - 1e-7 < wall < max(ends) + 1e-7
             assert height.max() > -0.02 * skin.base_radius
 
@@ -109,7 +109,7 @@ class SkinSuite:
         tilt, azimuth = np.radians(4.0), np.linspace(0, 2 * np.pi, 720, endpoint=False)
         edge = skin.point(np.column_stack([np.cos(azimuth), np.sin(azimuth)]), 1.0)
         normals = [wall_normal(*rotation_vector(tilt, turn)) for turn in azimuth[::15]]
-        way = min(float(((skin.touch(normal) - edge) @ normal).min()) for normal in normals) / np.cos(tilt)
+        way = min(float(((skin.support_point(normal) - edge) @ normal).min()) for normal in normals) / np.cos(tilt)
         assert skin.clamp_depth(tilt, Rim.FLAT) == pytest.approx(
             way, rel=1e-7 if skin.symmetry is Symmetry.REVOLVED else 1e-3
         )

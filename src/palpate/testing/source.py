@@ -29,13 +29,13 @@ class SourceSuite:
             return type(source)
 
     def test_it_is_found_by_its_name_and_knows_its_text(self, kind: type[Source], text: str) -> None:
-        name = next(name for name, other in SOURCES.loadable() if other is kind)
+        name = next(name for name, other in SOURCES.available() if other is kind)
         assert kind.accepts(text)
         with open_source(f"{name}:{text}") as source:
             assert type(source) is kind
 
     def test_no_other_source_takes_its_text(self, kind: type[Source], text: str) -> None:
-        assert [other for _, other in SOURCES.loadable() if other.accepts(text)] == [kind]
+        assert [other for _, other in SOURCES.available() if other.accepts(text)] == [kind]
 
     def test_it_has_a_name_that_a_person_reads(self, text: str) -> None:
         with open_source(text) as source:
@@ -49,7 +49,7 @@ class SourceSuite:
         for image in images:
             assert image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
             assert image.dtype in (np.uint8, np.uint16)
-        assert all(item.what for item in items if isinstance(item, PalpateError))
+        assert all(item.problem for item in items if isinstance(item, PalpateError))
 
     def test_images_that_were_given_do_not_change(self, text: str) -> None:
         with open_source(text) as source:

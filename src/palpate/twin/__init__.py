@@ -6,11 +6,11 @@ from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
 from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.marker_field import MarkerField
-from palpate.twin.measure_off import measure_off
+from palpate.twin.measure_off import measure_interpolation_error
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.turned_presses import MIRRORS
-from palpate.twin.turned_series import TurnedSeries, TurnedTable
-from palpate.twin.twin import MovedDots, PrintedTwin, Twin
+from palpate.twin.turned_series import TwoMirrorSeries, TwoMirrorTable
+from palpate.twin.twin import MarkerState, MarkerTwin, Twin
 from palpate.twin.twin_file import (
     TWIN_VERSION,
     find_twin,
@@ -28,12 +28,12 @@ __all__ = [
     "BatchTwin",
     "ForceField",
     "MarkerField",
-    "MovedDots",
-    "PrintedTwin",
+    "MarkerState",
+    "MarkerTwin",
     "TiltRuns",
-    "TurnedSeries",
-    "TurnedTable",
     "Twin",
+    "TwoMirrorSeries",
+    "TwoMirrorTable",
     "build_field",
     "build_force_field",
     "build_twin",
@@ -42,7 +42,7 @@ __all__ = [
     "image_jacobian",
     "label_presses",
     "match_depths",
-    "measure_off",
+    "measure_interpolation_error",
     "read_twin",
     "shared_depths",
     "twin_path",

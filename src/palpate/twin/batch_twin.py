@@ -1,6 +1,6 @@
 """The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
 
-The same splines, waves and camera as `PrintedTwin.move` and `Camera.project`, with the poses as the first axis of
+The same splines, waves and camera as `MarkerTwin.evaluate` and `Camera.project`, with the poses as the first axis of
 every array, and with torch's derivatives through all of it. Walls are flat and come straight down.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from palpate.camera import Camera, Window
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.twin.tensor_spline import BEYOND, DEGREE
-from palpate.twin.twin import STRAIGHT_DEG, PrintedTwin
+from palpate.twin.twin import STRAIGHT_DEG, MarkerTwin
 
 Tensor = Any
 """A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
@@ -51,7 +51,7 @@ class BatchTwin:
 
     def __init__(
         self,
-        dots: PrintedTwin,
+        dots: MarkerTwin,
         camera: Camera,
         corners: int = 1,
         thickness: float = 0.0,
@@ -81,25 +81,25 @@ class BatchTwin:
         self._scale = self._tensor(np.array([spec.fx_px, spec.fy_px]))
         self._middle = self._tensor(np.array([spec.cx_px, spec.cy_px]))
 
-    def pixels(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
+    def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
         """Pixels (n, m, 2) of the dots.
 
         Parameters
         ----------
         poses
             (n, 3) rx, ry (degrees) and depth (mm).
-        slips
+        inverse_frictions
             (n,) 1/µ.
         """
-        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, slips)
+        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, inverse_frictions)
 
-    def positions(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
-        """Positions (n, m, 3) mm of the dots; `poses` and `slips` as for `pixels`."""
-        return self._in_pieces(self._move, poses, slips)
+    def positions(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Positions (n, m, 3) mm of the dots; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._move, poses, inverse_frictions)
 
-    def forces(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
-        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `slips` as for `pixels`."""
-        return self._in_pieces(self._force, poses, slips)
+    def forces(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._force, poses, inverse_frictions)
 
     def _centre(self, pixels: Tensor) -> Tensor:
         """Centres (n, m, 2) of the traces whose corners these are (n, m k, 2)."""
@@ -111,19 +111,19 @@ class BatchTwin:
         moments = self._torch.stack([((x + nx) * cross).sum(-1), ((y + ny) * cross).sum(-1)], dim=-1)
         return moments / (3.0 * cross.sum(-1, keepdim=True))
 
-    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, slips: Any) -> Tensor:
-        poses, slips = self._tensor(poses), self._tensor(slips)
-        pieces = zip(poses.split(_PIECE), slips.split(_PIECE), strict=True)
+    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, inverse_frictions: Any) -> Tensor:
+        poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
+        pieces = zip(poses.split(_PIECE), inverse_frictions.split(_PIECE), strict=True)
         return self._torch.cat([does(*piece) for piece in pieces])
 
     def _tensor(self, values: Any) -> Tensor:
         return self._torch.as_tensor(values, **self._kind)
 
-    def _amplitudes(self, poses: Tensor, slips: Tensor) -> tuple[Tensor, Tensor]:
+    def _amplitudes(self, poses: Tensor, inverse_frictions: Tensor) -> tuple[Tensor, Tensor]:
         """Amplitudes (n, r + 3) of modes and force, and azimuths (n,) of the tilts."""
         torch = self._torch
         tilt = torch.hypot(poses[:, 0], poses[:, 1]).clamp(min=STRAIGHT_DEG)
-        first, weight = self._basis(0, slips)
+        first, weight = self._basis(0, inverse_frictions)
         for axis, at in ((1, tilt), (2, poses[:, 2])):
             number, share = self._basis(axis, at)
             first = (first[:, :, None] * self._shape[axis] + number[:, None, :]).flatten(1)
@@ -150,14 +150,14 @@ class BatchTwin:
         steps = torch.arange(DEGREE + 1, device=span.device)
         return span[:, None] - DEGREE + steps, torch.stack(values, dim=1)
 
-    def _move(self, poses: Tensor, slips: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, slips)
+    def _move(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
         modes, angle = found[:, : len(self._order)], azimuth[:, None] * self._order
         rows = self._torch.cat([modes * angle.cos(), modes * angle.sin()], dim=1)
         return self._places + (rows @ self._waves).reshape(len(poses), -1, 3)
 
-    def _force(self, poses: Tensor, slips: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, slips)
+    def _force(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
         slope, axial, axis = found[:, len(self._order) :].T
         c, s = azimuth.cos(), azimuth.sin()
         return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)

@@ -12,7 +12,7 @@ from palpate.fea import Press
 from palpate.twin.field import build_revolved_field
 from palpate.twin.marker_field import MarkerField
 from palpate.twin.tilt_runs import shared_depths
-from palpate.twin.turned_field import build_turned_field
+from palpate.twin.turned_field import build_two_mirror_field
 
 
 def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: FloatArray | None = None) -> MarkerField:
@@ -48,7 +48,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
             "Press every azimuth and read single presses; images of such a skin are not interpolated.",
             code="skin-no-symmetry",
         )
-    if len({press.wall.pose_space for press in presses}) > 1:
+    if len({press.obstacle.pose_space for press in presses}) > 1:
         raise PalpateError(
             "The presses are of obstacles with different poses.",
             "Give presses of one obstacle.",
@@ -62,5 +62,5 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
             code="markers-outside-skin",
         )
     if Symmetry.MIRRORED in symmetries:
-        return build_turned_field(presses, markers, depths_mm)
+        return build_two_mirror_field(presses, markers, depths_mm)
     return build_revolved_field(presses, markers, shared_depths(presses) if depths_mm is None else depths_mm)

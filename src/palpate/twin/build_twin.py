@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
-from palpate.fea import Branch, Ended, Press, WallSpec
+from palpate.fea import Branch, EndReason, Press, WallSpec
 from palpate.twin.force_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
@@ -19,7 +19,7 @@ from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
 THICKNESS = "thickness"
-TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
+TWIN_DERIVATIVES = (THICKNESS, "curvature", *WallSpec.LATERAL_FIELDS)
 """Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
 _ACROSS = np.array([False, False, False, False, True, True])
 """Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
@@ -59,20 +59,20 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     slips, tilts, table = _sort(presses)
     depths = _depths(table, 0.0)
     flat = _interpolate(table, (slips, tilts, depths))
-    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.wall.radial)))
+    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.obstacle.radial)))
     if len(standing) < _FEWEST:
         return flat
     first = max(float(press.depth[0]) for press in standing)
     depths = _depths(standing, first)
     if len(depths) < _FEWEST:
         return flat
-    tilts = np.array([press.wall.radial for press in standing])
+    tilts = np.array([press.obstacle.radial for press in standing])
     return replace(flat, inverted=_interpolate(standing, (np.zeros(1), tilts, depths)))
 
 
 def _stands(press: Press) -> bool:
     """Whether an inverted state was found and followed to the greatest depth."""
-    return press.ended is Ended.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
+    return press.ended is EndReason.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
 
 
 def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
@@ -109,13 +109,13 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     return Twin(
         skin=table[0].mesh.skin,
         order=order,
-        shapes=modes,
+        modes=modes,
         tilts_deg=tilts,
         depths_mm=depths,
-        slips=slips,
-        reach_mm=reach,
+        inverse_frictions=slips,
+        max_depth_mm=reach,
         amplitudes=pressed,
-        drifts=drifts,
+        lateral=drifts,
         material=material_text(table[0].material),
     )
 
@@ -140,11 +140,13 @@ def _refuse_others(presses: Sequence[Press]) -> None:
         missing = [name for name in TWIN_DERIVATIVES if name not in press.derivatives]
         if missing:
             raise PalpateError(
-                f"The press under {press.wall.words} has no derivative by {missing[0]}.",
+                f"The press under {press.obstacle.label} has no derivative by {missing[0]}.",
                 f"Press with `derivatives: [{', '.join(TWIN_DERIVATIVES)}]`.",
                 code="derivative-missing",
             )
-    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(press.wall.pose_space.tilts for press in presses):
+    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(
+        press.obstacle.pose_space.is_tilt for press in presses
+    ):
         raise PalpateError(
             "A twin is of a body of revolution under a flat wall.",
             "Use single presses instead.",
@@ -154,7 +156,7 @@ def _refuse_others(presses: Sequence[Press]) -> None:
 
 def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
     """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
-    by_place = {(_slip(press), press.wall.radial): press for press in presses}
+    by_place = {(_inverse_friction(press), press.obstacle.radial): press for press in presses}
     slips = np.array(sorted({slip for slip, _ in by_place}))
     tilts = np.array(sorted({tilt for _, tilt in by_place}))
     missing = [(slip, tilt) for slip in slips for tilt in tilts if (slip, tilt) not in by_place]
@@ -176,13 +178,13 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
     return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
 
 
-def _slip(press: Press) -> float:
-    return 1.0 / press.wall.friction if press.wall.friction > 0 else float("inf")
+def _inverse_friction(press: Press) -> float:
+    return 1.0 / press.obstacle.friction if press.obstacle.friction > 0 else float("inf")
 
 
 def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     """Depths (d,) mm of the images, from the first that is no less than `first`."""
-    steps = {round(float(press.wall.image_step), 9) for press in presses}
+    steps = {round(float(press.obstacle.depth_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(
             f"The presses have images every {sorted(steps)} mm.",
@@ -200,7 +202,7 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     return np.asarray(step * np.arange(begin, count + 1))
 
 
-def _kept(press: Press) -> int:
+def _stored(press: Press) -> int:
     """Number of the images of a press on its way down before it leaves its first branch or jumps."""
     down = int(np.argmax(press.depth)) + 1
     lost = np.flatnonzero((press.branch[:down] != press.branch[0]) | (press.depth[:down] >= press.jump_depth))
@@ -208,7 +210,7 @@ def _kept(press: Press) -> int:
 
 
 def _reach(press: Press) -> float:
-    return float(press.depth[_kept(press) - 1])
+    return float(press.depth[_stored(press) - 1])
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
@@ -222,33 +224,35 @@ def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
     return found
 
 
-def _refuse_holes(values: FloatArray, slips: FloatArray, tilts: FloatArray) -> None:
+def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: FloatArray) -> None:
     """Refuse presses that jumped: beyond, they have no derivatives."""
-    holes = np.argwhere(~np.isfinite(values.reshape(len(slips), len(tilts), -1)).all(axis=-1))
+    holes = np.argwhere(~np.isfinite(values.reshape(len(inverse_frictions), len(tilts), -1)).all(axis=-1))
     if len(holes):
-        slip, tilt = slips[holes[0, 0]], tilts[holes[0, 1]]
+        slip, tilt = inverse_frictions[holes[0, 0]], tilts[holes[0, 1]]
         law = f"µ = {1 / slip:.3g}" if slip > 0 else "no slip"
         raise PalpateError(
-            f"{len(holes)} of {len(slips) * len(tilts)} presses jump to another state, the first at {tilt:g}° under "
-            f"{law}; there is no twin across a jump.",
+            f"{len(holes)} of {len(inverse_frictions) * len(tilts)} presses jump to another state, the first "
+            f"at {tilt:g}° under {law}; there is no twin across a jump.",
             "Take a thicker or lower skin, or less depth.",
             code="twin-across-jump",
         )
 
 
-def _bridge(values: FloatArray, reach: FloatArray, slips: FloatArray, depths: FloatArray) -> None:
+def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray, depths: FloatArray) -> None:
     """Carry presses that end before those of the next frictions on both sides on as between these.
 
     In values (slip, tilt, 6, depth, …) of presses that reach (slip, tilt) mm. So does a thin skin that goes over into
     its other state under some friction: carried on straight, it would spoil what is read under the others.
     """
     count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
-    for k, tilt in np.ndindex(max(len(slips) - 2, 0), reach.shape[1]):
+    for k, tilt in np.ndindex(max(len(inverse_frictions) - 2, 0), reach.shape[1]):
         row, known = k + 1, count[k + 1, tilt]
         last = min(count[row - 1, tilt], count[row + 1, tilt])
         if last <= known:
             continue
-        share = (slips[row] - slips[row - 1]) / (slips[row + 1] - slips[row - 1])
+        share = (inverse_frictions[row] - inverse_frictions[row - 1]) / (
+            inverse_frictions[row + 1] - inverse_frictions[row - 1]
+        )
         between = (1 - share) * values[row - 1, tilt] + share * values[row + 1, tilt]
         apart = values[row, tilt, :, known - 1 : known] - between[:, known - 1 : known]
         values[row, tilt, :, known:] = between[:, known:] + apart

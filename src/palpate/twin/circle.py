@@ -78,13 +78,13 @@ def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> tuple[Co
         between the sampled points and the series.
     """
     psi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    phi = psi + np.deg2rad(press.wall.turn_deg) + QUARTER_TURN
+    phi = psi + np.deg2rad(press.obstacle.turn_deg) + QUARTER_TURN
     cosine, sine = np.cos(phi), np.sin(phi)
     points = np.empty((len(circles.radius), SAMPLES, 3))
     points[..., 0] = circles.radius[:, None] * cosine
     points[..., 1] = circles.radius[:, None] * sine
     points[..., 2] = circles.height[:, None]
-    moved = press.moved(points.reshape(-1, 3), by).reshape(-1, *points.shape)
+    moved = press.displacement_at(points.reshape(-1, 3), by).reshape(-1, *points.shape)
     cylindrical = np.stack(
         [
             moved[..., 0] * cosine + moved[..., 1] * sine,

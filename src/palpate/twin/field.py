@@ -46,11 +46,11 @@ class RevolvedField(MarkerField):
     circles: MarkerCircles
     series_error_mm: float
 
-    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
+    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, depth_index: int) -> FloatArray:
         tilt = np.hypot(rx_deg, ry_deg)
         turn = np.arctan2(ry_deg, rx_deg) + np.radians(self.space.turn_deg)
         moved = np.full((len(tilt), 3, len(self.rest)), np.nan)
-        for chosen, series in self.runs.read(tilt, image):
+        for chosen, series in self.runs.read(tilt, depth_index):
             moved[chosen] = _sum_series(series, turn[chosen], self.circles)
         cosine, sine = np.cos(self.circles.azimuth), np.sin(self.circles.azimuth)
         radial, azimuthal, axial = moved[:, 0], moved[:, 1], moved[:, 2]
@@ -61,8 +61,8 @@ class RevolvedField(MarkerField):
 
 def build_revolved_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: FloatArray) -> RevolvedField:
     """Interpolate presses of one body of revolution: see `palpate.twin.build_field`, which has looked at them."""
-    presses = sorted(presses, key=lambda press: press.wall.radial)
-    tilts = np.array([press.wall.radial for press in presses], dtype=float)
+    presses = sorted(presses, key=lambda press: press.obstacle.radial)
+    tilts = np.array([press.obstacle.radial for press in presses], dtype=float)
     circles = sort_onto_circles(markers.positions)
     series = np.full((len(depths_mm), len(tilts), len(circles.radius), 3, ORDERS), np.nan, dtype=complex)
     sloped = all(SLOPE in press.derivatives for press in presses)
@@ -80,7 +80,7 @@ def build_revolved_field(presses: Sequence[Press], markers: MarkerLayout, depths
         rest=np.asarray(markers.positions, dtype=float),
         depths_mm=depths_mm,
         runs=cut_into_runs(tilts, branch, ended, series, parity * series, slopes if sloped else None),
-        space=presses[0].wall.pose_space,
+        space=presses[0].obstacle.pose_space,
         circles=circles,
         series_error_mm=max(errors),
     )

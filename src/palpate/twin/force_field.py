@@ -31,14 +31,14 @@ class ForceField:
 
     runs: TiltRuns
 
-    def forces(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
+    def forces(self, rx_deg: FloatArray, ry_deg: FloatArray, depth_index: int) -> FloatArray:
         """Force (n, 3) N of the dome on the wall, dome's frame, at rx and ry (n,) in degrees and a depth by number.
 
         NaN for a pose that no run covers.
         """
         tilt, azimuth = np.hypot(rx_deg, ry_deg), np.arctan2(ry_deg, rx_deg)
         parts = np.full((len(tilt), 3), np.nan)
-        for chosen, values in self.runs.read(tilt, image):
+        for chosen, values in self.runs.read(tilt, depth_index):
             parts[chosen] = values
         slope, axial, axis = parts.T
         c, s = np.cos(azimuth), np.sin(azimuth)
@@ -53,7 +53,7 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
     PalpateError
         If there is no press, a tilt appears twice, image steps differ, or what presses is no wall.
     """
-    if not all(press.wall.pose_space.tilts for press in presses):
+    if not all(press.obstacle.pose_space.is_tilt for press in presses):
         raise PalpateError(
             "Forces are interpolated under walls.", "Read those of single presses instead.", code="forces-need-wall"
         )
@@ -64,18 +64,18 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
             code="forces-need-revolution",
         )
     depths = shared_depths(presses)
-    presses = sorted(presses, key=lambda press: press.wall.radial)
+    presses = sorted(presses, key=lambda press: press.obstacle.radial)
     parts = np.full((len(depths), len(presses), 3), np.nan)
     for column, press in enumerate(presses):
         depth, image = match_depths(depths, press)
         parts[depth, column] = forces_along_tilt(press, press.force)[image]
-    tilts = np.array([press.wall.radial for press in presses], dtype=float)
+    tilts = np.array([press.obstacle.radial for press in presses], dtype=float)
     ended = [str(press.ended) for press in presses]
     return ForceField(cut_into_runs(tilts, label_presses(presses, depths), ended, parts, _PARITY * parts))
 
 
 def forces_along_tilt(press: Press, force: FloatArray) -> FloatArray:
     """Force (n, 3) N up the slope, along the dome's axis and the tilt's, of forces (n, 3) in the dome's frame."""
-    azimuth = np.radians(press.wall.turn_deg)
+    azimuth = np.radians(press.obstacle.turn_deg)
     c, s = np.cos(azimuth), np.sin(azimuth)
     return np.stack([force[:, 1] * c - force[:, 0] * s, force[:, 2], force[:, 0] * c + force[:, 1] * s], axis=-1)

@@ -12,7 +12,7 @@ ANGLE_STEP_DEG = 0.25
 
 
 def image_jacobian(
-    field: MarkerField, camera: Camera, rotations_deg: FloatArray, image: int, step_deg: float = ANGLE_STEP_DEG
+    field: MarkerField, camera: Camera, rotations_deg: FloatArray, depth_index: int, step_deg: float = ANGLE_STEP_DEG
 ) -> FloatArray:
     """Derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
 
@@ -27,7 +27,7 @@ def image_jacobian(
         Looks at them.
     rotations_deg
         (n, 2) rx and ry.
-    image
+    depth_index
         Number of the depth in `field.depths_mm`, at least 1; 2 where it is the last.
     step_deg
         Half-width of the differences in rx and ry (degrees).
@@ -39,9 +39,9 @@ def image_jacobian(
         on the other branch.
     """
     last = len(field.depths_mm) - 1
-    if not min(2, last) <= image <= last and not 1 <= image < last:
+    if not min(2, last) <= depth_index <= last and not 1 <= depth_index < last:
         raise PalpateError(
-            f"Image {image} of {last + 1} has too few neighbours in depth.",
+            f"Image {depth_index} of {last + 1} has too few neighbours in depth.",
             "Press deeper.",
             code="image-few-neighbours",
         )
@@ -53,13 +53,15 @@ def image_jacobian(
         seen[labels != here] = np.nan
         return seen
 
-    here, _ = field.labels(np.hypot(rotations_deg[:, 0], rotations_deg[:, 1]), image)
-    by_rx = (pixels(step_deg, 0, image) - pixels(-step_deg, 0, image)) / (2 * step_deg)
-    by_ry = (pixels(0, step_deg, image) - pixels(0, -step_deg, image)) / (2 * step_deg)
-    spacing = field.depths_mm[image] - field.depths_mm[image - 1]
-    if image < last:
-        by_depth = (pixels(0, 0, image + 1) - pixels(0, 0, image - 1)) / (2 * spacing)
+    here, _ = field.labels(np.hypot(rotations_deg[:, 0], rotations_deg[:, 1]), depth_index)
+    by_rx = (pixels(step_deg, 0, depth_index) - pixels(-step_deg, 0, depth_index)) / (2 * step_deg)
+    by_ry = (pixels(0, step_deg, depth_index) - pixels(0, -step_deg, depth_index)) / (2 * step_deg)
+    spacing = field.depths_mm[depth_index] - field.depths_mm[depth_index - 1]
+    if depth_index < last:
+        by_depth = (pixels(0, 0, depth_index + 1) - pixels(0, 0, depth_index - 1)) / (2 * spacing)
     else:
-        by_depth = 1.5 * pixels(0, 0, image) - 2 * pixels(0, 0, image - 1) + 0.5 * pixels(0, 0, image - 2)
+        by_depth = (
+            1.5 * pixels(0, 0, depth_index) - 2 * pixels(0, 0, depth_index - 1) + 0.5 * pixels(0, 0, depth_index - 2)
+        )
         by_depth /= spacing
     return np.stack([by_rx, by_ry, by_depth], axis=-1)

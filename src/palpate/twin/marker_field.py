@@ -32,31 +32,31 @@ class MarkerField(ABC):
     space: PoseSpace
 
     @property
-    def offset(self) -> float | None:
+    def max_offset(self) -> float | None:
         """Greatest offset that was pressed, mm, or tilt of walls at the side; `None` for others.
 
         Their greatest tilt a dataset's spec says.
         """
-        return None if self.space.tilts and not self.space.aside else float(self.runs.tilts_deg[-1])
+        return None if self.space.is_tilt and not self.space.is_side else float(self.runs.tilts_deg[-1])
 
     @property
-    def least(self) -> float:
+    def min_tilt_deg(self) -> float:
         """Least tilt that was pressed of walls at the side, degrees; 0 where poses go to the straight one."""
-        return float(self.runs.tilts_deg[0]) if self.space.aside else 0.0
+        return float(self.runs.tilts_deg[0]) if self.space.is_side else 0.0
 
-    def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, tilt_deg: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
         """Branch of each tilt (n,) at one depth, or why there is none; see `TiltRuns.labels`."""
-        return self.runs.labels(tilt_deg, image)
+        return self.runs.labels(tilt_deg, depth_index)
 
     @abstractmethod
-    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
+    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, depth_index: int) -> FloatArray:
         """Deformed positions of the markers.
 
         Parameters
         ----------
         rx_deg, ry_deg
             (n,) components of the wall's rotation; of another obstacle, its x and y in mm.
-        image
+        depth_index
             Number of the depth in `depths_mm`.
 
         Returns

@@ -16,7 +16,7 @@ _OUTERMOST = 0.9
 """Radius of the last circle over the widest."""
 
 
-def measure_off(twin: Twin, presses: Sequence[Press]) -> float:
+def measure_interpolation_error(twin: Twin, presses: Sequence[Press]) -> float:
     """Root mean square distance, mm, by which a twin has the points of pressed skins elsewhere.
 
     Parameters
@@ -35,13 +35,13 @@ def measure_off(twin: Twin, presses: Sequence[Press]) -> float:
     radius = _OUTERMOST * skin.widest[0] * np.sqrt((np.arange(_CIRCLES) + 0.5) / _CIRCLES)
     azimuth = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
     points = skin.inner_point(np.repeat(radius, _AROUND), np.tile(azimuth, _CIRCLES))
-    dots = twin.print_dots(points)
+    dots = twin.with_markers(points)
     for press in presses:
-        turn = np.radians(press.wall.turn_deg)
-        slip = 1.0 / press.wall.friction if press.wall.friction > 0 else float(twin.slips[0])
+        turn = np.radians(press.obstacle.turn_deg)
+        slip = 1.0 / press.obstacle.friction if press.obstacle.friction > 0 else float(twin.inverse_frictions[0])
         deepest = min(float(twin.depths_mm[-1]) + SAME_DEPTH_MM, press.jump_depth)
         kept = (press.depth > 0) & (press.depth <= deepest) & (press.branch == str(Branch.FLAT))
         for depth, true in zip(press.depth[kept], press.positions(points)[kept], strict=True):
-            pose = np.array([*(press.wall.radial * np.array([np.cos(turn), np.sin(turn)])), depth])
-            squares.append(((dots.move(pose, slip).positions - true) ** 2).sum(axis=1))
+            pose = np.array([*(press.obstacle.radial * np.array([np.cos(turn), np.sin(turn)])), depth])
+            squares.append(((dots.evaluate(pose, slip).positions - true) ** 2).sum(axis=1))
     return float(np.sqrt(np.mean(squares))) if squares else float("nan")

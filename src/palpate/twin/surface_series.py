@@ -19,7 +19,7 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.design import Skin
 from palpate.fea import Press
-from palpate.mesh import follow_marked, follow_rate, locate_inner
+from palpate.mesh import locate_inner, marker_displacement, marker_displacement_derivative
 from palpate.twin.circle import QUARTER_TURN
 
 ORDERS = 14
@@ -48,7 +48,7 @@ def expand_surface(press: Press, derivatives: Mapping[str, bool]) -> FloatArray:
     """
     psi = np.pi * np.arange(_HALF + 1) / _HALF
     azimuth = psi + QUARTER_TURN  # the frame of the mesh
-    azimuth += np.deg2rad(press.wall.turn_deg) if press.mesh.spec.whole else 0.0
+    azimuth += np.deg2rad(press.obstacle.turn_deg) if press.mesh.spec.whole else 0.0
     cosine, sine = np.cos(azimuth), np.sin(azimuth)
     points = surface_points(press.mesh.skin, place_circles(), azimuth).reshape(-1, 3)
     flip = np.array([-1.0, 1.0, 1.0])
@@ -59,10 +59,12 @@ def expand_surface(press: Press, derivatives: Mapping[str, bool]) -> FloatArray:
     order = np.arange(ORDERS)
     even = np.cos(np.outer(psi, order)) * share[:, None] * np.where(order == 0, 0.5, 1.0)
     odd = np.sin(np.outer(psi, order)) * share[:, None]
-    fields = [(follow_marked(press.mesh, places, press.displacement), False)]
+    fields = [(marker_displacement(press.mesh, places, press.displacement), False)]
     for name, across in derivatives.items():
         rate = press.derivatives[name].displacement
-        fields.append((follow_rate(press.mesh, places, press.displacement, rate, across=across), across))
+        fields.append(
+            (marker_displacement_derivative(press.mesh, places, press.displacement, rate, across=across), across)
+        )
     found = []
     for at, across in fields:
         moved = np.where(beyond, at * (-flip if across else flip), at).reshape(len(at), CIRCLES, _HALF + 1, 3)

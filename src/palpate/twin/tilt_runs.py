@@ -74,14 +74,14 @@ class TiltRuns:
     def __getitem__(self, image: int) -> tuple[TiltRun, ...]:
         return self.by_depth[image]
 
-    def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, tilt_deg: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
         """Branch of each tilt at one depth, or why there is none.
 
         Parameters
         ----------
         tilt_deg
             (n,) tilts, not negative.
-        image
+        depth_index
             Number of the depth.
 
         Returns
@@ -90,16 +90,16 @@ class TiltRuns:
             (n,) branch, empty where there is none, and (n,) reason, empty where there is a branch.
         """
         branch = np.full(len(tilt_deg), "", dtype="U16")
-        for run in self[image]:
+        for run in self[depth_index]:
             branch[run.covers(tilt_deg)] = run.branch
         missing = branch == ""
         reason = np.full(len(tilt_deg), "", dtype="U80")
-        reason[missing] = [self._reason(tilt, image) for tilt in tilt_deg[missing]]
+        reason[missing] = [self._reason(tilt, depth_index) for tilt in tilt_deg[missing]]
         return branch, reason
 
-    def read(self, tilt_deg: FloatArray, image: int) -> Iterator[tuple[BoolArray, NDArray[Any]]]:
+    def read(self, tilt_deg: FloatArray, depth_index: int) -> Iterator[tuple[BoolArray, NDArray[Any]]]:
         """Of every run at a depth that covers some of the tilts (n,): which (n,), and the values there."""
-        for run in self[image]:
+        for run in self[depth_index]:
             chosen = run.covers(tilt_deg)
             if chosen.any():
                 yield chosen, run.spline(np.clip(tilt_deg[chosen], run.first_deg, run.last_deg))
@@ -182,14 +182,14 @@ def shared_depths(presses: Sequence[Press]) -> FloatArray:
         raise PalpateError(
             "An interpolation needs at least one press.", "Solve the straight press first.", code="presses-none"
         )
-    steps = {round(float(press.wall.image_step), 9) for press in presses}
+    steps = {round(float(press.obstacle.depth_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(
             f"The presses have images every {sorted(steps)} mm.",
             "Give all of them one image step.",
             code="presses-steps-differ",
         )
-    tilts = sorted(press.wall.radial for press in presses)
+    tilts = sorted(press.obstacle.radial for press in presses)
     repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
     if repeated is not None:
         raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.", code="tilt-twice")

@@ -35,7 +35,7 @@ def sort_presses(presses: Sequence[Press]) -> tuple[Table, tuple[float, ...]]:
     PalpateError
         If the obstacle does not tilt, the azimuths are not 0 to 90° in equal steps, or a press is missing.
     """
-    if not all(press.wall.pose_space.tilts for press in presses):
+    if not all(press.obstacle.pose_space.is_tilt for press in presses):
         raise PalpateError(
             "Presses of a skin that is no body of revolution are interpolated under flat walls alone.",
             "Read single presses of other obstacles.",
@@ -44,7 +44,7 @@ def sort_presses(presses: Sequence[Press]) -> tuple[Table, tuple[float, ...]]:
     table: dict[tuple[float, float], Press] = {}
     azimuths = _azimuths(presses)
     for press in presses:
-        tilt, azimuth = press.wall.radial, round(press.wall.turn_deg, _DECIMALS)
+        tilt, azimuth = press.obstacle.radial, round(press.obstacle.turn_deg, _DECIMALS)
         for place in [(tilt, azimuth)] if tilt > 0 else [(tilt, each) for each in azimuths]:
             if place in table:
                 raise PalpateError(
@@ -65,7 +65,9 @@ def sort_presses(presses: Sequence[Press]) -> tuple[Table, tuple[float, ...]]:
 
 
 def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
-    found = tuple(sorted({round(press.wall.turn_deg, _DECIMALS) for press in presses if press.wall.radial > 0}))
+    found = tuple(
+        sorted({round(press.obstacle.turn_deg, _DECIMALS) for press in presses if press.obstacle.radial > 0})
+    )
     even = np.linspace(0.0, 90.0, len(found))
     if len(found) < 2 or not np.allclose(found, even, atol=10.0**-_DECIMALS):
         given = ", ".join(f"{each:g}" for each in found)
@@ -79,7 +81,7 @@ def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
 
 def mirror_points(press: Press, points: FloatArray) -> FloatArray:
     """Displacements (i, 4, m, 3) mm of points (m, 3) mm of the inner surface in the images of a press, mirrored."""
-    moved = press.moved((MIRRORS[:, None] * points).reshape(-1, 3))
+    moved = press.displacement_at((MIRRORS[:, None] * points).reshape(-1, 3))
     return np.asarray(moved.reshape(len(moved), 4, *points.shape) * MIRRORS[:, None])
 
 

@@ -28,7 +28,7 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.design import Skin, rotation_vector, wall_normal
 from palpate.fea import Press
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.twin.tilt_runs import SAME_DEPTH_MM, TiltRuns, cut_into_runs, label_presses, shared_depths
 from palpate.twin.turned_presses import all_azimuths, at_depths, sort_presses
 
@@ -43,7 +43,7 @@ _LEVELS = 2
 
 
 @dataclass(frozen=True, eq=False)
-class TurnedSeries:
+class TwoMirrorSeries:
     """One quantity of all presses at every level, ready to be asked at any pose.
 
     Attributes
@@ -66,7 +66,7 @@ class TurnedSeries:
     def at(self, tilt_deg: FloatArray, azimuth: FloatArray, depth_mm: float) -> FloatArray:
         """The quantity (p, …) at tilts (p,) in degrees and azimuths (p,) in rad, at one depth in mm from first touch.
 
-        At first touch it is 0, and so counts a part that no run covers; see `TurnedTable.label`.
+        At first touch it is 0, and so counts a part that no run covers; see `TwoMirrorTable.label`.
         """
         deep = depth_mm - first_touch(self.skin, tilt_deg, azimuth)
         first, shares = _between_levels(deep, self.levels_mm)
@@ -85,7 +85,7 @@ class TurnedSeries:
 
 
 @dataclass(frozen=True, eq=False)
-class TurnedTable:
+class TwoMirrorTable:
     """Presses of one skin with two mirrors under walls, by tilt and azimuth.
 
     Attributes
@@ -107,7 +107,7 @@ class TurnedTable:
     touch_mm: FloatArray
 
     @classmethod
-    def of(cls, presses: Sequence[Press]) -> TurnedTable:
+    def of(cls, presses: Sequence[Press]) -> TwoMirrorTable:
         """Arrange presses.
 
         Raises
@@ -135,13 +135,13 @@ class TurnedTable:
         late = np.array([self._late(row) for row in self.rows])
         return np.asarray((self.levels_mm[:, None, None] + late <= np.array(reached) + SAME_DEPTH_MM).all(axis=2))
 
-    def series(self, follow: Callable[[Press], FloatArray]) -> TurnedSeries:
+    def series(self, follow: Callable[[Press], FloatArray]) -> TwoMirrorSeries:
         """A quantity at all levels; `follow` gives it at the images of a press and its mirror images, (i, 4, …)."""
         values = np.stack([self._around(row, follow) for row in self.rows], axis=1)
         known, count = self.known, len(self.tilts_deg)
         shares = np.broadcast_to(np.eye(count), (len(known), count, count))
         runs = cut_into_runs(self.tilts_deg, np.where(known, "known", ""), [""] * count, shares, None)
-        return TurnedSeries(self.rows[0][0].mesh.skin, self.levels_mm, runs, np.nan_to_num(values))
+        return TwoMirrorSeries(self.rows[0][0].mesh.skin, self.levels_mm, runs, np.nan_to_num(values))
 
     def label(self, images_mm: FloatArray) -> TiltRuns:
         """Runs of tilts at depths (d,) mm, of presses that share a branch and came deep enough, without values.
@@ -154,12 +154,12 @@ class TurnedTable:
         reached = (needed < self.known.sum(axis=0)) | (images_mm[:, None] == 0)
         branch = np.where(reached & (labels == labels[0]).all(axis=0), labels[0], "")
         first = [min(row, key=lambda press: press.ended_depth) for row in self.rows]
-        ended = [_NOT_SO_DEEP if press.ended is Ended.DEPTH_REACHED else str(press.ended) for press in first]
+        ended = [_NOT_SO_DEEP if press.ended is EndReason.DEPTH_REACHED else str(press.ended) for press in first]
         return cut_into_runs(self.tilts_deg, branch, ended, np.zeros((*branch.shape, 1)), None)
 
     def _late(self, row: Sequence[Press]) -> FloatArray:
         """(a,) mm by which the presses of one tilt touch higher than the straight one."""
-        return first_touch(row[0].mesh.skin, np.full(len(row), row[0].wall.radial), np.radians(self.azimuths_deg))
+        return first_touch(row[0].mesh.skin, np.full(len(row), row[0].obstacle.radial), np.radians(self.azimuths_deg))
 
     def _around(self, row: Sequence[Press], follow: Callable[[Press], FloatArray]) -> FloatArray:
         """A quantity (l, n, …) of the presses of one tilt at all levels and azimuths."""
@@ -171,7 +171,7 @@ def first_touch(skin: Skin, tilt_deg: FloatArray, azimuth: FloatArray) -> FloatA
     """Z - Z(0) (n,) mm of tilts (n,) in degrees at azimuths (n,) in rad."""
     turns = rotation_vector(np.radians(tilt_deg), azimuth)
     normals = np.array([wall_normal(*turn) for turn in turns.tolist()]).reshape(-1, 3)
-    return skin.touch_height(normals) - skin.outer_height
+    return skin.support_height(normals) - skin.outer_height
 
 
 def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:

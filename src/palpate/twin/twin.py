@@ -38,52 +38,55 @@ class Twin:
         The design that was pressed.
     order
         (r,) Fourier order of each mode.
-    shapes
+    modes
         (r, 3, n circles) mode in r, φ, z on the circles of `place_circles`; its amplitude is in mm.
-    tilts_deg, depths_mm, slips
+    tilts_deg, depths_mm, inverse_frictions
         What was pressed, rising: tilts from 0, depths from rest (0), and 1/µ from no slip (0). Of the inverted state
         depths begin where it stands under all these tilts, and it is the same for every 1/µ.
-    reach_mm
+    max_depth_mm
         (n slips, n tilts) depth that each press reached on its branch.
     amplitudes
         Splines over (slip, tilt, depth): those of the press, then their derivatives by thickness (mm) and bend (1/m).
-    drifts
+    lateral
         Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
     material
         What was pressed, as JSON; empty in files that do not say.
     inverted
         The twin of the skin's other state; `None` where it has none, or it was not pressed.
-    off_mm
-        Root mean square by which it differs from presses between its own (`measure_off`); nan without any.
+    interpolation_error_mm
+        Root mean square by which it differs from presses between its own (`measure_interpolation_error`); nan without
+        any.
     """
 
     skin: Skin
     order: IntArray
-    shapes: FloatArray
+    modes: FloatArray
     tilts_deg: FloatArray
     depths_mm: FloatArray
-    slips: FloatArray
-    reach_mm: FloatArray
+    inverse_frictions: FloatArray
+    max_depth_mm: FloatArray
     amplitudes: TensorSpline
-    drifts: TensorSpline
+    lateral: TensorSpline
     material: str = ""
     inverted: Twin | None = None
-    off_mm: float = float("nan")
+    interpolation_error_mm: float = float("nan")
 
-    def reach(self, tilt_deg: float, slip: float = 0.0) -> float:
+    def max_depth(self, tilt_deg: float, inverse_friction: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""
-        i = np.clip(np.searchsorted(self.slips, slip), 1, max(len(self.slips) - 1, 1))
+        i = np.clip(
+            np.searchsorted(self.inverse_frictions, inverse_friction), 1, max(len(self.inverse_frictions) - 1, 1)
+        )
         j = np.clip(np.searchsorted(self.tilts_deg, tilt_deg), 1, len(self.tilts_deg) - 1)
-        rows = self.reach_mm[max(i - 1, 0) : i + 1] if len(self.slips) > 1 else self.reach_mm
+        rows = self.max_depth_mm[max(i - 1, 0) : i + 1] if len(self.inverse_frictions) > 1 else self.max_depth_mm
         return float(rows[:, j - 1 : j + 1].min())
 
     def covers(self, pose: FloatArray, slack_deg: float = 0.2, slack_mm: float = 0.05) -> bool:
         """Whether presses reached rx, ry (degrees) and depth (mm), or nearly so."""
         tilt = float(np.hypot(pose[0], pose[1]))
-        deep = self.depths_mm[0] - slack_mm <= pose[2] <= self.reach(tilt) + slack_mm
+        deep = self.depths_mm[0] - slack_mm <= pose[2] <= self.max_depth(tilt) + slack_mm
         return bool(tilt <= self.tilts_deg[-1] + slack_deg and deep)
 
-    def print_dots(self, places: FloatArray) -> PrintedTwin:
+    def with_markers(self, places: FloatArray) -> MarkerTwin:
         """The twin of dots at places (m, 3) mm of the undeformed inner surface.
 
         Raises
@@ -99,8 +102,8 @@ class Twin:
             )
         disc = self.skin.disc(places)
         along, azimuth = np.hypot(disc[:, 0], disc[:, 1]), np.arctan2(disc[:, 1], disc[:, 0])
-        spline = CubicSpline(place_circles(), np.moveaxis(self.shapes, -1, 0))
-        return PrintedTwin(self, places, along, azimuth, self._waves(spline(along), azimuth))
+        spline = CubicSpline(place_circles(), np.moveaxis(self.modes, -1, 0))
+        return MarkerTwin(self, places, along, azimuth, self._waves(spline(along), azimuth))
 
     def _waves(self, shapes: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Waves (3 m, 2 r) of modes that have these shapes (m, r, 3) at the azimuths (m,) of the dots.
@@ -119,33 +122,33 @@ class Twin:
         return np.ascontiguousarray(np.concatenate(turned, axis=-1).reshape(-1, 2 * len(self.order)))
 
 
-class MovedDots(NamedTuple):
+class MarkerState(NamedTuple):
     """Where dots are at one pose, and how that changes.
 
     Attributes
     ----------
     positions
         (m, 3) mm.
-    by
+    jacobian
         (m, 3, 6 or 9): mm over a degree of rx, of ry, mm of depth, 1/µ, mm of thickness, and 1/m of bend; where drift
         is given, also over a mm of it in x and in y, and over a degree of twist.
     force
         (3,) N on the wall, dome's frame.
-    force_by
+    force_jacobian
         (3, 6 or 9) the same.
     amplitudes
-        (2 r,) of the waves: what else is printed on the skin moves by them as well (`PrintedTwin.carry`).
+        (2 r,) of the waves: what else is printed on the skin moves by them as well (`MarkerTwin.positions_at`).
     """
 
     positions: FloatArray
-    by: FloatArray
+    jacobian: FloatArray
     force: FloatArray
-    force_by: FloatArray
+    force_jacobian: FloatArray
     amplitudes: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class PrintedTwin:
+class MarkerTwin:
     """The twin of one print.
 
     Attributes
@@ -154,7 +157,7 @@ class PrintedTwin:
         Of the skin.
     places
         (m, 3) mm, undeformed dots.
-    along, azimuth
+    meridian, azimuth
         (m,) place on the meridian of the unit disc, and about the axis, rad.
     waves
         (3 m, 2 r) displacement by the modes' amplitudes times cos kα and times sin kα of the tilt's azimuth α.
@@ -162,36 +165,38 @@ class PrintedTwin:
 
     twin: Twin
     places: FloatArray
-    along: FloatArray
+    meridian: FloatArray
     azimuth: FloatArray
     waves: FloatArray
 
-    def move(
+    def evaluate(
         self,
         pose: FloatArray,
-        slip: float,
+        inverse_friction: float,
         thickness: float = 0.0,
-        drift: FloatArray | None = None,
-        bend: float = 0.0,
-    ) -> MovedDots:
+        lateral: FloatArray | None = None,
+        curvature: float = 0.0,
+    ) -> MarkerState:
         """Dots under a wall.
 
         Parameters
         ----------
         pose
             (3,) rx, ry (degrees) and depth (mm), or just beyond what was pressed.
-        slip
+        inverse_friction
             1/µ.
         thickness
             By how much the dome's wall is thicker, mm.
-        drift
+        lateral
             (3,) how far the obstacle has travelled on the way down in its own plane, in x and y (mm, axes turned
             with the wall), and its twist about its normal (degrees). Without it, there is none.
-        bend
+        curvature
             Its curvature, 1/m; positive where it bulges towards the dome.
         """
         tilt, azimuth = max(float(np.hypot(pose[0], pose[1])), STRAIGHT_DEG), float(np.arctan2(pose[1], pose[0]))
-        even, odd = self._parts(np.array([slip, tilt, float(pose[2])]), (thickness, bend), azimuth, drift)
+        even, odd = self._parts(
+            np.array([inverse_friction, tilt, float(pose[2])]), (thickness, curvature), azimuth, lateral
+        )
         order, modes, count = self.twin.order[:, None], len(self.twin.order), even.shape[1] - 1
         cos, sin = np.cos(order * azimuth), np.sin(order * azimuth)
         rows = np.empty((2 * modes, count + 1))
@@ -210,9 +215,9 @@ class PrintedTwin:
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
             out[..., 2:] = each[..., 2:count]
-        return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
+        return MarkerState(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
 
-    def carry(self, amplitudes: FloatArray) -> FloatArray:
+    def positions_at(self, amplitudes: FloatArray) -> FloatArray:
         """Where the dots are (m, 3) mm as the waves have these amplitudes (2 r,)."""
         return np.asarray(self.places + (self.waves @ amplitudes).reshape(-1, 3))
 
@@ -235,7 +240,7 @@ class PrintedTwin:
         if drift is None:
             return even, None
         odd, (c, s) = np.zeros_like(even), (np.cos(azimuth), np.sin(azimuth))
-        up, across, twist = twin.drifts.evaluate(place).reshape(4, 3, half).transpose(1, 2, 0)
+        up, across, twist = twin.lateral.evaluate(place).reshape(4, 3, half).transpose(1, 2, 0)
         along, aside = drift[1] * c - drift[0] * s, drift[0] * c + drift[1] * s
         even[:, [0, 3, 1, 2]] += along * up
         odd[:, [0, 3, 1, 2]] = aside * across + drift[2] * twist

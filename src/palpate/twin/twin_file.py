@@ -10,14 +10,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, provenance, refuse_outside_links, stage_version
+from palpate.core import PalpateError, provenance, reject_external_links, stage_version
 from palpate.design import Skin, build_skin, skin_from_data
 from palpate.material import Material, material_from_data
 from palpate.relaxation import Relaxation
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import FORCES, Twin
 
-TWIN_VERSION = "3"
+TWIN_VERSION = "4"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
 _KIND = "palpate twin"
 _AGAIN = "Make it again with `palpate twin`."
@@ -27,11 +27,11 @@ _PARTS = 3
 """Fields in each of both splines: press, thickness, bend; drift up, aside, twist."""
 _ARRAYS = {
     "order": "1",
-    "shapes": "1",
+    "modes": "1",
     "tilts_deg": "deg",
     "depths_mm": "mm",
-    "slips": "1",
-    "reach_mm": "mm",
+    "inverse_frictions": "1",
+    "max_depth_mm": "mm",
 }
 
 
@@ -67,7 +67,7 @@ def find_twin(
                     report(error)
                 continue
             if twin.skin.spec_data == skin.spec_data and twin.material in ("", material_text(material)):
-                off = twin.off_mm if np.isfinite(twin.off_mm) else np.inf
+                off = twin.interpolation_error_mm if np.isfinite(twin.interpolation_error_mm) else np.inf
                 found.append(((not twin.material, off, -float(twin.depths_mm[-1])), path))
     return min(found)[1] if found else None
 
@@ -108,7 +108,7 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)
             file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
-            file.attrs["off_mm"] = twin.off_mm
+            file.attrs["interpolation_error_mm"] = twin.interpolation_error_mm
             _write_branch(file, twin)
             if twin.inverted is not None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
@@ -133,7 +133,7 @@ def read_twin(path: Path) -> Twin:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("kind") != _KIND:
                 raise PalpateError(f"{path} is not a twin.", _AGAIN, code="twin-unreadable")
             if file.attrs["version"] != TWIN_VERSION:
@@ -155,33 +155,33 @@ def read_twin(path: Path) -> Twin:
 def _write_branch(group: h5py.Group, twin: Twin) -> None:
     for name, unit in _ARRAYS.items():
         group.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
-    for name in ("amplitudes", "drifts"):
+    for name in ("amplitudes", "lateral"):
         data = getattr(twin, name).coefficients
         group.create_dataset(name, data=data).attrs["units"] = "mm, N, and over mm or degrees"
-    for name, knots in zip(("slip", "tilt", "depth"), twin.amplitudes.knots, strict=True):
+    for name, knots in zip(("inverse_friction", "tilt", "depth"), twin.amplitudes.knots, strict=True):
         group.create_dataset(f"knots/{name}", data=knots)
 
 
 def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
-    knots = (group["knots/slip"][:], group["knots/tilt"][:], group["knots/depth"][:])
+    knots = (group["knots/inverse_friction"][:], group["knots/tilt"][:], group["knots/depth"][:])
     return Twin(
         skin=build_skin(skin_from_data(json.loads(made["skin"]))),
         **{name: group[name][:] for name in _ARRAYS},
         amplitudes=TensorSpline(knots, group["amplitudes"][:]),
-        drifts=TensorSpline(knots, group["drifts"][:]),
+        lateral=TensorSpline(knots, group["lateral"][:]),
         material=str(made.get("material", "")),
-        off_mm=float(made.get("off_mm", np.nan)),
+        interpolation_error_mm=float(made.get("interpolation_error_mm", np.nan)),
     )
 
 
 def _check(path: Path, twin: Twin) -> None:
     """Refuse a branch whose numbers cannot be."""
     if not all(
-        np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
+        np.isfinite(part).all() for part in (twin.modes, twin.amplitudes.coefficients, twin.lateral.coefficients)
     ):
         raise PalpateError(f"{path} holds numbers that are none.", _AGAIN, code="twin-not-finite")
     wanted = _PARTS * (len(twin.order) + FORCES)
-    for name in ("amplitudes", "drifts"):
+    for name in ("amplitudes", "lateral"):
         count = getattr(twin, name).coefficients.shape[-1]
         if count != wanted:
             raise PalpateError(f"{path} has {count} {name}, not {wanted}.", _AGAIN, code="twin-count-wrong")

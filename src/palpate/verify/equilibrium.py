@@ -13,12 +13,12 @@ from palpate.mechanics import (
     DeadLoad,
     DeadLoading,
     Equilibrium,
+    NullMonitor,
     Problem,
     Solid,
     SolverSpec,
     State,
     System,
-    Unwatched,
     make_linear_solver,
 )
 from palpate.verify.mapped import Grid
@@ -91,7 +91,9 @@ def follow_load(
     tolerance = LOAD_TOLERANCE * float(factors[0]) * float(np.abs(load).max())
     problem = Problem(solid, make_linear_solver(), tolerance, float(np.ptp(grid.nodes)))
     spec = SolverSpec(first_step=1.0, largest_step=1.0, iterations=ITERATIONS)
-    path = Continuation(problem, DeadLoading(DeadLoad(load)), Unwatched(), spec, unit=float(factors[-1]), jumps=False)
+    path = Continuation(
+        problem, DeadLoading(DeadLoad(load)), NullMonitor(), spec, unit=float(factors[-1]), jumps=False
+    )
     states = []
     for factor in factors:
         if not path.advance(float(factor)):

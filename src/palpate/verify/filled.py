@@ -32,11 +32,11 @@ def filled_hemisphere(*, bonded: bool = True) -> list[Row]:
     radius = _INNER + _WALL
     skin = DomeSpec(height=_INNER, base_radius=_INNER, thickness=_WALL).build()
     mesh = mesh_skin(skin, MeshSpec(cells=_CELLS, filled=True))
-    wall = WallSpec(contact="frictionless", depth=0.2 * radius, image_step=_STEP)
+    wall = WallSpec(contact="frictionless", depth=0.2 * radius, depth_step=_STEP)
     press = solve_press(mesh, replace(NEO_HOOKE, gel=NEO_HOOKE), wall)
     depth = press.depth[1:]
     marker = np.array([[0.0, 0.0, _INNER]])
-    sunk = -press.moved(marker)[1:, 0, 2]
+    sunk = -press.displacement_at(marker)[1:, 0, 2]
     c10 = 0.5 * NEO_HOOKE.law.shear_modulus
     theirs = press_half_ball(list(depth / radius), c10, [_INNER / radius], bonded=bonded)
     at = [f"d/R = {value:.2g}" for value in depth / radius]

@@ -131,7 +131,7 @@ def _fits(name: str) -> list[tuple[str, list[Sample], Fit, FloatArray]]:
             continue
         seen.add((digitisation, fitted))
         samples = [_sample(data, digitisation, mode) for mode in fitted.split("+")]
-        fit = fit_material(samples, FitSpec(model=_MODELS[name], largest_exponent=_LARGEST_EXPONENT))
+        fit = fit_material(samples, FitSpec(model=_MODELS[name], max_exponent=_LARGEST_EXPONENT))
         label = f"{digitisation}, {fitted}, {name}"
         found.append((label, samples, fit, np.array([float(value) for value in constants.split()])))
     return found

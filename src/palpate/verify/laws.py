@@ -44,7 +44,7 @@ def dome_scaling() -> list[Row]:
         solve_press(
             mesh_skin(build_skin(DomeSpec(height=5 * k, base_radius=5 * k, thickness=0.5 * k)), MeshSpec(cells=10)),
             SILICONE,
-            WallSpec(tilt_deg=5, depth=1.6 * k, image_step=0.4 * k, contact="no-slip"),
+            WallSpec(tilt_deg=5, depth=1.6 * k, depth_step=0.4 * k, contact="no-slip"),
         )
         for k in (1.0, 10.0)
     )

@@ -107,7 +107,7 @@ class Pressing:
 
     def reach(self, found: Increment) -> FloatArray:
         """Depth (n_points,) in mm of every contact point inside the obstacle, negative before it."""
-        return self.loading.reach(found.depth, found.state)
+        return self.loading.penetration(found.depth, found.state)
 
 
 def advance_to(path: Continuation, depth: float) -> Increment:

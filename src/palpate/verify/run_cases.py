@@ -66,5 +66,5 @@ def run_cases(cases: Iterable[Case]) -> Iterator[CaseOutcome]:
         try:
             rows, failure = tuple(case.run()), ""
         except PalpateError as error:
-            rows, failure = (), error.what
+            rows, failure = (), error.problem
         yield CaseOutcome(case, rows, time.process_time() - started, failure)

@@ -43,4 +43,4 @@ def derivatives() -> list[Row]:
 
 def _mesh(skin: DomeSpec) -> Mesh:
     mesh = mesh_skin(build_skin(skin), MeshSpec(cells=12))
-    return centre_mesh(mesh, _WALL.at_touch(mesh)[1])
+    return centre_mesh(mesh, _WALL.at_first_contact(mesh)[1])

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, name_row
-from palpate.viewer.words import cell_words, column_label
+from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, design_label
+from palpate.viewer.words import column_label, format_cell
 
 VIRIDIS = (
     "#440154",
@@ -33,7 +33,7 @@ Chart = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Ink:
+class Theme:
     """Colours of text, faint text, lines and ground, as CSS."""
 
     text: str
@@ -42,15 +42,15 @@ class Ink:
     ground: str
 
 
-LIGHT = Ink("#1f2933", "#5c6b7a", "#d5dde5", "#ffffff")
-DARK = Ink("#e4e9ee", "#9aa8b5", "#3a4550", "#1b2229")
+LIGHT = Theme("#1f2933", "#5c6b7a", "#d5dde5", "#ffffff")
+DARK = Theme("#e4e9ee", "#9aa8b5", "#3a4550", "#1b2229")
 
 
 @dataclass(frozen=True)
-class Chosen:
+class Selection:
     """Which rows stand out: those that answer the question, the design shown and the one beside it (or -1)."""
 
-    kept: Collection[int]
+    selected: Collection[int]
     design: int
     other: int = -1
 
@@ -65,7 +65,7 @@ class ChartCurve:
     dashed: bool = False
 
 
-def heat_chart(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -> Chart:
+def heat_chart(grid: SpecificationGrid, metric: str, chosen: Selection, ink: Theme) -> Chart:
     """Heat maps of a column, one a marker layout, heights over thicknesses; each cell's value ends in its row."""
     panels = cut_panels(grid, metric)
     figures = [float(value) for panel in panels for value in panel.values.flat if math.isfinite(value)]
@@ -110,14 +110,16 @@ def heat_chart(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -
     }
 
 
-def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float], chosen: Chosen, ink: Ink) -> Chart:
+def _heat_cell(
+    number: int, row: Row, drawn: tuple[tuple[int, int], str, float], chosen: Selection, ink: Theme
+) -> Chart:
     (x, y), metric, bright = drawn
     value = _figure(row[metric])
-    kept = number in chosen.kept and value is not None
+    kept = number in chosen.selected and value is not None
     border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
     marked = number in (chosen.design, chosen.other)
-    name = name_row(row)
-    text = cell_words(value)
+    name = design_label(row)
+    text = format_cell(value)
     short = "–" if value is None else f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
     dark_text = value is not None and value > bright
     return {
@@ -139,7 +141,7 @@ def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float],
     }
 
 
-def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Ink) -> Chart:
+def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Theme) -> Chart:
     """Places, titles and axes of small panels, two abreast."""
     abreast = 1 if len(names) == 1 else 2
     rows = -(-len(names) // abreast)
@@ -183,14 +185,14 @@ def pareto_front(points: Sequence[tuple[int, float, float]]) -> list[int]:
     return front
 
 
-def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen, ink: Ink) -> Chart:
+def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Selection, ink: Theme) -> Chart:
     """All designs by two columns, with the front that no other kept design beats in both."""
     points = [
         (i, x, y)
         for i, row in enumerate(grid.designs)
         if (x := _figure(row[axes[0]])) is not None and (y := _figure(row[axes[1]])) is not None
     ]
-    kept = [point for point in points if point[0] in chosen.kept]
+    kept = [point for point in points if point[0] in chosen.selected]
     places = {number: (x, y) for number, x, y in points}
     front = pareto_front(kept)
     dots = [_scatter_dot(point, grid.designs[point[0]], axes, (chosen, front, ink)) for point in points]
@@ -220,13 +222,13 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen
 
 
 def _scatter_dot(
-    point: tuple[int, float, float], row: Row, axes: tuple[str, str], how: tuple[Chosen, list[int], Ink]
+    point: tuple[int, float, float], row: Row, axes: tuple[str, str], how: tuple[Selection, list[int], Theme]
 ) -> Chart:
     number, x, y = point
     chosen, front, ink = how
     marked = {chosen.design: FIRST, chosen.other: SECOND}.get(number)
-    kept = number in chosen.kept
-    name = name_row(row)
+    kept = number in chosen.selected
+    name = design_label(row)
     return {
         "name": name,
         "value": [x, y, number],
@@ -242,7 +244,7 @@ def _scatter_dot(
 
 
 def line_chart(
-    curves: Sequence[ChartCurve], axes: tuple[str, str], ink: Ink, marks: Sequence[ChartCurve] = ()
+    curves: Sequence[ChartCurve], axes: tuple[str, str], ink: Theme, marks: Sequence[ChartCurve] = ()
 ) -> Chart:
     """Curves over one pair of axes; of each mark the first point becomes an upright line with its name."""
     uprights = [
@@ -287,7 +289,7 @@ def _line(curve: ChartCurve) -> Chart:
     }
 
 
-def value_axis(name: str, ink: Ink, gap: int) -> Chart:
+def value_axis(name: str, ink: Theme, gap: int) -> Chart:
     """An axis of numbers with its name, so many px from it."""
     return {
         "type": "value",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from palpate.grid import Row, SpecificationGrid, rows_of
+from palpate.grid import Row, SpecificationGrid, rows_for_design
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
@@ -32,8 +32,8 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurv
     """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against the limit of any network."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
-        rows = rows_of(grid.by_depth, design.number)
-        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "limit_deg")
+        rows = rows_for_design(grid.by_depth, design.number)
+        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "bound_deg")
         name = "" if len(shown) == 1 else f"{_short(design)} "
         if errors:
             curves.append(ChartCurve(f"{name}network", errors, colour))
@@ -43,7 +43,7 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurv
 
 
 def _short(design: Design) -> str:
-    return f"H{design.dome.height:g} T{design.dome.thickness:g} {len(design.layout)}"
+    return f"H{design.skin.height:g} T{design.skin.thickness:g} {len(design.layout)}"
 
 
 def _points(rows: Sequence[Row], column: str) -> list[tuple[float, float]]:

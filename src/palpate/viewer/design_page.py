@@ -8,13 +8,13 @@ from typing import Any
 from fastapi import Request
 from nicegui import events, ui
 
-from palpate.camera import CameraSpec, list_presets, preset
+from palpate.camera import CameraSpec, camera_preset, list_presets
 from palpate.design import DomeSpec, MarkerSpec, markers_in_rings
 from palpate.material import list_materials
 from palpate.viewer.number_field import NumberField
-from palpate.viewer.page_head import Head, heading
-from palpate.viewer.sketch import Sketch
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.page_head import PageHeader, heading
+from palpate.viewer.sketch import DesignDraft
+from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.workbench import Workbench
 
 _RINGS = 8
@@ -33,10 +33,10 @@ class DesignPage:
         Of the page.
     """
 
-    def __init__(self, shelf: SpecimenCache, request: Request) -> None:
-        self._chosen: dict[str, dict[str, Any]] = {part: {} for part in Sketch.model_fields}
+    def __init__(self, shelf: DesignCache, request: Request) -> None:
+        self._chosen: dict[str, dict[str, Any]] = {part: {} for part in DesignDraft.model_fields}
         self._rings = 7
-        self._bench = Workbench(shelf, Head(request, "/design", "a design of your own"))
+        self._bench = Workbench(shelf, PageHeader(request, "/design", "a design of your own"))
 
     def build(self) -> None:
         """Place every element and draw the first sketch."""
@@ -56,7 +56,7 @@ class DesignPage:
                 NumberField(DomeSpec, name, label, step, self._setter("dome", name))
             ui.select(
                 list(list_materials()),
-                value=Sketch().material.name,
+                value=DesignDraft().material.name,
                 label="Elastomer",
                 on_change=lambda event: self._set("material", "name", event.value),
             ).props("dense outlined options-dense").classes("wide material")
@@ -98,7 +98,7 @@ class DesignPage:
 
     def _set_camera(self, event: events.ValueChangeEventArguments[Any]) -> None:
         distance = self._chosen["camera"].get("distance")
-        self._chosen["camera"] = preset(event.value).model_dump()
+        self._chosen["camera"] = camera_preset(event.value).model_dump()
         if distance is not None:
             self._chosen["camera"]["distance"] = distance
         self._redraw()

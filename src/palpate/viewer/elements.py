@@ -52,7 +52,7 @@ class PoseBar(Element, component="scripts/pose_bar.js"):
         """Choose what is drawn: `colour`, `cut`, `dots`, `trails`, `wall`."""
         self.run_method("look", look)
 
-    def play(self, tilt_deg: float, azimuth_deg: float) -> None:
+    def animate(self, tilt_deg: float, azimuth_deg: float) -> None:
         """Go to a pose and play the press that was just put on the stage, as soon as it is there."""
         self.run_method("pose", {"depth": 0.0, "tilt": tilt_deg, "azimuth": azimuth_deg})
         self.run_method("playWhenReady")

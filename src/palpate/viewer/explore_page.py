@@ -10,14 +10,14 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.grid import name_row
-from palpate.viewer.charts import ChartCurve, Chosen, heat_chart, line_chart, scatter_chart
+from palpate.grid import design_label
+from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
-from palpate.viewer.library import Library
-from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns, read_link, write_link
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.library import DesignLibrary
+from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 from palpate.viewer.words import column_label, jitter_words
@@ -37,11 +37,11 @@ class ExplorePage:
         Its query is the link to a view.
     """
 
-    def __init__(self, library: Library, request: Request) -> None:
+    def __init__(self, library: DesignLibrary, request: Request) -> None:
         self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
-        self._names = {i: name_row(row) for i, row in enumerate(self._grid.designs)}
-        self._head = Head(
+        self._names = {i: design_label(row) for i, row in enumerate(self._grid.designs)}
+        self._head = PageHeader(
             request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.designs)} designs"
         )
         self._head.watch(self._redraw)
@@ -61,7 +61,7 @@ class ExplorePage:
         self._redraw()
         if self._complaints:
             sentences = " ".join((*self._complaints, self._fault.text)).strip()
-            complain(self._fault, sentences, f"link-malformed {self._fault.props.get('data-code', '')}".strip())
+            show_error(self._fault, sentences, f"link-malformed {self._fault.props.get('data-code', '')}".strip())
 
     def _build_export(self) -> None:
         ui.button("Link", icon="link", on_click=self._copy_link).props(
@@ -132,9 +132,9 @@ class ExplorePage:
                 )
                 .props('dense outlined options-dense data-testid="beside"')
                 .classes("beside")
-                .on_value_change(lambda event: self._set_beside(event.value))
+                .on_value_change(lambda event: self._set_second(event.value))
             )
-        self._fault = complaint()
+        self._fault = error_label()
         with ui.element("div").classes("domes") as self._domes:
             self._dome = DomeView("a", "Design shown")
             self._second = DomeView("b", "Design beside it")
@@ -149,7 +149,7 @@ class ExplorePage:
     def _build_look(self) -> None:
         with ui.element("div").classes("look"):
             ui.toggle(
-                [str(item) for item in Coloured], value=str(self._view.colour), on_change=self._choose_colour
+                [str(item) for item in ColourQuantity], value=str(self._view.colour), on_change=self._choose_colour
             ).props('no-caps dense unelevated aria-label="Colour of the dome" data-testid="colour"')
             for name, label in _SWITCHES:
                 ui.checkbox(
@@ -181,7 +181,7 @@ class ExplorePage:
     def _draw_grid(self) -> None:
         chosen, wrong = self._chosen()
         message, total = str(wrong or ""), len(self._grid.designs)
-        self._kept.text = message or f"{len(chosen.kept)} of {total} designs kept"
+        self._kept.text = message or f"{len(chosen.selected)} of {total} designs kept"
         self._kept.props(f'data-code="{wrong.code if wrong else ""}"')
         self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
         set_chart(self._heat, heat_chart(self._grid, self._view.metric, chosen, self._head.ink))
@@ -190,14 +190,14 @@ class ExplorePage:
         axes = (self._view.across, self._view.up)
         set_chart(self._scatter, scatter_chart(self._grid, axes, self._chosen()[0], self._head.ink))
 
-    def _chosen(self) -> tuple[Chosen, PalpateError | None]:
+    def _chosen(self) -> tuple[Selection, PalpateError | None]:
         """Rows that stand out, and what is wrong with the question."""
         wrong = None
         try:
-            kept = kept_rows(self._grid, self._view.where)
+            kept = selected_rows(self._grid, self._view.where)
         except PalpateError as error:
-            kept, wrong = kept_rows(self._grid, ""), error
-        return Chosen(kept, self._view.design, self._view.other), wrong
+            kept, wrong = selected_rows(self._grid, ""), error
+        return Selection(kept, self._view.design, self._view.other), wrong
 
     def _draw_design(self) -> None:
         """Put the chosen designs on the stage, with their curves."""
@@ -220,14 +220,14 @@ class ExplorePage:
                 shown.append((designs[-1], pressed.at(tilt, self._view.azimuth)))
             except PalpateError as error:
                 faults.append(error)
-        complain(self._fault, " ".join(map(str, faults)), " ".join(error.code for error in faults))
+        show_error(self._fault, " ".join(map(str, faults)), " ".join(error.code for error in faults))
         self._panel.show(designs)
         ink, here = self._head.ink, ChartCurve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(self._grid, designs)
         set_chart(self._error, line_chart(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
-        self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
+        self._force_note.text = " ".join(_end_sentence(design, motion) for design, motion in shown)
 
     def _numbers(self) -> list[int]:
         return [number for number in (self._view.design, self._view.other) if number >= 0]
@@ -244,7 +244,7 @@ class ExplorePage:
         self._select.value = number
         self._redraw()
 
-    def _set_beside(self, number: int | None) -> None:
+    def _set_second(self, number: int | None) -> None:
         if number is not None and number != self._view.other:
             self._change(other=number)
             self._redraw()
@@ -272,7 +272,7 @@ class ExplorePage:
             self._choose(_row_of(event, 2))
 
     def _choose_colour(self, event: events.ValueChangeEventArguments[Any]) -> None:
-        self._change(colour=Coloured(event.value))
+        self._change(colour=ColourQuantity(event.value))
         self._bar.look(colour=event.value)
 
     def _choose_look(self, name: str, value: bool) -> None:
@@ -322,7 +322,7 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
     return int(value[place]) if isinstance(value, list) and len(value) > place else None
 
 
-def _say_end(design: Design, motion: SurfaceMotion) -> str:
+def _end_sentence(design: Design, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
     return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"

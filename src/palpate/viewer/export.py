@@ -15,13 +15,13 @@ from palpate.design import rotation_vector, turn_about_axis
 from palpate.fea import Plane
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
-from palpate.viewer.library import Specimen
+from palpate.viewer.library import RenderedSkin
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 
 
-def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
+def marker_rows(design: Design, specimen: RenderedSkin, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
     seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
@@ -46,7 +46,7 @@ def write_table(rows: Sequence[Mapping[str, Any]]) -> str:
     return text.getvalue()
 
 
-def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, float]) -> list[Part]:
+def dome_parts(design: Design, specimen: RenderedSkin, pose: tuple[float, float, float]) -> list[Part]:
     """Skin, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the skin's frame.
 
     Raises
@@ -89,7 +89,7 @@ def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatA
     return mixed
 
 
-def _markers(design: Design, specimen: Specimen, motion: SurfaceMotion, pose: tuple[float, float, float]) -> Part:
+def _markers(design: Design, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]) -> Part:
     """Each marker as an octahedron as wide as its dot."""
     seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
     centres = _between(motion, seen.positions, pose[0])
@@ -100,7 +100,7 @@ def _markers(design: Design, specimen: Specimen, motion: SurfaceMotion, pose: tu
     return Part("markers", points, triangles, np.tile([0.1, 0.1, 0.12, 1.0], (len(points), 1)))
 
 
-def _wall(specimen: Specimen, motion: SurfaceMotion, depth: float, turn: FloatArray) -> Part:
+def _wall(specimen: RenderedSkin, motion: SurfaceMotion, depth: float, turn: FloatArray) -> Part:
     at = motion.touch - depth * motion.way
     points, _ = Plane(motion.normal, at).patch(at, 1.2 * specimen.pressed.mesh.skin.outer_widest[0])
     return Part("wall", points @ turn.T, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))

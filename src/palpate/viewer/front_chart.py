@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from palpate.optimise import SearchFolder
-from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Ink, value_axis
+from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
 from palpate.viewer.words import column_label
 
-ERROR = "worst_deg"
+ERROR = "p95_deg"
 """Column of the error that is made least."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
 """Columns of the other objectives."""
 
 
-def front_chart(search: SearchFolder, across: str, chosen: int, ink: Ink) -> Chart:
+def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> Chart:
     """All designs of a search by their error over a column; each point's value ends in its number."""
     numbers = range(len(search.rows))
     parts = (
@@ -63,7 +63,7 @@ def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
 def design_words(search: SearchFolder, number: int) -> str:
     """A design in a few words, e.g. ``"skin 12, 91 markers: winner"``."""
     row, role = search.rows[number], role_of(search, number)
-    words = "tried, breaks a limit" if role == "tried" and not row["meets"] else role
+    words = "tried, breaks a limit" if role == "tried" and not row["feasible"] else role
     return f"skin {row['skin']}, {row['markers']} markers: {words}"
 
 

@@ -10,10 +10,10 @@ from palpate.fea import Press
 from palpate.mesh import mesh_skin
 from palpate.viewer.pressed_skin import PressedSkin
 from palpate.viewer.revolved_presses import gather_revolved
-from palpate.viewer.turned_presses import gather_turned
+from palpate.viewer.turned_presses import build_two_mirror_skin
 
 
-def gather_presses(presses: Sequence[Press]) -> PressedSkin:
+def build_pressed_skin(presses: Sequence[Press]) -> PressedSkin:
     """Gather the presses of one skin for interpolation.
 
     Parameters
@@ -32,9 +32,9 @@ def gather_presses(presses: Sequence[Press]) -> PressedSkin:
         raise PalpateError("There is no press to show.", "Run the study first.", code="presses-none")
     first = presses[0]
     skin, spec = first.mesh.skin, first.mesh.spec.model_copy(update={"whole": False})
-    if not first.wall.pose_space.tilts:
+    if not first.obstacle.pose_space.is_tilt:
         raise PalpateError(
-            f"Presses by other than walls are not drawn: {first.wall.words}.",
+            f"Presses by other than walls are not drawn: {first.obstacle.label}.",
             "Write single presses for ParaView: `palpate press --export FOLDER`.",
             code="obstacle-not-drawn",
         )
@@ -53,7 +53,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedSkin:
             code="skin-no-symmetry",
         )
     if skin.symmetry is Symmetry.MIRRORED:
-        return gather_turned(presses, mesh_skin(skin, spec.model_copy(update={"whole": True})))
+        return build_two_mirror_skin(presses, mesh_skin(skin, spec.model_copy(update={"whole": True})))
     if any(press.mesh.spec.whole for press in presses):
         raise PalpateError(
             "Presses of a whole dome are not drawn.",

@@ -39,7 +39,7 @@ _HEADERS = {
 
 
 @dataclass(frozen=True)
-class Door:
+class ServerAddress:
     """Where the server listens, and the token that opens it (empty: none is asked for)."""
 
     host: str
@@ -63,7 +63,7 @@ class Guard:
         Address and token.
     """
 
-    def __init__(self, app: App, door: Door) -> None:
+    def __init__(self, app: App, door: ServerAddress) -> None:
         self._app = app
         self._door = door
 

@@ -51,7 +51,7 @@ class Job:
         self.cancelled = False
         self.done = False
 
-    def look(self) -> bool:
+    def poll(self) -> bool:
         """Take in what the process sent meanwhile; whether it is done."""
         while not self.done:
             try:
@@ -72,7 +72,7 @@ class Job:
                 self._end(str(content))
         return self.done
 
-    def call_off(self) -> None:
+    def cancel(self) -> None:
         """Stop the work and its process."""
         if not self.done:
             self._process.terminate()
@@ -88,7 +88,7 @@ class Job:
 
 
 def _run(work: Work, arguments: tuple[Any, ...], pipe: Connection, parent: int) -> None:
-    worker_process.serve_parent(parent)
+    worker_process.attach_to_parent(parent)
     try:
         result = work(*arguments, lambda share: pipe.send(("share", share)))
     except PalpateError as error:

@@ -20,7 +20,7 @@ PICTURES = {
 
 
 @dataclass(frozen=True, eq=False)
-class LearntResults:
+class TrainedSensor:
     """A folder of `palpate learn`.
 
     Attributes
@@ -43,12 +43,12 @@ class LearntResults:
         return {name: self.folder / name for name in PICTURES if (self.folder / name).is_file()}
 
 
-def is_learnt(folder: Path) -> bool:
+def is_trained_sensor(folder: Path) -> bool:
     """Whether a folder holds a model that was learnt from a recording."""
     return (folder / MODEL).is_file() and is_recorded_model(folder / MODEL)
 
 
-def read_learnt(folder: Path) -> LearntResults:
+def read_trained_sensor(folder: Path) -> TrainedSensor:
     """Read what `palpate learn` left.
 
     Raises
@@ -63,16 +63,16 @@ def read_learnt(folder: Path) -> LearntResults:
         raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN, code="file-unreadable") from error
     if not isinstance(report, dict) or not isinstance(report.get("estimators"), list):
         raise PalpateError(f"{path} is no report of palpate learn.", _AGAIN, code="report-unreadable")
-    return LearntResults(folder, model, report)
+    return TrainedSensor(folder, model, report)
 
 
-def error_columns(learnt: LearntResults) -> list[str]:
+def error_columns(sensor: TrainedSensor) -> list[str]:
     """Heads of the table of errors."""
-    names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in learnt.model.outputs]
+    names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in sensor.model.outputs]
     return ["estimator", "images read", *(f"{name}: RMSE" for name in names), *(f"{name}: most" for name in names)]
 
 
-def error_rows(learnt: LearntResults) -> list[list[str]]:
+def error_rows(sensor: TrainedSensor) -> list[list[str]]:
     """The table of errors on held-out presses, an estimator a row; the one that is kept first.
 
     Raises
@@ -80,9 +80,9 @@ def error_rows(learnt: LearntResults) -> list[list[str]]:
     PalpateError
         If the report lacks what a row needs.
     """
-    axes = [axis for axis, _, _ in learnt.model.outputs]
+    axes = [axis for axis, _, _ in sensor.model.outputs]
     try:
-        found = sorted(learnt.report["estimators"], key=lambda one: one["name"] != learnt.report["best"])
+        found = sorted(sensor.report["estimators"], key=lambda one: one["name"] != sensor.report["best"])
         return [
             [
                 one["name"],
@@ -94,5 +94,5 @@ def error_rows(learnt: LearntResults) -> list[list[str]]:
         ]
     except (KeyError, TypeError, ValueError) as error:
         raise PalpateError(
-            f"The report in {learnt.folder} lacks {error}.", _AGAIN, code="report-incomplete"
+            f"The report in {sensor.folder} lacks {error}.", _AGAIN, code="report-incomplete"
         ) from error

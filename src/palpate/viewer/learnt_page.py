@@ -5,24 +5,24 @@ from __future__ import annotations
 from fastapi import Request
 from nicegui import ui
 
-from palpate.viewer.learnt import PICTURES, LearntResults, error_columns, error_rows
-from palpate.viewer.page_head import Head, heading
+from palpate.viewer.learnt import PICTURES, TrainedSensor, error_columns, error_rows
+from palpate.viewer.page_head import PageHeader, heading
 
 
-class LearntPage:
+class TrainedPage:
     """One visitor's report.
 
     Parameters
     ----------
-    learnt
+    sensor
         The folder of `palpate learn`.
     request
         Of the page.
     """
 
-    def __init__(self, learnt: LearntResults, request: Request) -> None:
-        self._learnt = learnt
-        Head(request, "/", learnt.folder.resolve().name)
+    def __init__(self, sensor: TrainedSensor, request: Request) -> None:
+        self._learnt = sensor
+        PageHeader(request, "/", sensor.folder.resolve().name)
 
     def build(self) -> None:
         """Place the report."""
@@ -30,8 +30,8 @@ class LearntPage:
         with ui.element("div").classes("report"):
             heading(f"What the recording {about['recording']} gave")
             ui.label(
-                f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, "
-                f"{about['choose']} chose, {about['judge']} judged. No press is in two of these."
+                f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
+                f"{about['validation']} chose, {about['test']} judged. No press is in two of these."
             )
             self._build_errors()
             for sentence in [*report.get("notes", []), report.get("enough", "")]:

@@ -6,17 +6,17 @@ import threading
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.pressed_skin import PressedSkin
 from palpate.viewer.results import Design, Results, read_design, read_presses
 from palpate.viewer.shell import Shell, build_shell
 
-KEPT = 4
+CACHE_SIZE = 4
 """Domes that are kept: a dome of the finest standard mesh takes about 30 MB."""
 
 
 @dataclass(frozen=True, eq=False)
-class Specimen:
+class RenderedSkin:
     """A dome with its presses, ready to be drawn.
 
     Attributes
@@ -30,7 +30,7 @@ class Specimen:
 
 
 @dataclass(eq=False)
-class Library:
+class DesignLibrary:
     """The designs of a result folder; may be asked from several threads.
 
     Attributes
@@ -40,21 +40,21 @@ class Library:
     """
 
     results: Results
-    _kept: OrderedDict[tuple[str, ...], Specimen] = field(default_factory=OrderedDict)
+    _cache: OrderedDict[tuple[str, ...], RenderedSkin] = field(default_factory=OrderedDict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def design(self, number: int) -> Design:
         """The design of one row; see `read_design` for what may be wrong."""
         return read_design(self.results, number)
 
-    def specimen(self, design: Design) -> Specimen:
+    def specimen(self, design: Design) -> RenderedSkin:
         """Dome and presses of a design; see `read_presses` for what may be wrong."""
         with self._lock:
-            found = self._kept.get(design.press_keys)
+            found = self._cache.get(design.press_keys)
             if found is None:
-                pressed = gather_presses(read_presses(self.results, design))
-                found = self._kept[design.press_keys] = Specimen(pressed, build_shell(pressed.mesh))
-                while len(self._kept) > KEPT:
-                    self._kept.popitem(last=False)
-            self._kept.move_to_end(design.press_keys)
+                pressed = build_pressed_skin(read_presses(self.results, design))
+                found = self._cache[design.press_keys] = RenderedSkin(pressed, build_shell(pressed.mesh))
+                while len(self._cache) > CACHE_SIZE:
+                    self._cache.popitem(last=False)
+            self._cache.move_to_end(design.press_keys)
             return found

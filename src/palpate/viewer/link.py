@@ -13,7 +13,7 @@ from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, filter_rows
 
 
-class Coloured(StrEnum):
+class ColourQuantity(StrEnum):
     """What the colour of the dome shows."""
 
     DISPLACEMENT = "displacement"
@@ -50,7 +50,7 @@ class View:
     depth: float = 0.0
     tilt: float = 0.0
     azimuth: float = 0.0
-    colour: Coloured = Coloured.DISPLACEMENT
+    colour: ColourQuantity = ColourQuantity.DISPLACEMENT
     cut: bool = True
     dots: bool = True
     trails: bool = True
@@ -112,7 +112,7 @@ def numeric_columns(grid: SpecificationGrid) -> list[str]:
     return found
 
 
-def kept_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
+def selected_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
     """Numbers of the rows for which a question is true; all for an empty one.
 
     Raises
@@ -137,10 +137,10 @@ def _read(text: str, usual: Any) -> Any:
         if text not in ("0", "1"):
             raise ValueError(f"'{text[:40]}' is neither 0 nor 1.")
         return text == "1"
-    if isinstance(usual, Coloured):
-        if text not in list(Coloured):
-            raise ValueError(f"'{text[:40]}' is none of {', '.join(Coloured)}.")
-        return Coloured(text)
+    if isinstance(usual, ColourQuantity):
+        if text not in list(ColourQuantity):
+            raise ValueError(f"'{text[:40]}' is none of {', '.join(ColourQuantity)}.")
+        return ColourQuantity(text)
     if isinstance(usual, int | float):
         try:
             value = type(usual)(text)
@@ -158,6 +158,6 @@ def _check(name: str, value: Any, grid: SpecificationGrid) -> None:
     if name in ("metric", "across", "up") and value not in numeric_columns(grid):
         raise ValueError(f"the grid has no column of numbers '{str(value)[:40]}'.")
     if name == "where":
-        kept_rows(grid, value)
+        selected_rows(grid, value)
     if name in ("depth", "tilt") and not 0 <= value <= 100:
         raise ValueError(f"{value:g} is out of reach.")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import Source
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 from palpate.learn import Predictor
 from palpate.recording import RecordedModel
 from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
@@ -36,7 +36,7 @@ class LiveVerdict(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class LiveImage:
     """What one image gave.
 
     Attributes
@@ -87,7 +87,7 @@ class Live:
         self._count = 0
         self.record: list[dict[str, Any]] | None = None
 
-    def step(self) -> Step | None:
+    def step(self) -> LiveImage | None:
         """Read the next image; `None` at the end of the source."""
         with self._lock:
             item, truth = self._next(), self._source.truth
@@ -98,8 +98,8 @@ class Live:
             self.record.append(describe_reading(reading))
         seen, image = reading.sighting, _shown(item)
         if seen is None:
-            return Step(image, reading, self.rest_px, np.zeros(len(self.rest_px), bool), truth)
-        return Step(image, reading, seen.positions_px, seen.found, truth)
+            return LiveImage(image, reading, self.rest_px, np.zeros(len(self.rest_px), bool), truth)
+        return LiveImage(image, reading, seen.positions_px, seen.found, truth)
 
     def _next(self) -> NDArray[Any] | PalpateError | None:
         """The next image; what a camera's library raises stands in the place of one."""
@@ -141,11 +141,11 @@ def open_live(design: Design, model: Predictor | Twin, source: Source, *, marked
     """
     images = source.images()
     first = _first_of(images, "Record the untouched dome first.")
-    unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
-    check_model(model, unit, TILT_DEPTH)
+    unit = Unit(design.skin, design.layout, has_orientation_mark=marked, nominal=design.camera.spec)
+    check_model(model, unit, TILT_SPACE)
     sensor = open_sensor([first], unit, model)
     sensor.clock = source.clock
-    return Live(sensor, source, images, first.shape[:2], sensor.naming.positions_px)
+    return Live(sensor, source, images, first.shape[:2], sensor.assignment.positions_px)
 
 
 def open_recorded_live(model: RecordedModel, source: Source) -> Live:
@@ -158,7 +158,7 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
     """
     images = source.images()
     first = _first_of(images, "Give a folder of images, a video or a camera.")
-    model.eye.look(first)
+    model.preprocessor.extract(first)
     rest = np.zeros((0, 2)) if model.layout is None else model.layout.rest_px
     return Live(model, source, chain([first], images), first.shape[:2], rest)
 
@@ -182,7 +182,7 @@ def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDA
     return first
 
 
-def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:
+def rate_reading(reading: Reading, tolerance_deg: float) -> LiveVerdict:
     """Hold the tilt of a reading, with its interval, against a tolerance in degrees.
 
     The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.

@@ -9,14 +9,14 @@ from typing import final
 
 from nicegui import ui
 
-from palpate.bench import SimulatedSource, draw_touches
+from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
-from palpate.grid import name_row
+from palpate.grid import design_label
 from palpate.sensor import Unit, open_model
 from palpate.twin import twin_path
-from palpate.viewer.learnt import LearntResults
-from palpate.viewer.library import Library
+from palpate.viewer.learnt import TrainedSensor
+from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live import Live, open_live, open_recorded_live
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design, model_path
@@ -77,13 +77,13 @@ class DesignOpening(LiveOpening):
         Designs with their models, and recordings in folders of their own.
     """
 
-    def __init__(self, library: Library) -> None:
+    def __init__(self, library: DesignLibrary) -> None:
         super().__init__(library.results.folder)
         self._library = library
         self._rows = library.results.grid.designs
 
     def build(self) -> None:
-        names = {i: name_row(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
+        names = {i: design_label(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
         best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
         self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
         self._design.props(_FIELD + ' data-testid="unit"').classes("wide")
@@ -100,7 +100,7 @@ class DesignOpening(LiveOpening):
                 code="model-missing",
             )
         design = self._library.design(int(self._design.value))
-        twin, chosen = twin_path(self.folder, design.dome), str(self._source.value)
+        twin, chosen = twin_path(self.folder, design.skin), str(self._source.value)
         model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
         source = self._touches(design) if chosen == _VIRTUAL else self._open_source(chosen)
         try:
@@ -110,25 +110,25 @@ class DesignOpening(LiveOpening):
             raise
 
     def _touches(self, design: Design) -> Source:
-        unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
-        return SimulatedSource(unit, draw_touches(self._library.specimen(design).pressed.presses))
+        unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
+        return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.presses))
 
 
 @final
-class LearntOpening(LiveOpening):
+class TrainedOpening(LiveOpening):
     """A sensor that was learnt from a recording.
 
     Parameters
     ----------
-    learnt
+    sensor
         The folder of `palpate learn`.
     """
 
-    def __init__(self, learnt: LearntResults) -> None:
-        super().__init__(learnt.folder)
-        self._model = learnt.model
-        low, high = learnt.model.about["range"]
-        if learnt.model.space.tilts:
+    def __init__(self, sensor: TrainedSensor) -> None:
+        super().__init__(sensor.folder)
+        self._model = sensor.model
+        low, high = sensor.model.about["range"]
+        if sensor.model.space.is_tilt:
             self.reach_deg = math.ceil(max(math.hypot(*low[:2]), math.hypot(*high[:2])))
 
     def build(self) -> None:

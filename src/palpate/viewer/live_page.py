@@ -16,9 +16,9 @@ from palpate.sensor import Reading
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
-from palpate.viewer.live import Live, LiveVerdict, Step, judge, tilt_interval
+from palpate.viewer.live import Live, LiveImage, LiveVerdict, rate_reading, tilt_interval
 from palpate.viewer.live_opening import LiveOpening
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 
 _PERIOD_S = 0.1
 
@@ -40,7 +40,7 @@ class LivePage:
         self._busy = False
         self._tolerance = 2.0
         self._kept: list[dict[str, Any]] = []
-        Head(request, "/live", opening.folder.resolve().name)
+        PageHeader(request, "/live", opening.folder.resolve().name)
 
     def build(self) -> None:
         """Place every element; nothing runs before *Start*."""
@@ -49,7 +49,7 @@ class LivePage:
                 self._build_source()
                 self._build_record()
             with ui.element("section").classes("stage").props('aria-label="Image"'):
-                self._fault = complaint()
+                self._fault = error_label()
                 self._view = LiveView("The sensor's image with its markers")
                 self._status = ui.label("Choose a source and start.").classes("faint")
                 self._status.props('role="status" data-testid="status" data-state="idle"')
@@ -102,13 +102,13 @@ class LivePage:
 
     async def _start(self) -> None:
         self._stop()
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._tell("opening", "Opening the sensor …")
         try:
             self._live = await asyncio.to_thread(self._opening.open)
         except PalpateError as error:
             self._tell("idle", "")
-            complain(self._fault, str(error), error.code)
+            show_error(self._fault, str(error), error.code)
             return
         height, width = self._live.size_px
         self._view.begin(width, height, self._live.rest_px.round(2).tolist())
@@ -131,7 +131,7 @@ class LivePage:
         except PalpateError as error:
             self._stop()
             self._tell("failed", self._status.text)
-            complain(self._fault, str(error), error.code)
+            show_error(self._fault, str(error), error.code)
             return
         finally:
             self._busy = False
@@ -143,7 +143,7 @@ class LivePage:
             return
         self._show(step)
 
-    def _show(self, step: Step) -> None:
+    def _show(self, step: LiveImage) -> None:
         picture = "" if step.image is None else _as_link(step.image)
         stretch = min(max(float(self._stretch.value or 1.0), 0.5), 20.0)
         self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
@@ -157,9 +157,9 @@ class LivePage:
         if record is not None:
             self._recorded.text = f"{len(record)} readings recorded."
 
-    def _show_pose(self, step: Step | None) -> None:
+    def _show_pose(self, step: LiveImage | None) -> None:
         reading = step.reading if step else None
-        verdict = judge(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
+        verdict = rate_reading(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
         self._verdict.props(f'data-verdict="{verdict.replace(" ", "-")}"')
         self._verdict.style(f"background: {COLOURS[verdict]}")
@@ -185,9 +185,9 @@ class LivePage:
 
     def _turn_record(self) -> None:
         if self._live is None:
-            complain(self._fault, "Nothing runs yet: start a source first.", "nothing-running")
+            show_error(self._fault, "Nothing runs yet: start a source first.", "nothing-running")
             return
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._live.record = [] if self._live.record is None else None
         on = self._live.record is not None
         self._record.text = "Stop recording" if on else "Record"
@@ -195,7 +195,7 @@ class LivePage:
 
     def _save(self) -> None:
         if not self._kept:
-            complain(self._fault, "Nothing was recorded yet.", "nothing-recorded")
+            show_error(self._fault, "Nothing was recorded yet.", "nothing-recorded")
             return
         ui.download.content(write_table(self._kept), "readings.csv")
 
@@ -204,26 +204,30 @@ def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tupl
     """Rows of the table beside the dial: name, value, half-width, unit, and what is to be known of it."""
     least, most = tilt_interval(reading)
     rows = [
-        (item.axis, value, half, item.sign.strip(), f"true {truth[i]:.2f}" if truth else "")
+        (item.axis, value, half, item.unit_symbol.strip(), f"true {truth[i]:.2f}" if truth else "")
         for i, (item, value, half) in enumerate(
             zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    if reading.space.tilts:
+    if reading.space.is_tilt:
         rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
     if reading.force is not None:
         force = reading.force
         rows += [
-            ("force", force.pressing.value, force.pressing.half_width, "N", "along the wall's normal"),
-            ("sideways", force.tangential.value, force.tangential.half_width, "N", "in the wall's plane"),
+            ("force", force.normal_force.value, force.normal_force.half_width, "N", "along the wall's normal"),
+            ("sideways", force.tangential_force.value, force.tangential_force.half_width, "N", "in the wall's plane"),
         ]
     if reading.fit is not None:
         spread = np.sqrt(np.diag(reading.fit.covariance))
         correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
         state = "; the skin is inverted" if reading.fit.inverted else ""
         rows += [
-            ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
-            *([("1/R", reading.fit.bend, reading.fit.bend_sd, "/m", "0 is flat")] if reading.fit.bend_sd else []),
+            ("1/µ", reading.fit.inverse_friction, float(reading.fit.half_width[3]), "", "0 does not slip"),
+            *(
+                [("1/R", reading.fit.curvature, reading.fit.curvature_sd, "/m", "0 is flat")]
+                if reading.fit.curvature_sd
+                else []
+            ),
             ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}{state}"),
         ]
     return rows

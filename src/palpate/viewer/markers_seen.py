@@ -13,7 +13,7 @@ from palpate.viewer.pressed_skin import PressedSkin, SurfaceMotion
 
 
 @dataclass(frozen=True, eq=False)
-class MarkersSeen:
+class VisibleMarkers:
     """Markers at one pose of the wall, at every depth.
 
     Attributes
@@ -36,7 +36,7 @@ class MarkersSeen:
 
 def follow_markers(
     pressed: PressedSkin, motion: SurfaceMotion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
-) -> MarkersSeen:
+) -> VisibleMarkers:
     """Follow markers through a press whose wall is turned to an azimuth.
 
     Parameters
@@ -59,4 +59,4 @@ def follow_markers(
     seen = camera.visible(positions, pressed.mesh.skin)
     reach = np.linalg.norm(positions - camera.origin, axis=-1)
     radius = camera.spec.fx_px * layout.diameter / 2.0 / np.maximum(reach, 1e-3)
-    return MarkersSeen(positions, camera.project(positions), radius, seen)
+    return VisibleMarkers(positions, camera.project(positions), radius, seen)

@@ -8,14 +8,14 @@ from pathlib import Path
 from fastapi import Request
 from nicegui import ui
 
-from palpate.viewer.charts import DARK, FIRST, LIGHT, Ink
+from palpate.viewer.charts import DARK, FIRST, LIGHT, Theme
 
 STYLE = Path(__file__).parent / "scripts" / "style.css"
 COOKIE = "palpate_dark"
 PAGES = (("/", "Explore"), ("/design", "Design"), ("/live", "Live"))
 
 
-class Head:
+class PageHeader:
     """The head of one page.
 
     Parameters
@@ -47,7 +47,7 @@ class Head:
             )
 
     @property
-    def ink(self) -> Ink:
+    def ink(self) -> Theme:
         """Colours of text and lines in charts."""
         return DARK if self._dark.value else LIGHT
 
@@ -68,14 +68,14 @@ class Head:
             redraw()
 
 
-def complain(box: ui.label, sentence: str, code: str = "") -> None:
+def show_error(box: ui.label, sentence: str, code: str = "") -> None:
     """Show a sentence in place, or nothing; `code` names the kind of error for programs that read the page."""
     box.text = sentence
     box.props(f'data-code="{code}"')
     box.set_visibility(bool(sentence))
 
 
-def complaint() -> ui.label:
+def error_label() -> ui.label:
     """A place for a sentence about what went wrong; hidden while it is empty."""
     box = ui.label("").classes("complaint").props('role="alert" data-testid="fault"')
     box.set_visibility(False)

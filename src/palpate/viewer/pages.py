@@ -12,33 +12,33 @@ from palpate.grid import is_grid
 from palpate.optimise import is_search, read_search
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
-from palpate.viewer.learnt import is_learnt, read_learnt
-from palpate.viewer.learnt_page import LearntPage
-from palpate.viewer.library import Library
-from palpate.viewer.live_opening import DesignOpening, LearntOpening
+from palpate.viewer.learnt import is_trained_sensor, read_trained_sensor
+from palpate.viewer.learnt_page import TrainedPage
+from palpate.viewer.library import DesignLibrary
+from palpate.viewer.live_opening import DesignOpening, TrainedOpening
 from palpate.viewer.live_page import LivePage
-from palpate.viewer.page_head import Head, complain, complaint
+from palpate.viewer.page_head import PageHeader, error_label, show_error
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
 from palpate.viewer.search_page import SearchPage
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.specimen_cache import DesignCache
 
 TITLE = "palpate"
 
 
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
-    shelf, learnt = SpecimenCache(), None
+    shelf, learnt = DesignCache(), None
     reason = PalpateError("No result folder was given.", code="results-missing")
     search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
     if search is not None:
         reason = PalpateError("A search has no trained model to read a sensor with.", code="model-missing")
     elif folder is not None:
         try:
-            if is_learnt(folder):
-                learnt = read_learnt(folder)
+            if is_trained_sensor(folder):
+                learnt = read_trained_sensor(folder)
             else:
-                shelf = SpecimenCache(Library(read_results(folder)))
+                shelf = DesignCache(DesignLibrary(read_results(folder)))
         except PalpateError as error:
             reason = error
     app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)
@@ -50,7 +50,7 @@ def build_app(folder: Path | None) -> FastAPI:
         if search is not None:
             show_search(request, search, shelf)
         elif learnt is not None:
-            LearntPage(learnt, request).build()
+            TrainedPage(learnt, request).build()
         elif shelf.library is None:
             show_reason(request, "/", reason)
         else:
@@ -63,7 +63,7 @@ def build_app(folder: Path | None) -> FastAPI:
     @ui.page("/live", title=f"{TITLE}: live")
     def live(request: Request) -> None:
         if learnt is not None:
-            LivePage(LearntOpening(learnt), request).build()
+            LivePage(TrainedOpening(learnt), request).build()
         elif shelf.library is None:
             show_reason(request, "/live", reason)
         else:
@@ -73,7 +73,7 @@ def build_app(folder: Path | None) -> FastAPI:
     return app
 
 
-def show_search(request: Request, folder: Path, shelf: SpecimenCache) -> None:
+def show_search(request: Request, folder: Path, shelf: DesignCache) -> None:
     """The page of a search as its folder is now; a search that runs has found more when it is loaded again."""
     try:
         SearchPage(read_search(folder), shelf, request).build()
@@ -83,9 +83,9 @@ def show_search(request: Request, folder: Path, shelf: SpecimenCache) -> None:
 
 def show_reason(request: Request, here: str, reason: PalpateError) -> None:
     """A page without results: why, and what to do."""
-    Head(request, here, "no results")
+    PageHeader(request, here, "no results")
     with ui.element("div").classes("empty"):
-        complain(complaint(), str(reason), reason.code)
+        show_error(error_label(), str(reason), reason.code)
         ui.label(
             "Make results with `palpate run studies/first.yaml`, then open them with `palpate view results/first`."
         )

@@ -68,7 +68,7 @@ class PressedSkin(ABC):
     ----------
     mesh
         What they are drawn on: of a press each has its pole elsewhere.
-    wall
+    obstacle
         What pressed, at any pose.
     presses
         All of them; none of a skin at rest.
@@ -79,7 +79,7 @@ class PressedSkin(ABC):
     """
 
     mesh: Mesh
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     presses: tuple[Press, ...]
     depths_mm: FloatArray
     runs: TiltRuns
@@ -117,10 +117,10 @@ class PressedSkin(ABC):
         labels = [self.runs.labels(np.array([tilt_deg]), image) for image in range(len(self.depths_mm))]
         deep = next((k for k, (branch, _) in enumerate(labels) if branch[0] == ""), len(labels))
         displacement, force = self.fields(tilt_deg, azimuth, deep)
-        wall = self.wall.model_copy(
+        wall = self.obstacle.model_copy(
             update={"tilt_deg": float(np.clip(tilt_deg, first, last)), "azimuth_deg": azimuth}
         )
-        obstacle, touch = wall.at_touch(self.mesh)
+        obstacle, touch = wall.at_first_contact(self.mesh)
         return SurfaceMotion(
             tilt_deg=float(tilt_deg),
             azimuth_deg=azimuth,
@@ -131,7 +131,7 @@ class PressedSkin(ABC):
             ended=str(labels[deep][1][0]) if deep < len(labels) else self._end(tilt_deg),
             normal=obstacle.gap(touch[None]).normal[0],
             touch=touch,
-            way=wall.way(self.mesh),
+            way=wall.approach_axis(self.mesh),
         )
 
     @abstractmethod

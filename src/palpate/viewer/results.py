@@ -25,7 +25,7 @@ from palpate.design import (
     skin_from_data,
 )
 from palpate.fea import Press, read_press
-from palpate.grid import Cell, SpecificationGrid, name_row, read_grid
+from palpate.grid import Cell, SpecificationGrid, design_label, read_grid
 
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
@@ -60,7 +60,7 @@ class Design:
         Number of the row, from 0.
     row
         Its figures.
-    dome, layout, camera
+    skin, layout, camera
         What was designed.
     press_keys
         Keys of its presses in the store; empty where the chain broke before them.
@@ -68,7 +68,7 @@ class Design:
 
     number: int
     row: Mapping[str, Cell]
-    dome: Skin
+    skin: Skin
     layout: MarkerLayout
     camera: Camera
     press_keys: tuple[str, ...]
@@ -76,7 +76,7 @@ class Design:
     @property
     def name(self) -> str:
         """Short name, e.g. ``"H20 T2, 169 markers"``."""
-        return name_row(self.row)
+        return design_label(self.row)
 
 
 def read_results(folder: Path) -> Results:
@@ -142,7 +142,7 @@ def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
         reason = design.row.get("failure") or "its chain broke before the first press"
         raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN, code="press-missing")
     presses = (read_press(artefact_path(results, "press", key, ".h5")) for key in design.press_keys)
-    return tuple(sorted(presses, key=lambda press: press.wall.radial))
+    return tuple(sorted(presses, key=lambda press: press.obstacle.radial))
 
 
 def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:

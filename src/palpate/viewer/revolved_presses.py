@@ -40,7 +40,7 @@ class RevolvedPresses(PressedSkin):
     @cached_property
     def displacement(self) -> Array32:
         """(d, t, n, 3) mm of the nodes; zero where a press ended before."""
-        moved = [press.on(self.mesh).displacement for press in self.presses]
+        moved = [press.interpolated_to(self.mesh).displacement for press in self.presses]
         return self._gather(moved, *self.nodes.shape).astype(np.float32)
 
     @cached_property
@@ -103,12 +103,12 @@ class RevolvedPresses(PressedSkin):
 
 
 def gather_revolved(presses: Sequence[Press], mesh: Mesh) -> RevolvedPresses:
-    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.gather_presses`."""
-    presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
+    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.build_pressed_skin`."""
+    presses = tuple(sorted(presses, key=lambda press: press.obstacle.radial))
     depths = _depths(presses)
-    tilts = np.array([press.wall.radial for press in presses], float)
+    tilts = np.array([press.obstacle.radial for press in presses], float)
     runs = _weigh(tilts, label_presses(presses, depths), [str(press.ended) for press in presses])
-    return RevolvedPresses(mesh, presses[0].wall, presses, depths, runs)
+    return RevolvedPresses(mesh, presses[0].obstacle, presses, depths, runs)
 
 
 def rest_skin(mesh: Mesh, tilt_deg: float = 0.0) -> RevolvedPresses:
@@ -131,6 +131,6 @@ def _depths(presses: Sequence[Press]) -> FloatArray:
     images = shared_depths(presses)
     reached = max(float(press.depth.max()) for press in presses) + SAME_MM
     # where a press ended early is an image of it alone; full depth is one of all that came so far
-    ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
+    ends = presses[0].depth if len(presses) == 1 else np.array([press.obstacle.depth for press in presses])
     depths: FloatArray = np.unique(np.round(np.concatenate([[0.0], images, ends[ends <= reached]]), 6))
     return depths

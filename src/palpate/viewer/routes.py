@@ -10,16 +10,16 @@ from fastapi.responses import JSONResponse
 from palpate.core import PalpateError
 from palpate.viewer.export import dome_parts, marker_rows, write_table
 from palpate.viewer.gltf import write_gltf
-from palpate.viewer.learnt import LearntResults
-from palpate.viewer.link import kept_rows
+from palpate.viewer.learnt import TrainedSensor
+from palpate.viewer.link import selected_rows
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.specimen_cache import DesignCache
 
 BINARY = "application/octet-stream"
 
 
-def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> APIRouter:
+def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> APIRouter:
     """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
     router = APIRouter(prefix="/data")
 
@@ -56,12 +56,12 @@ def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> AP
         if shelf.library is None:
             raise PalpateError("There is no grid.", "Start the viewer with a result folder.", code="grid-missing")
         found = shelf.library.results.grid
-        rows = [dict(found.designs[i]) for i in sorted(kept_rows(found, where))]
+        rows = [dict(found.designs[i]) for i in sorted(selected_rows(found, where))]
         return _csv("grid.csv", rows)
 
     @router.get("/learnt/{name}")
     def picture(name: str) -> Response:
-        found = {} if learnt is None else learnt.pictures
+        found = {} if sensors is None else sensors.pictures
         if name not in found:
             raise PalpateError(
                 "There is no such picture.", "Make the report again by palpate learn.", code="picture-missing"
@@ -76,7 +76,7 @@ def answer_errors(app: FastAPI) -> None:
 
     @app.exception_handler(PalpateError)
     def _say(_: Request, error: PalpateError) -> JSONResponse:
-        return JSONResponse({"what": error.what, "remedy": error.remedy, "code": error.code}, status_code=422)
+        return JSONResponse({"what": error.problem, "remedy": error.remedy, "code": error.code}, status_code=422)
 
 
 def _csv(name: str, rows: list[dict[str, Any]]) -> Response:

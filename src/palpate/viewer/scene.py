@@ -9,8 +9,8 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
-from palpate.viewer.library import Specimen
-from palpate.viewer.markers_seen import MarkersSeen
+from palpate.viewer.library import RenderedSkin
+from palpate.viewer.markers_seen import VisibleMarkers
 from palpate.viewer.message import write_message
 from palpate.viewer.pressed_skin import SurfaceMotion
 
@@ -18,7 +18,7 @@ _EDGE = 97
 """Points of an edge, the first and the last in one place."""
 
 
-def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> bytes:
+def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera) -> bytes:
     """What does not change with the pose: rest (v, 3) mm, triangles (k, 3), seam (v,), dots at rest; skin and camera.
 
     The triangles lie part after part, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
@@ -50,7 +50,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
     return write_message(meta, {**arrays, "rest_px": np.nan_to_num(arrays["rest_px"], nan=-1e4)})
 
 
-def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
+def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
     """The press at one pose: displacement (k, v, 3) mm and, if asked for, stress (k, v) MPa.
 
     Of a skin of revolution in the tilt frame, for all azimuths.
@@ -59,10 +59,10 @@ def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool =
     arrays = {"displacement": motion.displacement[:, nodes]}
     if stress:
         arrays["stress"] = specimen.pressed.stress(motion)[:, nodes]
-    return write_message(_say_motion(motion), arrays)
+    return write_message(_motion_sentence(motion), arrays)
 
 
-def describe_markers(seen: MarkersSeen) -> bytes:
+def describe_markers(seen: VisibleMarkers) -> bytes:
     """Markers at one pose: positions (k, m, 3) mm in the dome's frame, pixels (k, m, 2), radius, and who is seen."""
     return write_message(
         {},
@@ -82,7 +82,7 @@ def _clamps(skin: Skin) -> FloatArray:
     return np.stack([skin.point(size * circle, 1.0) for size in ([1.0, skin.hole] if skin.hole else [1.0])])
 
 
-def _say_motion(motion: SurfaceMotion) -> dict[str, Any]:
+def _motion_sentence(motion: SurfaceMotion) -> dict[str, Any]:
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),

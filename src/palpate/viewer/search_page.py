@@ -11,9 +11,9 @@ from palpate.core import PalpateError
 from palpate.optimise import SearchFolder
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
-from palpate.viewer.page_head import Head, heading
-from palpate.viewer.specimen_cache import SpecimenCache
-from palpate.viewer.words import cell_words, column_label
+from palpate.viewer.page_head import PageHeader, heading
+from palpate.viewer.specimen_cache import DesignCache
+from palpate.viewer.words import column_label, format_cell
 from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0
@@ -33,9 +33,9 @@ class SearchPage:
         Of the page; `design` in its query is the number of the design shown.
     """
 
-    def __init__(self, search: SearchFolder, shelf: SpecimenCache, request: Request) -> None:
+    def __init__(self, search: SearchFolder, shelf: DesignCache, request: Request) -> None:
         self._search = search
-        self._head = Head(request, "/", f"{search.spec.name} · {search.skins} skins tried")
+        self._head = PageHeader(request, "/", f"{search.spec.name} · {search.skins} skins tried")
         self._head.watch(self._draw_front)
         self._bench = Workbench(shelf, self._head)
         self._wall: dict[str, Any] = {}
@@ -141,10 +141,10 @@ def _state(search: SearchFolder) -> str:
             "stopped; load the page again to see more."
         )
     found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
-    return f"{found}; errors are foreseen of built units after {search.spec.known} known presses."
+    return f"{found}; errors are foreseen of built units after {search.spec.calibration_presses} known presses."
 
 
 def _words(cell: Any) -> str:
     if isinstance(cell, bool):
         return "yes" if cell else "no"
-    return cell_words(cell)
+    return format_cell(cell)

@@ -20,10 +20,12 @@ from palpate.core import PalpateError, load_extra
 from palpate.robot import Broadcast, SourceReader
 from palpate.sensor import Sensor
 from palpate.viewer.guard import Guard
-from palpate.viewer.server import ServeSpec, link_of, open_door
+from palpate.viewer.server import ServeSpec, bind_server, page_url
 
 _BACKLOG_BYTES = 32_768
 """Some fifty readings, that the system keeps for each client."""
+SCHEMA_VERSION = 2
+"""Version of the keys of a reading, its key `schema`; 1, of 0.2, had none."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +65,14 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
 
     hub = Broadcast()
     loops: list[asyncio.AbstractEventLoop] = []
-    reader = SourceReader(sensor, lambda row: _hand_over(loops, hub, row))
+    reader = SourceReader(sensor, lambda row: _hand_over(loops, hub, _with_schema(row)))
 
     @asynccontextmanager
     async def live(_: Any) -> AsyncIterator[None]:
         loops.append(asyncio.get_running_loop())
         if feed.open_source is not None:
             words = (feed.open_source, feed.retry_s, feed.again)
-            threading.Thread(target=reader.follow, args=words, daemon=True).start()
+            threading.Thread(target=reader.run, args=words, daemon=True).start()
         yield
         reader.stop()
 
@@ -81,9 +83,9 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         try:
             image = decode_image(await request.body())
         except PalpateError as error:
-            content = {"error": error.what, "remedy": error.remedy, "code": error.code}
+            content = {"error": error.problem, "remedy": error.remedy, "code": error.code}
             return JSONResponse(content, status_code=400)
-        return JSONResponse(await run_in_threadpool(reader.read, image))
+        return JSONResponse(_with_schema(await run_in_threadpool(reader.read, image)))
 
     async def tell(socket: WebSocket) -> None:
         await socket.accept()
@@ -106,6 +108,10 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         WebSocketRoute("/readings", tell),
     ]
     return Starlette(routes=routes, lifespan=live)
+
+
+def _with_schema(row: dict[str, Any]) -> dict[str, Any]:
+    return {"schema": SCHEMA_VERSION, **row}
 
 
 async def _until_gone(socket: Any) -> None:
@@ -146,10 +152,10 @@ def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callab
     """
     uvicorn: Any = load_extra("uvicorn", "web")
     app = build_readings_app(sensor, feed)
-    door, listener = open_door(spec)
+    door, listener = bind_server(spec)
     try:
         bound_backlog(listener)
-        announce(link_of(door, "reading"))
+        announce(page_url(door, "reading"))
         # unpacked: packing costs time, and a client that stalls would have minutes of readings in the system
         config = uvicorn.Config(
             Guard(app, door), log_level="warning", server_header=False, lifespan="on", ws_per_message_deflate=False

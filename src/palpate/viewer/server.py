@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import PalpateError, load_extra
-from palpate.viewer.guard import LOOPBACK, Door, Guard
+from palpate.viewer.guard import LOOPBACK, Guard, ServerAddress
 
 _GIVE = "Give the result folder of a study or of a search, or none to design a dome."
 SHORTEST_TOKEN = 16
@@ -35,7 +35,7 @@ class ServeSpec:
     token: str = ""
 
 
-def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
+def bind_server(spec: ServeSpec) -> tuple[ServerAddress, socket.socket]:
     """Take the port, and decide on the token.
 
     Raises
@@ -66,7 +66,7 @@ def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
             "Another viewer may be running there: open it, or choose another --port (0: any that is free).",
             code="port-unavailable",
         ) from None
-    return Door(spec.host, listener.getsockname()[1], token), listener
+    return ServerAddress(spec.host, listener.getsockname()[1], token), listener
 
 
 def is_loopback(host: str) -> bool:
@@ -79,7 +79,7 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def link_of(door: Door, page: str = "") -> str:
+def page_url(door: ServerAddress, page: str = "") -> str:
     """The link that opens a door on a page."""
     host = f"[{door.host}]" if ":" in door.host else door.host
     return f"http://{host}:{door.port}/{page}" + (f"?token={door.token}" if door.token else "")
@@ -100,7 +100,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Raises
     ------
     PalpateError
-        If there is no such folder, or it holds nothing that can be shown; and as `open_door`.
+        If there is no such folder, or it holds nothing that can be shown; and as `bind_server`.
     MissingExtraError
         If NiceGUI is not installed.
     """
@@ -110,17 +110,17 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     uvicorn: Any = load_extra("uvicorn", "web")
     from palpate.grid import is_grid
     from palpate.optimise import is_search
-    from palpate.viewer.learnt import is_learnt
+    from palpate.viewer.learnt import is_trained_sensor
     from palpate.viewer.pages import build_app
 
-    if folder is not None and not (is_grid(folder) or is_search(folder) or is_learnt(folder)):
+    if folder is not None and not (is_grid(folder) or is_search(folder) or is_trained_sensor(folder)):
         raise PalpateError(
             f"{folder} holds no grid, no search and no model that was learnt.", _GIVE, code="results-missing"
         )
-    door, listener = open_door(spec)
+    door, listener = bind_server(spec)
     try:
         guarded = Guard(build_app(folder), door)
-        announce(link_of(door, "" if folder else "design"))
+        announce(page_url(door, "" if folder else "design"))
         server = uvicorn.Server(
             uvicorn.Config(guarded, log_level="warning", server_header=False, ws_max_size=1_000_000, lifespan="on")
         )

@@ -24,7 +24,7 @@ from palpate.fabricate import ProcessSpec, check_process
 from palpate.fea import WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
-from palpate.viewer.library import Specimen
+from palpate.viewer.library import RenderedSkin
 from palpate.viewer.results import Design
 from palpate.viewer.revolved_presses import rest_skin
 from palpate.viewer.shell import build_shell
@@ -37,27 +37,27 @@ def _as_skin(given: Any) -> Any:
     return skin_from_data(given) if isinstance(given, dict) else given
 
 
-class Sketch(Spec):
+class DesignDraft(Spec):
     """A design with the press that is asked of it, and how it is made."""
 
-    dome: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
+    skin: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
     markers: MarkerSpec = MarkerSpec()
     material: MaterialSpec = MaterialSpec()
     camera: CameraSpec = CameraSpec()
-    wall: WallSpec = WallSpec()
+    obstacle: WallSpec = WallSpec()
     process: ProcessSpec = ProcessSpec()
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
+class DesignPreview:
     """A sketch as it is shown: the design, its dome at rest, and what was found about it, errors first."""
 
     design: Design
-    specimen: Specimen
+    specimen: RenderedSkin
     findings: tuple[Finding, ...]
 
 
-def draw_sketch(sketch: Sketch) -> Drawn:
+def build_preview(sketch: DesignDraft) -> DesignPreview:
     """Build the dome of a sketch at rest and check it, in milliseconds.
 
     Raises
@@ -65,7 +65,7 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     PalpateError
         If the dome cannot be built or its markers not be placed on it.
     """
-    skin = build_skin(sketch.dome)
+    skin = build_skin(sketch.skin)
     layout, camera = place_markers(skin, sketch.markers), build_camera(sketch.camera)
     if not layout.on_dome.all():
         raise PalpateError(
@@ -81,15 +81,15 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
     design = Design(-1, sketch_row(sketch), skin, layout, camera, ())
-    return Drawn(design, Specimen(rest_skin(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
+    return DesignPreview(design, RenderedSkin(rest_skin(mesh, sketch.obstacle.tilt_deg), build_shell(mesh)), findings)
 
 
-def sketch_row(sketch: Sketch) -> dict[str, float | int | str | None]:
+def sketch_row(sketch: DesignDraft) -> dict[str, float | int | str | None]:
     """The figures of a sketch that a grid would have as well."""
     return {
-        "height_mm": sketch.dome.height,
-        "base_radius_mm": sketch.dome.base_radius,
-        "thickness_mm": sketch.dome.thickness,
+        "height_mm": sketch.skin.height,
+        "base_radius_mm": sketch.skin.base_radius,
+        "thickness_mm": sketch.skin.thickness,
         "markers": sketch.markers.count,
     }
 

@@ -7,15 +7,15 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 
 from palpate.core import PalpateError
-from palpate.viewer.library import Library, Specimen
+from palpate.viewer.library import DesignLibrary, RenderedSkin
 from palpate.viewer.results import Design
 
-KEPT = 24
+CACHE_SIZE = 24
 """Designs made on the page that are kept; a dome at rest takes about 1 MB."""
 
 
 @dataclass(eq=False)
-class SpecimenCache:
+class DesignCache:
     """Designs by name: the number of a row, or the name that `put` gave.
 
     Attributes
@@ -24,22 +24,22 @@ class SpecimenCache:
         Designs of the result folder; `None` without one.
     """
 
-    library: Library | None = None
-    _made: OrderedDict[str, tuple[Design, Specimen]] = field(default_factory=OrderedDict)
+    library: DesignLibrary | None = None
+    _made: OrderedDict[str, tuple[Design, RenderedSkin]] = field(default_factory=OrderedDict)
     _count: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def put(self, design: Design, specimen: Specimen) -> str:
+    def put(self, design: Design, specimen: RenderedSkin) -> str:
         """Keep a design made on the page and return its name."""
         with self._lock:
             self._count += 1
             name = f"made-{self._count}"
             self._made[name] = (design, specimen)
-            while len(self._made) > KEPT:
+            while len(self._made) > CACHE_SIZE:
                 self._made.popitem(last=False)
             return name
 
-    def find(self, name: str) -> tuple[Design, Specimen]:
+    def find(self, name: str) -> tuple[Design, RenderedSkin]:
         """A design with its presses.
 
         Raises

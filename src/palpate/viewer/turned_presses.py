@@ -16,13 +16,13 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 from palpate.fea import Press
 from palpate.mesh import Mesh, mesh_skin
-from palpate.twin import MIRRORS, TurnedSeries, TurnedTable
+from palpate.twin import MIRRORS, TwoMirrorSeries, TwoMirrorTable
 from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, find_nodes, nodal_stress_on
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class TurnedPresses(PressedSkin):
+class TwoMirrorPresses(PressedSkin):
     """Presses of a skin with two mirrors at several azimuths.
 
     Attributes
@@ -31,7 +31,7 @@ class TurnedPresses(PressedSkin):
         The presses by tilt and azimuth.
     """
 
-    table: TurnedTable
+    table: TwoMirrorTable
 
     turned: ClassVar[bool] = False
 
@@ -48,17 +48,17 @@ class TurnedPresses(PressedSkin):
         return half, find_nodes(half.nodes[: len(half.inner_disc)], folded)
 
     @cached_property
-    def moved(self) -> TurnedSeries:
+    def moved(self) -> TwoMirrorSeries:
         """Displacement (n, 3) mm of the nodes."""
-        return self.table.series(self._follow(lambda press, mesh: press.on(mesh).displacement))
+        return self.table.series(self._follow(lambda press, mesh: press.interpolated_to(mesh).displacement))
 
     @cached_property
-    def force(self) -> TurnedSeries:
+    def force(self) -> TwoMirrorSeries:
         """Norm () of the wall's force, N."""
         return self.table.series(lambda press: np.repeat(np.linalg.norm(press.force, axis=1)[:, None], 4, axis=1))
 
     @cached_property
-    def stress_mpa(self) -> TurnedSeries:
+    def stress_mpa(self) -> TwoMirrorSeries:
         """Von Mises stress (n, 1) in MPa; takes some seconds to find."""
         return self.table.series(self._follow(nodal_stress_on))
 
@@ -70,7 +70,7 @@ class TurnedPresses(PressedSkin):
         found = self._read(self.stress_mpa, motion.tilt_deg, motion.azimuth_deg, len(motion.depths_mm))
         return found[..., 0].clip(min=0.0)
 
-    def _read(self, series: TurnedSeries, tilt_deg: float, azimuth_deg: float, deep: int) -> Array32:
+    def _read(self, series: TwoMirrorSeries, tilt_deg: float, azimuth_deg: float, deep: int) -> Array32:
         """A quantity (k, …) at the first depths of a pose."""
         tilt, azimuth = np.array([tilt_deg]), np.radians([azimuth_deg])
         found = [series.at(tilt, azimuth, float(depth))[0] for depth in self.depths_mm[:deep]]
@@ -94,8 +94,8 @@ class TurnedPresses(PressedSkin):
         return whole
 
 
-def gather_turned(presses: Sequence[Press], mesh: Mesh) -> TurnedPresses:
-    """Presses of a skin with two mirrors, to be drawn on a whole mesh; see `palpate.viewer.gather_presses`."""
-    table = TurnedTable.of(presses)
+def build_two_mirror_skin(presses: Sequence[Press], mesh: Mesh) -> TwoMirrorPresses:
+    """Presses of a skin with two mirrors, to be drawn on a whole mesh; see `palpate.viewer.build_pressed_skin`."""
+    table = TwoMirrorTable.of(presses)
     depths = np.concatenate([[0.0], table.depths_mm])
-    return TurnedPresses(mesh, presses[0].wall, tuple(presses), depths, table.label(depths), table)
+    return TwoMirrorPresses(mesh, presses[0].obstacle, tuple(presses), depths, table.label(depths), table)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 
-from palpate.grid import Cell, SpecificationGrid, unit_of
+from palpate.grid import Cell, SpecificationGrid, column_unit
 
 _NAMES = {
     "built_rmse_deg": "RMSE of the angle as built",
-    "built_worst_deg": "greatest error as built",
-    "known_rmse_deg": "RMSE after known presses",
-    "known_worst_deg": "greatest error after known presses",
+    "built_p95_deg": "greatest error as built",
+    "calibrated_rmse_deg": "RMSE after known presses",
+    "calibrated_p95_deg": "greatest error after known presses",
     "rmse_deg": "RMSE of the angle",
     "max_error_deg": "greatest error of the angle",
     "rmse_jitter_deg": "RMSE of the angle with jitter",
     "max_error_jitter_deg": "greatest error with jitter",
-    "limit_deg": "limit of any network",
-    "rmse_over_limit": "RMSE over its limit",
+    "bound_deg": "limit of any network",
+    "rmse_over_bound": "RMSE over its limit",
     "travel_mm": "marker travel",
     "force_n": "force at full depth",
     "peak_stress_mpa": "peak stress",
@@ -27,28 +27,28 @@ _NAMES = {
     "height_mm": "height H",
     "thickness_mm": "thickness T",
     "base_radius_mm": "base radius B",
-    "worst_deg": "error of 19 of 20 units",
-    "coarse_worst_deg": "the same by coarse presses",
+    "p95_deg": "error of 19 of 20 units",
+    "coarse_p95_deg": "the same by coarse presses",
     "size_mm": "outer diameter",
-    "reach_mm": "depth reached",
+    "max_depth_mm": "depth reached",
     "distance_mm": "camera below the base",
-    "dot_mm": "diameter of a dot",
+    "marker_diameter_mm": "diameter of a dot",
     "ring_diameters_mm": "diameters of the rings",
-    "meets": "within the limits",
+    "feasible": "within the limits",
 }
 
 
-def column_words(column: str) -> str:
+def column_name(column: str) -> str:
     """A column without its unit, e.g. ``"marker travel"``."""
-    unit = unit_of(column)
+    unit = column_unit(column)
     short = column.removesuffix(f"_{unit.lower()}") if unit else column
     return _NAMES.get(column, short.replace("_", " ").replace("rmse", "RMSE"))
 
 
 def column_label(column: str) -> str:
     """A column with its unit, e.g. ``"marker travel (mm)"``."""
-    unit = unit_of(column)
-    return column_words(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
+    unit = column_unit(column)
+    return column_name(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
 
 
 def jitter_words(grid: SpecificationGrid) -> str:
@@ -58,7 +58,7 @@ def jitter_words(grid: SpecificationGrid) -> str:
     return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"
 
 
-def cell_words(cell: Cell) -> str:
+def format_cell(cell: Cell) -> str:
     """A cell in about three digits; a dash for an empty one."""
     if cell is None or cell == "":
         return "–"

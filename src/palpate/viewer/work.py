@@ -11,22 +11,22 @@ from palpate.fabricate import PackSpec, write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.job import Report
-from palpate.viewer.sketch import Sketch
+from palpate.viewer.sketch import DesignDraft
 
 
-def press_sketch(sketch: Sketch, report: Report) -> Press:
+def press_sketch(sketch: DesignDraft, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
-    mesh = mesh_skin(build_skin(sketch.dome), sketch.material.mesh(MeshSpec()))
-    wall = sketch.wall
+    mesh = mesh_skin(build_skin(sketch.skin), sketch.material.mesh(MeshSpec()))
+    wall = sketch.obstacle
     return solve_press(
-        mesh, sketch.material.material(), wall, observe=lambda depth: report(min(depth / wall.depth, 1.0))
+        mesh, sketch.material.material(), wall, on_increment=lambda depth: report(min(depth / wall.depth, 1.0))
     )
 
 
-def pack_sketch(sketch: Sketch, report: Report) -> bytes:
+def pack_sketch(sketch: DesignDraft, report: Report) -> bytes:
     """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
     spec = PackSpec(
-        dome=sketch.dome,
+        skin=sketch.skin,
         markers=sketch.markers,
         mount=MountSpec(),
         material=sketch.material.material(),

@@ -20,14 +20,14 @@ from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.job import Job
-from palpate.viewer.library import Specimen
+from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import NumberField
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.shell import build_shell
-from palpate.viewer.sketch import Sketch, draw_sketch
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.sketch import DesignDraft, build_preview
+from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.work import pack_sketch, press_sketch
 
 _LOOK_S = 0.2
@@ -46,10 +46,10 @@ class Workbench:
         Of the page.
     """
 
-    def __init__(self, shelf: SpecimenCache, head: Head) -> None:
+    def __init__(self, shelf: DesignCache, head: PageHeader) -> None:
         self._shelf, self._head = shelf, head
-        self._sketch = Sketch()
-        self._drawn = draw_sketch(self._sketch)
+        self._sketch = DesignDraft()
+        self._drawn = build_preview(self._sketch)
         self._ordered = (self._sketch, self._drawn)
         self._errand: Job | None = None
         self._finish: Callable[[Any], None] = self._show_press
@@ -66,7 +66,7 @@ class Workbench:
                 fields[name] = NumberField(WallSpec, name, label, step, partial(change, name), ends)
             ui.select(
                 list(_CONTACTS),
-                value=self._sketch.wall.contact,
+                value=self._sketch.obstacle.contact,
                 label="Contact",
                 on_change=lambda event: change("contact", event.value),
             ).props("dense outlined options-dense").classes("wide contact")
@@ -80,11 +80,11 @@ class Workbench:
             )
             self._make = ui.button("Make", icon="precision_manufacturing", on_click=self._start_pack)
             self._make.props('no-caps outline dense data-testid="make"')
-            self._cancel = ui.button("Cancel", on_click=self._call_off)
+            self._cancel = ui.button("Cancel", on_click=self._cancel_job)
             self._cancel.props('no-caps flat dense data-testid="cancel"')
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
             self._status = ui.label("").classes("faint status").props('role="status" data-testid="status"')
-        self._fault = complaint()
+        self._fault = error_label()
         with ui.element("div").classes("domes"):
             dome = DomeView("a", "The design")
             with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
@@ -95,7 +95,7 @@ class Workbench:
         self._build_look(self._bar)
         self._busy(False)
         self._timer = ui.timer(_LOOK_S, self._look, active=False)
-        ui.context.client.on_disconnect(self._call_off)
+        ui.context.client.on_disconnect(self._cancel_job)
 
     def _build_look(self, bar: PoseBar) -> None:
         colours = ["displacement", "stress", "contact"]
@@ -124,10 +124,10 @@ class Workbench:
     def show(self, chosen: Mapping[str, Any]) -> None:
         """Draw the sketch of these parts at rest; what cannot be drawn is reported, and the last one stays."""
         try:
-            self._sketch = Sketch.model_validate(chosen)
-            self._drawn = draw_sketch(self._sketch)
+            self._sketch = DesignDraft.model_validate(chosen)
+            self._drawn = build_preview(self._sketch)
         except (PalpateError, ValidationError) as error:
-            self.complain(_say(error), code_of(error))
+            self.complain(_describe(error), code_of(error))
             return
         self.complain("")
         self._show_findings(self._drawn.findings)
@@ -138,7 +138,7 @@ class Workbench:
 
     def complain(self, sentence: str, code: str = "") -> None:
         """Show a sentence in place, or nothing; `code` names the kind of error."""
-        complain(self._fault, sentence, code)
+        show_error(self._fault, sentence, code)
 
     def _show_findings(self, findings: tuple[Finding, ...]) -> None:
         self._findings.clear()
@@ -176,7 +176,7 @@ class Workbench:
     def _start(self, work: Callable[..., Any], what: str) -> None:
         if self._errand is not None:
             return
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
         self._errand = Job(work, self._sketch)
         self._busy(True, what)
@@ -186,7 +186,7 @@ class Workbench:
         errand = self._errand
         if errand is None:
             return
-        done = await asyncio.to_thread(errand.look)
+        done = await asyncio.to_thread(errand.poll)
         self._progress.value = errand.share
         if not done:
             return
@@ -197,32 +197,32 @@ class Workbench:
             self._tell("cancelled", errand.fault)
         elif errand.fault:
             self._tell("failed")
-            complain(self._fault, errand.fault)
+            show_error(self._fault, errand.fault)
         else:
             self._finish(errand.result)
 
-    def _call_off(self) -> None:
+    def _cancel_job(self) -> None:
         if self._errand is not None:
-            self._errand.call_off()
+            self._errand.cancel()
 
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered
-        pressed = gather_presses([press])
-        specimen = Specimen(pressed, build_shell(pressed.mesh))
-        motion = pressed.at(sketch.wall.tilt_deg)
+        pressed = build_pressed_skin([press])
+        specimen = RenderedSkin(pressed, build_shell(pressed.mesh))
+        motion = pressed.at(sketch.obstacle.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."
         self._tell("pressed", f"Pressed in {press.cpu_s:.1f} s.")
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
-        self._bar.play(sketch.wall.tilt_deg, sketch.wall.azimuth_deg % 360)
+        self._bar.animate(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
         self._tell("made", f"The pack has {len(pack) / 1e6:.1f} MB.")
         ui.download.content(pack, "pack.zip")
 
 
-def _say(error: PalpateError | ValidationError) -> str:
+def _describe(error: PalpateError | ValidationError) -> str:
     if isinstance(error, PalpateError):
         return str(error)
     return " ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}." for item in error.errors())

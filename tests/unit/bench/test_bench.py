@@ -10,10 +10,10 @@ import pytest
 
 from errors import check_values, refused
 from needs import needs_program
-from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
-from palpate.bench.bench import presses_of, unit_tilts
-from palpate.bench.budget import BudgetLine, recommend, total
-from palpate.bench.played import COLUMNS, cover, gather
+from palpate.bench import Deviation, ToleranceSpec, run_bench, run_budget, run_unit_trial, write_bench, write_budget
+from palpate.bench.bench import solve_unit_presses, unit_tilts
+from palpate.bench.budget import BudgetLine, recommend_randomisation, total
+from palpate.bench.played import COLUMNS, collect_estimates, covered_share
 from palpate.bench.result import bench_page, pool_units, score_unit
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import RenderSpec
@@ -28,7 +28,7 @@ def bench(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def nominal(bench):
-    return play_unit(bench, Deviation())
+    return run_unit_trial(bench, Deviation())
 
 
 def change(unit, other):
@@ -47,7 +47,7 @@ def test_the_nominal_unit_is_read_from_degraded_images(nominal):
 def test_a_played_unit_is_not_played_again(bench, nominal, tmp_path):
     shutil.copytree(bench.store.root, tmp_path / "store")
     shutil.rmtree(tmp_path / "store" / "press")
-    again = play_unit(replace(bench, store=type(bench.store)(tmp_path / "store")), Deviation())
+    again = run_unit_trial(replace(bench, store=type(bench.store)(tmp_path / "store")), Deviation())
     assert not (tmp_path / "store" / "press").exists()
     assert np.array_equal(again.estimates, nominal.estimates)
     assert again.zero == nominal.zero
@@ -58,40 +58,42 @@ def test_the_presses_are_at_other_tilts_and_on_another_mesh_for_every_unit(bench
     assert len({tuple(row) for row in tilts}) == 3
     assert all(0 <= low < 4 <= high < 8 for low, high in tilts)
     finer = replace(bench, spec=bench.spec.model_copy(update={"cells": None, "tilts": 1, "depth": 0.5}))
-    press = next(presses_of(finer, Deviation()))
+    press = next(solve_unit_presses(finer, Deviation()))
     assert press.mesh.spec.cells > 16
 
 
 def test_what_the_robot_takes_for_first_touch_does_not_matter_after_one_press(bench, nominal):
-    off = play_unit(bench, Deviation(touch=1.0))
+    off = run_unit_trial(bench, Deviation(depth_zero=1.0))
     assert off.zero.offset == pytest.approx(1.0 + nominal.zero.offset, abs=1e-9)
     assert np.abs(change(off, nominal)).max() < 1e-9
     blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
-    raw = play_unit(blind, Deviation(touch=1.0))
+    raw = run_unit_trial(blind, Deviation(depth_zero=1.0))
     assert raw.zero is None
     assert np.mean(raw.corrected() - raw.truth, axis=0)[2] == pytest.approx(-1.0, abs=0.15)
 
 
 def test_a_dome_seated_at_a_slant_is_read_wrong_by_as_much(bench, nominal):
-    slant = play_unit(bench, Deviation(seating_x_deg=0.3))
+    slant = run_unit_trial(bench, Deviation(seating_x_deg=0.3))
     assert np.mean(change(slant, nominal), axis=0) == pytest.approx([-0.3, 0.0, 0.0], abs=1e-9)
 
 
 def test_a_dome_of_softer_silicone_is_read_the_same(bench, nominal):
-    soft = play_unit(bench, Deviation(modulus=-0.3))
+    soft = run_unit_trial(bench, Deviation(modulus=-0.3))
     assert np.abs(change(soft, nominal)[:, :2]).max() < 0.02
 
 
 def test_a_unit_whose_dots_cannot_be_named_is_a_failure_with_a_reason(bench):
-    lost = play_unit(bench, Deviation(missing=0.9))
+    lost = run_unit_trial(bench, Deviation(missing=0.9))
     assert lost.failure
     result = score_unit(1, lost)
     assert result.scores == ()
-    assert not result.as_good
+    assert not result.meets_paper
 
 
 def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
-    quick = replace(bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction=0, thickness=0)}))
+    quick = replace(
+        bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction_min=0, thickness=0)})
+    )
     results = list(run_bench(quick))
     write_bench(tmp_path, quick, results)
     report = json.loads((tmp_path / "bench.json").read_text())
@@ -107,21 +109,21 @@ def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
 
 
 def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
-    tolerance = ToleranceSpec(thickness=0.1, friction=0.6, friction_most=0.9)
+    tolerance = ToleranceSpec(thickness=0.1, friction_min=0.6, friction_max=0.9)
     bench = small_bench(tmp_path, write_small_twin(tmp_path / "twin.h5"), known=4, azimuths=1, tolerance=tolerance)
     results = list(run_bench(bench))
-    unit = results[1].played
+    unit = results[1].trial
     assert not unit.failure
-    learnt = {each.name: each for each in unit.learnt}
+    learnt = {each.name: each for each in unit.parameters}
     assert learnt["thickness"].truth == unit.deviation.thickness != 0
-    assert learnt["thickness"].before == pytest.approx(0.1 / np.sqrt(3))
-    slips = [each for each in unit.learnt if each.name.startswith("1/friction")]
+    assert learnt["thickness"].prior_sd == pytest.approx(0.1 / np.sqrt(3))
+    slips = [each for each in unit.parameters if each.name.startswith("1/friction")]
     assert [each.truth for each in slips] == 4 * [1 / unit.deviation.friction]
     assert rms(np.array([each.mean - each.truth for each in slips])) < 0.3  # a coarse mesh of the same cells
-    force, off, half = gather([unit], "force_n")
+    force, off, half = collect_estimates([unit], "force_n")
     assert (force > 0.02).all()
     assert rms(off / force) < 0.1
-    assert 0.3 < cover(off, half) <= 1.0
+    assert 0.3 < covered_share(off, half) <= 1.0
     write_bench(tmp_path / "out", bench, results)
     page = (tmp_path / "out" / "bench.md").read_text()
     assert "| thickness | 1 |" in page
@@ -130,14 +132,14 @@ def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
 
 
 def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
-    only = {"seating_tilt_deg": 0.3, "touch": 1.0, "pad": 0.3}
+    only = {"seating_tilt_deg": 0.3, "depth_zero": 1.0, "print_shift": 0.3}
     none = {name: 0 for name in ToleranceSpec.model_fields if name not in only}
     tolerance = ToleranceSpec(**none, **only)
     chosen = replace(bench, spec=bench.spec.model_copy(update={"tolerance": tolerance, "azimuths": 1}))
     lines = {line.name: line for line in run_budget(chosen)}
-    assert set(lines) == {"model", "images", "pad", "seating_tilt_deg", "touch", "touch_unknown"}
+    assert set(lines) == {"model", "images", "print_shift", "seating_tilt_deg", "depth_zero", "touch_unknown"}
     assert lines["seating_tilt_deg"].angle_deg == pytest.approx(0.3)
-    assert lines["touch"].depth < 1e-9
+    assert lines["depth_zero"].depth < 1e-9
     assert lines["touch_unknown"].depth == pytest.approx(1.0)
     assert lines["images"].angle_deg < lines["model"].angle_deg
     assert total(list(lines.values())) > 0.3
@@ -146,9 +148,9 @@ def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
 
 
 def test_only_what_costs_much_and_can_be_learned_is_recommended():
-    costs = {"model": 0.05, "seating_tilt_deg": 0.4, "friction": 0.3, "dot": 0.01}
+    costs = {"model": 0.05, "seating_tilt_deg": 0.4, "friction_min": 0.3, "marker_position": 0.01}
     lines = [BudgetLine(name, name, "", cost, cost, 0.0, 1) for name, cost in costs.items()]
-    assert recommend(lines, ToleranceSpec()) == {"friction": 0.8}
+    assert recommend_randomisation(lines, ToleranceSpec()) == {"friction_min": 0.8}
     assert total(lines) == pytest.approx(np.sqrt(sum(cost**2 for cost in costs.values())))
 
 
@@ -169,25 +171,27 @@ def test_units_that_cannot_be_inverted_are_refused(bench):
     with refused("inverted-needs-own-solver", "calculix"):
         VirtualBenchSpec(inverted=1, solver="calculix")
     shallow = replace(bench, spec=bench.spec.model_copy(update={"units": 1, "inverted": 1, "tilts": 1, "depth": 2.5}))
-    played = play_unit(shallow, replace(Deviation(), unit=1))
+    played = run_unit_trial(shallow, replace(Deviation(), unit=1))
     check_values(played.failure, "2.5 mm")
 
 
 def test_a_model_that_is_not_there_is_refused(bench, tmp_path):
     with refused("file-unreadable"):
-        play_unit(replace(bench, model=tmp_path / "none.onnx"), Deviation())
+        run_unit_trial(replace(bench, model=tmp_path / "none.onnx"), Deviation())
 
 
 def test_clean_images_are_another_bench(bench):
     clean = replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()}))
-    assert not np.array_equal(play_unit(clean, Deviation()).estimates, play_unit(bench, Deviation()).estimates)
+    assert not np.array_equal(
+        run_unit_trial(clean, Deviation()).estimates, run_unit_trial(bench, Deviation()).estimates
+    )
 
 
 @needs_program("calculix-ccx")
 def test_calculix_as_the_solver_gives_about_the_same_readings(bench):
     quick = bench.spec.model_copy(update={"tilts": 1, "contact": "frictionless"})
     units = [
-        play_unit(replace(bench, spec=quick.model_copy(update={"solver": solver})), Deviation())
+        run_unit_trial(replace(bench, spec=quick.model_copy(update={"solver": solver})), Deviation())
         for solver in ("palpate", "calculix")
     ]
     assert not units[1].failure

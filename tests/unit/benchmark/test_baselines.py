@@ -21,7 +21,7 @@ from palpate.benchmark import (
 from palpate.benchmark import run_baselines as door
 from palpate.benchmark.fit_baseline import order_images
 from palpate.benchmark.read_set import SplitMarkers
-from palpate.benchmark.register_images import build_dataset, design_rest, register_images
+from palpate.benchmark.register_images import align_to_design, build_dataset, design_rest
 
 TINY = PRESETS["tiny"]
 SPEC = TINY.model_copy(update={"designs": TINY.designs[:1], "presses": 30})
@@ -55,8 +55,8 @@ def test_ridge_and_the_fit_beat_chance_and_each_part_is_made_once(
         raise MadeAgainError
 
     module = __import__("sys").modules[door.__module__]
-    monkeypatch.setattr(module, "learn_design", again)
-    monkeypatch.setattr(module, "fit_design", again)
+    monkeypatch.setattr(module, "predict_by_markers", again)
+    monkeypatch.setattr(module, "predict_by_fit", again)
     assert run_baselines(made_set, spec, tmp_path, ("ridge", "twin"), workers=1) == first
     assert (tmp_path / "ridge.csv").read_bytes() == written
     with pytest.raises(MadeAgainError):
@@ -95,7 +95,7 @@ def test_registered_images_forget_how_a_camera_is_turned_and_shifted(made_set: B
         found.markers_px @ turn + [3.0, -2.0],
         {unit: seen @ turn + [3.0, -2.0] for unit, seen in found.rest_px.items()},
     )
-    assert np.allclose(register_images(moved, rest), register_images(found, rest), atol=1e-9)
+    assert np.allclose(align_to_design(moved, rest), align_to_design(found, rest), atol=1e-9)
 
 
 def test_a_dot_that_is_missing_moves_as_its_neighbours() -> None:
@@ -105,7 +105,7 @@ def test_a_dot_that_is_missing_moves_as_its_neighbours() -> None:
     printed = rest.copy()
     printed[12] = np.nan
     found = SplitMarkers(np.array([0]), np.array([1]), seen[None], {1: printed})
-    assert np.allclose(register_images(found, rest)[0], rest + np.array([2.0, -1.0]))
+    assert np.allclose(align_to_design(found, rest)[0], rest + np.array([2.0, -1.0]))
 
 
 def test_units_that_calibrate_teach_nothing(made_set: BenchmarkSet) -> None:

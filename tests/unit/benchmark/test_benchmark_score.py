@@ -74,7 +74,7 @@ def test_the_truth_has_no_error(made_set: BenchmarkSet, numbers: np.ndarray, lab
     found = score_predictions(made_set, told(numbers, labels))
     for line in found.lines:
         for part in line.parts.values():
-            assert (part.rmse, part.max, part.nineteen) == (0.0, 0.0, 0.0)
+            assert (part.rmse, part.max, part.p95) == (0.0, 0.0, 0.0)
 
 
 def test_figures_are_those_of_a_plain_calculation(
@@ -108,16 +108,16 @@ def test_figures_are_those_of_a_plain_calculation(
         assert line.images == len(rows) > 0
         assert part.rmse == pytest.approx((sum(e * e for e in errors) / len(errors)) ** 0.5, rel=1e-9)
         assert part.max == pytest.approx(errors[-1], rel=1e-9)
-        assert sum(e <= part.nineteen for e in errors) >= 0.95 * len(errors)
-        assert sum(e < part.nineteen for e in errors) < 0.95 * len(errors)
+        assert sum(e <= part.p95 for e in errors) >= 0.95 * len(errors)
+        assert sum(e < part.p95 for e in errors) < 0.95 * len(errors)
         assert part.coverage == pytest.approx(sum(e <= 0.4 for e in errors) / len(errors), rel=1e-9)
         assert part.half_width == pytest.approx(0.4)
     groups = {line.by: 0 for line in found.lines}
     for line in found.lines:
         groups[line.by] += line.images
     assert set(groups.values()) == {IMAGES}
-    worst = max(line.parts["angle"].nineteen for line in found.lines if line.by == "unit")
-    assert found.worst_unit_deg == worst
+    worst = max(line.parts["angle"].p95 for line in found.lines if line.by == "unit")
+    assert found.worst_unit_p95_deg == worst
 
 
 def test_predictions_of_other_rows_are_judged_as_bad_as_chance(

@@ -161,7 +161,7 @@ def test_images_and_forces_are_those_of_a_press_solved_anew(made_set: BenchmarkS
     )
     mesh = mesh_skin(build_skin(deviation.dome(design.skin)), MeshSpec(cells=SPEC.twin.cells))
     press = solve_press(mesh, deviation.material(get_material(SPEC.material)), wall)
-    layout = place_markers(build_skin(design.skin), design.print)
+    layout = place_markers(build_skin(design.skin), design.marker_layout)
     camera = build_camera(deviation.camera(SPEC.camera))
     moved = camera.project(press.positions(layout.positions)[-1]) - camera.project(layout.positions)
     seen = markers.markers_px[markers.image == table.image[row]][0] - markers.rest_px[unit]

@@ -9,24 +9,24 @@ import pytest
 
 from errors import refused
 from palpate.bench import Deviation, ToleranceSpec
-from palpate.bench.photograph import set_scene
-from palpate.built import IMPERFECTIONS, draw_deviation, single_deviation
+from palpate.bench.photograph import build_scene
+from palpate.built import IMPERFECTIONS, sample_deviation, single_deviation
 from palpate.camera import LENSES, CameraSpec, Lens, RenderSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
-TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0, bend=5.0)
+TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0, curvature=5.0)
 PARTS = {part: item for item in IMPERFECTIONS for part in item.parts}
 
 
 def test_every_deviation_is_within_its_tolerance_and_none_is_forgotten():
-    units = [draw_deviation(TOLERANCE, 0, number).as_dict() for number in range(1, 60)]
-    assert {item.name for item in IMPERFECTIONS} | {"friction_most"} == set(ToleranceSpec.model_fields)
+    units = [sample_deviation(TOLERANCE, 0, number).as_dict() for number in range(1, 60)]
+    assert {item.name for item in IMPERFECTIONS} | {"friction_max"} == set(ToleranceSpec.model_fields)
     for part, item in PARTS.items():
         drawn, limit = np.array([unit[part] for unit in units]), getattr(TOLERANCE, item.name)
-        if item.name == "friction":
+        if item.name == "friction_min":
             assert ((drawn >= limit) & (drawn <= 2 * limit)).all()
         else:
             assert np.abs(drawn).max() <= limit
@@ -40,7 +40,7 @@ class Pinhole(Lens):
     """A lens without coefficients."""
 
     name = "pinhole"
-    limit = math.inf
+    max_radius = math.inf
 
     def distort(self, points):
         return points
@@ -58,7 +58,7 @@ class Aside(Lens):
 
     name = "aside"
     leading = "bend"
-    limit = math.inf
+    max_radius = math.inf
     shift: float = 0.0
     bend: float = 0.0
 
@@ -87,11 +87,11 @@ def test_distortion_that_is_left_over_goes_to_the_coefficient_that_means_it(monk
 
 
 def test_a_unit_does_not_depend_on_how_many_are_drawn_nor_on_the_other_tolerances():
-    assert draw_deviation(TOLERANCE, 3, 7) == draw_deviation(TOLERANCE, 3, 7)
-    assert draw_deviation(TOLERANCE, 3, 7) != draw_deviation(TOLERANCE, 3, 8)
-    wider = draw_deviation(ToleranceSpec(thickness=0.1), 3, 7)
-    assert wider.thickness == pytest.approx(2 * draw_deviation(TOLERANCE, 3, 7).thickness)
-    assert wider.offset_x == draw_deviation(TOLERANCE, 3, 7).offset_x
+    assert sample_deviation(TOLERANCE, 3, 7) == sample_deviation(TOLERANCE, 3, 7)
+    assert sample_deviation(TOLERANCE, 3, 7) != sample_deviation(TOLERANCE, 3, 8)
+    wider = sample_deviation(ToleranceSpec(thickness=0.1), 3, 7)
+    assert wider.thickness == pytest.approx(2 * sample_deviation(TOLERANCE, 3, 7).thickness)
+    assert wider.offset_x == sample_deviation(TOLERANCE, 3, 7).offset_x
 
 
 @pytest.mark.parametrize("item", IMPERFECTIONS, ids=lambda item: item.name)
@@ -125,8 +125,10 @@ def test_the_camera_is_mounted_off_and_its_lens_not_quite_known():
 
 
 def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface():
-    as_designed = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
-    printed = set_scene(DOME, LAYOUT, Deviation(dot=0.1, pad_x=0.2), CameraSpec(), RenderSpec()).edges
+    as_designed = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
+    printed = build_scene(
+        DOME, LAYOUT, Deviation(marker_position=0.1, print_shift_x=0.2), CameraSpec(), RenderSpec()
+    ).edges
     assert np.abs(DOME.distance(printed)).max() < 1e-9
     off = np.linalg.norm(printed.mean(axis=1) - as_designed.mean(axis=1), axis=-1)
     assert 0.1 < off.max() < 0.6
@@ -135,8 +137,8 @@ def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface(
 
 
 def test_missing_dots_are_not_drawn_and_the_mark_never_is_missing():
-    edges = set_scene(DOME, LAYOUT, Deviation(missing=0.2, seed=4), CameraSpec(), RenderSpec()).edges
-    all_of_them = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
+    edges = build_scene(DOME, LAYOUT, Deviation(missing=0.2, seed=4), CameraSpec(), RenderSpec()).edges
+    all_of_them = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
     assert len(edges) == 38 - 7
     assert np.allclose(edges[-1], all_of_them[-1])
 
@@ -144,11 +146,11 @@ def test_missing_dots_are_not_drawn_and_the_mark_never_is_missing():
 def test_light_and_dirt_stay_while_noise_is_new():
     spec = RenderSpec(noise=2.0, dirt=10, unevenness=0.3)
     first, again = (spec.model_copy(update={"noise_seed": seed}) for seed in (1, 2))
-    images = [set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), chosen).at_rest() for chosen in (first, again)]
+    images = [build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), chosen).render_rest() for chosen in (first, again)]
     assert np.array_equal(images[0], images[1])  # the scene numbers its images itself
     from palpate.camera import build_camera, render
 
-    edges = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), spec).edges
+    edges = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), spec).edges
     one, two = (render(build_camera(), edges, chosen).astype(float) for chosen in (first, again))
     assert 2.0 < np.std(one - two) < 3.5
     assert abs(np.mean(one - two)) < 0.05

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from palpate.bench import DEGRADED, Deviation, set_scene
-from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, size_noise
-from palpate.camera import CameraSpec, build_camera, render, trace_dots
+from palpate.bench import DEGRADED, Deviation, build_scene
+from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, noise_by_diameter
+from palpate.camera import CameraSpec, build_camera, project_markers, render
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
@@ -19,9 +19,9 @@ def test_the_law_is_what_the_detector_shows_on_degraded_images(diameter: float, 
     rng, errors, detector = generator(1, "law"), [], None
     for number in range(10):
         x, y = rng.uniform(-0.3, 0.3, 2)
-        scene = set_scene(SKIN, layout, Deviation(offset_x=x, offset_y=y), CameraSpec(distance=distance), DEGRADED)
+        scene = build_scene(SKIN, layout, Deviation(offset_x=x, offset_y=y), CameraSpec(distance=distance), DEGRADED)
         image = render(scene.camera, scene.edges, DEGRADED.model_copy(update={"noise_seed": number}))
-        truth, sizes = trace_dots(scene.camera, scene.edges[:-1])
+        truth, sizes = project_markers(scene.camera, scene.edges[:-1])
         size = float(np.median(sizes))
         detector = detector or prepare_detector(image, DetectSpec(polarity="dark", diameter_px=size))
         found = detector.find(image).positions_px
@@ -38,10 +38,12 @@ def test_the_law_is_what_the_detector_shows_on_degraded_images(diameter: float, 
 
 
 def test_a_small_dot_is_found_worse_as_the_bound_says_and_the_usual_one_as_before() -> None:
-    assert size_noise(np.array([NOISE_DOT_PX]))[0] == pytest.approx(NOISE_PX, rel=1e-12)
-    small, half = size_noise(np.array([2.0, 1.0]))
+    assert noise_by_diameter(np.array([NOISE_DOT_PX]))[0] == pytest.approx(NOISE_PX, rel=1e-12)
+    small, half = noise_by_diameter(np.array([2.0, 1.0]))
     assert half / small == pytest.approx(np.sqrt(2.0), rel=0.03)
-    assert size_noise(np.array([20.0]))[0] > size_noise(np.array([6.0]))[0], "light is uneven across a large dot"
+    assert noise_by_diameter(np.array([20.0]))[0] > noise_by_diameter(np.array([6.0]))[0], (
+        "light is uneven across a large dot"
+    )
 
 
 def test_dots_of_a_millimetre_at_48_mm_have_the_noise_that_all_had() -> None:

@@ -3,10 +3,19 @@
 import numpy as np
 import pytest
 
-from palpate.built import ForeseeSpec, PoseFit, PoseFitter, RobotSpec, ToleranceSpec, foresee, learn_rest, model_unit
-from palpate.built.fit_pose import TWIN_SD, twin_sd
-from palpate.built.identify import twin_off_sd
-from palpate.built.noise import MODEL_PX
+from palpate.built import (
+    AccuracySpec,
+    PoseFit,
+    PoseFitter,
+    RobotUncertainty,
+    ToleranceSpec,
+    build_unit_model,
+    infer_from_rest,
+    predict_accuracy,
+)
+from palpate.built.fit_pose import TWIN_ERROR_SD, twin_sd
+from palpate.built.identify import twin_error_sd
+from palpate.built.noise import MODEL_ERROR_PX
 from palpate.built.scale import model_px, pixel_scale, touch_scale
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
@@ -18,7 +27,7 @@ from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SIZES = (1.0, 0.5)
-LENGTHS = ("thickness", "pad", "dot", "camera_offset", "camera_distance", "touch")
+LENGTHS = ("thickness", "print_shift", "marker_position", "camera_offset", "camera_distance", "depth_zero")
 POSE = np.array([4.0, -3.0, 2.2])
 
 
@@ -41,7 +50,7 @@ def layout_of(size: float) -> MarkerLayout:
 
 
 def press(size: float, tilt: float) -> Press:
-    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=3.0 * size, image_step=0.6 * size)
+    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=3.0 * size, depth_step=0.6 * size)
     mesh, solver = mesh_skin(build_skin(skin_of(size)), MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     return solve_press(mesh, ECOFLEX, wall, solver)
 
@@ -54,27 +63,27 @@ def twins() -> dict[float, Twin]:
 def read(twin: Twin, size: float) -> PoseFit:
     layout, camera, tolerance = layout_of(size), camera_of(size), tolerance_of(size)
     rest = build_camera(camera).project(layout.positions)
-    belief = learn_rest(twin, layout, camera, rest, tolerance, 0.02)
-    fitter = PoseFitter(model_unit(twin, layout, belief, tolerance), 0.02)
-    points = twin.print_dots(layout.positions).move(POSE * [1.0, 1.0, size], 0.0).positions
+    belief = infer_from_rest(twin, layout, camera, rest, tolerance, 0.02)
+    fitter = PoseFitter(build_unit_model(twin, layout, belief, tolerance), 0.02)
+    points = twin.with_markers(layout.positions).evaluate(POSE * [1.0, 1.0, size], 0.0).positions
     return fitter.fit(build_camera(camera).project(points))
 
 
 def test_the_dome_and_camera_of_the_constants_have_them_exactly() -> None:
     skin = build_skin(DomeSpec(height=20, thickness=2))
     assert np.array_equal(touch_scale(skin), np.ones(8))
-    assert np.array_equal(twin_sd(skin), TWIN_SD)
-    assert model_px(skin, CameraSpec()) == MODEL_PX
+    assert np.array_equal(twin_sd(skin), TWIN_ERROR_SD)
+    assert model_px(skin, CameraSpec()) == MODEL_ERROR_PX
 
 
 def test_half_the_size_has_half_the_lengths_and_twice_the_resolution_twice_the_pixels() -> None:
     skin, half = (build_skin(skin_of(size)) for size in SIZES)
-    assert twin_sd(half) == pytest.approx(TWIN_SD * [1.0, 1.0, 0.5, 1.0])
+    assert twin_sd(half) == pytest.approx(TWIN_ERROR_SD * [1.0, 1.0, 0.5, 1.0])
     assert touch_scale(half)[[2, 4, 5]] == pytest.approx([0.5, 2.0, 0.5])
-    assert twin_off_sd(half) == pytest.approx(0.5 * twin_off_sd(skin))
+    assert twin_error_sd(half) == pytest.approx(0.5 * twin_error_sd(skin))
     usual = CameraSpec()
     fine = usual.model_copy(update={"fx_px": 2 * usual.fx_px, "fy_px": 2 * usual.fy_px})
-    assert model_px(skin, fine) == pytest.approx(2 * MODEL_PX)
+    assert model_px(skin, fine) == pytest.approx(2 * MODEL_ERROR_PX)
     assert pixel_scale(half, camera_of(0.5)) == pytest.approx(1.0)
 
 
@@ -87,9 +96,9 @@ def test_a_sensor_of_half_the_size_in_as_many_pixels_is_as_sure_of_its_angles(tw
 def test_its_units_are_foreseen_to_be_as_good(twins: dict[float, Twin]) -> None:
     figures = []
     for size in SIZES:
-        robot = RobotSpec(depth=0.02 * size)
-        spec = ForeseeSpec(least_depth=1.0 * size, max_tilt_deg=9.0, known=2, robot=robot, noise_px=0.02)
+        robot = RobotUncertainty(depth=0.02 * size)
+        spec = AccuracySpec(min_depth=1.0 * size, max_tilt_deg=9.0, calibration_presses=2, robot=robot, noise_px=0.02)
         camera = build_camera(camera_of(size))
-        figures.append(foresee(twins[size], layout_of(size), camera, tolerance_of(size), spec))
+        figures.append(predict_accuracy(twins[size], layout_of(size), camera, tolerance_of(size), spec))
     assert figures[1].rmse_deg == pytest.approx(figures[0].rmse_deg, rel=0.02)
     assert figures[1].depth_rmse == pytest.approx(0.5 * figures[0].depth_rmse, rel=0.02)

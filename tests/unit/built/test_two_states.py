@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.bench.photograph import set_scene
-from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_dots, wrap_dots
+from palpate.bench.photograph import build_scene
+from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.camera import CameraSpec, RenderSpec, build_camera, marker_outlines, project_markers
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec
-from palpate.markers import Motion, Tracker
+from palpate.markers import MotionModel, Tracker
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -21,7 +21,7 @@ from presses import build_twin, solve_press
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=1))
 LAYOUT = place_markers(DOME, MarkerSpec(count=169))
-EDGES = wrap_dots(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
+EDGES = marker_outlines(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
 CAMERA = build_camera()
 NOISE = 0.02
 DEPTH = 6.0
@@ -29,7 +29,7 @@ TILTS = (0.0, 4.0, 8.0, 12.0)
 
 
 def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.4) -> Press:
-    wall = WallSpec(tilt_deg=tilt, azimuth_deg=70.0, depth=DEPTH, image_step=step)
+    wall = WallSpec(tilt_deg=tilt, azimuth_deg=70.0, depth=DEPTH, depth_step=step)
     mesh = mesh_skin(DOME, MeshSpec(cells=12, core=2 if branch is Branch.INVERTED else 1))
     return solve_press(mesh, ECOFLEX, wall, SolverSpec(derivatives=names), branch)
 
@@ -52,20 +52,23 @@ def other() -> Press:
 
 def shot(edges: np.ndarray) -> np.ndarray:
     """Centres of the traces of dots with these edges."""
-    return trace_dots(CAMERA, edges.reshape(len(LAYOUT), -1, 3)).centres
+    return project_markers(CAMERA, edges.reshape(len(LAYOUT), -1, 3)).centres
 
 
 def fitter(twin: Twin) -> PoseFitter:
     rest, tolerance = shot(EDGES), ToleranceSpec()
     return PoseFitter(
-        model_unit(twin, LAYOUT, learn_rest(twin, LAYOUT, CameraSpec(), rest, tolerance, NOISE), tolerance), NOISE
+        build_unit_model(
+            twin, LAYOUT, infer_from_rest(twin, LAYOUT, CameraSpec(), rest, tolerance, NOISE), tolerance
+        ),
+        NOISE,
     )
 
 
 def read(reader: PoseFitter, seen: Press, image: int) -> tuple[PoseFit, float, float]:
     """The fit of an image, and what it is off in degrees and mm."""
     found = reader.fit(shot(seen.positions(EDGES)[image]))
-    pose = (*seen.wall.pose_space.part(seen.wall.radial, seen.wall.turn_deg), seen.depth[image])
+    pose = (*seen.obstacle.pose_space.cartesian(seen.obstacle.radial, seen.obstacle.turn_deg), seen.depth[image])
     off = np.abs(found.pose - pose)
     return found, float(off[:2].max()), float(off[2])
 
@@ -83,7 +86,7 @@ def test_an_inverted_skin_is_read_and_said_to_be_one(twin: Twin, other: Press) -
         assert found.inverted
         assert angle < 0.15
         assert depth < 0.03
-        assert found.force.pressing.value == pytest.approx(np.linalg.norm(other.force[image]), rel=0.02)
+        assert found.force.normal_force.value == pytest.approx(np.linalg.norm(other.force[image]), rel=0.02)
         assert found.half_width[3] > 0.5  # every friction shows alike
 
 
@@ -107,16 +110,18 @@ def test_a_skin_that_comes_back_is_read_as_flat_again(twin: Twin, other: Press) 
 
 def test_a_picture_in_which_the_skin_has_popped_is_named_anew(twin: Twin, other: Press) -> None:
     """From rest to the inverted state at once: dots beside the ridge change places, until the fit foresees them."""
-    scene = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
-    sensor = open_sensor([scene.at_rest()], Unit(DOME, LAYOUT, nominal=CameraSpec()), twin)
-    picture = list(scene.through(other))[-1]
-    by_motion_alone = Tracker(Motion(sensor.naming.positions_px)).step(sensor.detector.find(picture).positions_px)
+    scene = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
+    sensor = open_sensor([scene.render_rest()], Unit(DOME, LAYOUT, nominal=CameraSpec()), twin)
+    picture = list(scene.render_press(other))[-1]
+    by_motion_alone = Tracker(MotionModel(sensor.assignment.positions_px)).step(
+        sensor.detector.find(picture).positions_px
+    )
     assert by_motion_alone.jumped
     reading = sensor.read(picture)
     assert reading.flags == ()
     assert reading.fit is not None
     assert reading.fit.inverted
-    pose = (*other.wall.pose_space.part(other.wall.radial, other.wall.turn_deg), DEPTH)
+    pose = (*other.obstacle.pose_space.cartesian(other.obstacle.radial, other.obstacle.turn_deg), DEPTH)
     assert reading.pose == pytest.approx(pose, abs=0.1)
 
 
@@ -124,14 +129,14 @@ def test_both_states_survive_the_file(twin: Twin, tmp_path) -> None:
     write_twin(tmp_path / "dome.h5", twin)
     again = read_twin(tmp_path / "dome.h5").inverted
     pose = np.array([3.0, -2.0, 4.5])
-    assert again.print_dots(LAYOUT.positions).move(pose, 0.0).positions == pytest.approx(
-        twin.inverted.print_dots(LAYOUT.positions).move(pose, 0.0).positions, abs=1e-12
+    assert again.with_markers(LAYOUT.positions).evaluate(pose, 0.0).positions == pytest.approx(
+        twin.inverted.with_markers(LAYOUT.positions).evaluate(pose, 0.0).positions, abs=1e-12
     )
 
 
 def test_a_skin_without_another_state_has_a_twin_of_one(flat: list[Press]) -> None:
     """The search says "none" as it does for a thick dome, where it ends at rest."""
-    wall = WallSpec(depth=0.8, image_step=0.2)
+    wall = WallSpec(depth=0.8, depth_step=0.2)
     none = solve_press(
         mesh_skin(DOME, MeshSpec(cells=12)), ECOFLEX, wall, SolverSpec(derivatives=TWIN_DERIVATIVES), Branch.INVERTED
     )

@@ -7,7 +7,7 @@ from scipy.special import gamma
 from errors import refused
 from needs import needs
 from palpate.cad import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, loft, read_step, revolve, write_step
-from palpate.design import ConeSpec, DomeSpec, MountSpec, build_module, build_skin, build_solid
+from palpate.design import ConeSpec, DomeSpec, MountSpec, build_contact_module, build_module_solid, build_skin
 from palpate.design.superellipse import Superellipse
 
 needs("build123d")
@@ -16,7 +16,7 @@ needs("build123d")
 @pytest.mark.parametrize(("height", "thickness"), [(10, 1), (20, 2), (30, 4)])
 def test_build_solid_has_the_volume_of_a_dome_and_a_drafted_ring(height: float, thickness: float) -> None:
     dome, mount = build_skin(DomeSpec(height=height, thickness=thickness)), MountSpec()
-    module = build_module(dome, mount)
+    module = build_contact_module(dome, mount)
 
     def cap(radius: float) -> float:
         up = dome.center_z + radius  # height of the part above the base plane
@@ -29,11 +29,11 @@ def test_build_solid_has_the_volume_of_a_dome_and_a_drafted_ring(height: float, 
     expected += frustum(module.flange_radius, module.flange_foot) - frustum(
         module.opening_radius, module.opening_foot
     )
-    assert build_solid(module).volume == pytest.approx(expected, rel=1e-6)
+    assert build_module_solid(module).volume == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_mesh_is_closed_faces_outward_and_keeps_the_volume() -> None:
-    solid = build_solid(build_module(build_skin(DomeSpec()), MountSpec()))
+    solid = build_module_solid(build_contact_module(build_skin(DomeSpec()), MountSpec()))
     mesh = solid.mesh()
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(solid.volume, rel=5e-3)
@@ -71,7 +71,7 @@ def test_extrude_and_revolve_follow_straight_outlines() -> None:
 
 def test_loft_round_a_circle_is_revolve() -> None:
     cone = ConeSpec(height=3.5, base_radius=12.9, thickness=0.5, flat_radius=10, edge_radius=2)
-    outline = build_module(build_skin(cone), MountSpec()).outline()
+    outline = build_contact_module(build_skin(cone), MountSpec()).outline()
     lofted, turned = loft(outline, Superellipse(1.0, 2.0).edge), revolve(outline)
     assert lofted.volume == pytest.approx(turned.volume, rel=1e-6)
     assert lofted.bounds == pytest.approx(turned.bounds, abs=1e-3)

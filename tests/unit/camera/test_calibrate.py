@@ -8,7 +8,7 @@ from synthetic_board import LENS, MATRIX, SIZE, views
 from errors import check_values, refused
 from palpate.camera import (
     BoardSpec,
-    CalibrateSpec,
+    CalibrationSpec,
     CameraSpec,
     build_camera,
     calibrate_camera,
@@ -32,7 +32,7 @@ def photos():
 
 
 def test_the_sample_photos_give_the_published_result():
-    spec = CalibrateSpec(board=BOARDS["chessboard"], window_px=11, keep_outliers=True)
+    spec = CalibrationSpec(board=BOARDS["chessboard"], window_px=11, keep_outliers=True)
     found = calibrate_camera(photos(), spec)
     assert found.rms_px == pytest.approx(0.40869477, abs=0.001)
     np.testing.assert_allclose(found.intrinsics_px, [536.07345, 536.01636, 342.37047, 235.53687], atol=0.2)
@@ -41,12 +41,12 @@ def test_the_sample_photos_give_the_published_result():
 
 
 def test_a_window_that_fits_the_squares_fits_the_photos_better():
-    assert calibrate_camera(photos(), CalibrateSpec(board=BOARDS["chessboard"])).rms_px < 0.2
+    assert calibrate_camera(photos(), CalibrationSpec(board=BOARDS["chessboard"])).rms_px < 0.2
 
 
 @pytest.mark.parametrize("name", BOARDS)
 def test_a_known_camera_is_found_from_sixteen_views_of_every_board(name):
-    found = calibrate_camera(views(BOARDS[name]), CalibrateSpec(board=BOARDS[name]))
+    found = calibrate_camera(views(BOARDS[name]), CalibrationSpec(board=BOARDS[name]))
     assert len(found.image_names) == 16
     np.testing.assert_allclose(found.intrinsics_px[:2], TRUE[:2], rtol=0.002)
     np.testing.assert_allclose(found.intrinsics_px[2:], TRUE[2:], atol=0.5)
@@ -81,7 +81,9 @@ def _calibrate_points(seen, board):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stage, "find_board", lambda *_: next(pending))
         blank = np.zeros((SIZE[1], SIZE[0]), np.uint8)
-        return calibrate_camera([(str(k), blank) for k in range(len(seen))], CalibrateSpec(board=board, fix_k3=True))
+        return calibrate_camera(
+            [(str(k), blank) for k in range(len(seen))], CalibrationSpec(board=board, fix_k3=True)
+        )
 
 
 def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp_path):
@@ -99,7 +101,7 @@ def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stage, "find_board", lambda *_: next(pending))
         blank = np.zeros((SIZE[1], SIZE[0]), np.uint8)
-        found = calibrate_camera([(str(k), blank) for k in range(14)], CalibrateSpec(board=board, lens="fisheye"))
+        found = calibrate_camera([(str(k), blank) for k in range(14)], CalibrationSpec(board=board, lens="fisheye"))
     assert found.model == "equidistant"
     np.testing.assert_allclose(found.intrinsics_px, TRUE, rtol=0.005)
     write_calibration(tmp_path / "fisheye.yaml", found)
@@ -128,7 +130,7 @@ def test_images_that_cannot_be_used_are_named_with_the_reason():
         ("small", cv2.resize(good[0][1], (320, 240))),
         ("dot", np.zeros((1, 1), np.uint8)),
     ]
-    found = calibrate_camera([*good, *bad], CalibrateSpec(board=board))
+    found = calibrate_camera([*good, *bad], CalibrationSpec(board=board))
     reasons = dict(found.rejected)
     assert set(reasons) == {"empty", "unread", "small", "dot"}
     assert "chessboard" in reasons["empty"]
@@ -140,14 +142,14 @@ def test_a_view_whose_points_are_wrong_is_left_out():
     name, image = good[0]
     x, y = np.meshgrid(np.arange(640, dtype=np.float32), np.arange(480, dtype=np.float32))
     bent = cv2.remap(image, x + 12 * np.sin(y / 40), y, cv2.INTER_LINEAR)
-    found = calibrate_camera([("bent " + name, bent), *good[1:]], CalibrateSpec(board=BOARDS["chessboard"]))
+    found = calibrate_camera([("bent " + name, bent), *good[1:]], CalibrationSpec(board=BOARDS["chessboard"]))
     assert [rejected[0] for rejected in found.rejected] == ["bent " + name]
     assert found.rejected[0][1].count(" px") == 2
 
 
 def test_too_few_images_are_refused():
     with refused("calibration-few-images", "2", "4"):
-        calibrate_camera(photos()[:2], CalibrateSpec(board=BOARDS["chessboard"]))
+        calibrate_camera(photos()[:2], CalibrationSpec(board=BOARDS["chessboard"]))
 
 
 def test_find_board_says_why_it_found_nothing():
@@ -157,7 +159,7 @@ def test_find_board_says_why_it_found_nothing():
 
 
 def test_a_calibration_is_read_by_opencv_and_comes_back(tmp_path):
-    found = calibrate_camera(photos(), CalibrateSpec(board=BOARDS["chessboard"]))
+    found = calibrate_camera(photos(), CalibrationSpec(board=BOARDS["chessboard"]))
     path = tmp_path / "camera.yaml"
     write_calibration(path, found)
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)

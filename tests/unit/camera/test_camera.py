@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from errors import refused
-from palpate.camera import Camera, CameraSpec, build_camera, list_presets, preset
+from palpate.camera import Camera, CameraSpec, build_camera, camera_preset, list_presets
 from palpate.design import Dome, MarkerSpec, place_markers
 
 BARREL = (-0.26509039, -0.046742201, 0.0018330155, -0.00031469161, 0.25231221)
@@ -92,7 +92,7 @@ def test_the_rim_hides_what_bulges_beyond_it() -> None:
 
 def test_where_the_lens_folds_nothing_is_seen_and_nothing_traced_back() -> None:
     camera = build_camera(CameraSpec(distortion=(-1.0, 0, 0, 0, 0), distance=20))
-    assert camera.lens.limit == pytest.approx(1 / np.sqrt(3))
+    assert camera.lens.max_radius == pytest.approx(1 / np.sqrt(3))
     beyond = [13.0, 0.0, 0.0]
     assert not camera.visible(beyond)
     with refused("lens-folds", "0.577"):
@@ -101,9 +101,9 @@ def test_where_the_lens_folds_nothing_is_seen_and_nothing_traced_back() -> None:
 
 def test_presets_are_known_by_name() -> None:
     assert list_presets() == ("davis346",)
-    assert (preset("davis346").width_px, preset("davis346").height_px) == (346, 260)
+    assert (camera_preset("davis346").width_px, camera_preset("davis346").height_px) == (346, 260)
     with refused("camera-unknown", "davis346"):
-        preset("gopro")
+        camera_preset("gopro")
 
 
 def test_the_dump_of_browns_lens_is_as_before_there_was_another() -> None:

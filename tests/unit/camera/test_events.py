@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.camera import EventSpec, build_camera, dot_edges, render, stream_events
+from palpate.camera import EventSpec, build_camera, flat_marker_outlines, render, stream_events
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
 EVEN = EventSpec(threshold=0.1, spread=0.0, dark=1.0)
@@ -34,7 +34,9 @@ def test_events_add_up_to_the_change_of_the_image():
     layout = place_markers(dome, MarkerSpec(count=37))
     normals = (layout.positions - [0, 0, dome.center_z]) / dome.radius
     images = [
-        render(build_camera(), dot_edges(layout.positions - np.array([0, 0, depth]), normals, layout.diameter))
+        render(
+            build_camera(), flat_marker_outlines(layout.positions - np.array([0, 0, depth]), normals, layout.diameter)
+        )
         for depth in (0.0, 0.4, 0.8)
     ]
     spec = EventSpec(spread=0.0)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render, trace_dots
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, project_markers, render
 from palpate.camera.dot_traces import edge_offsets
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
@@ -11,7 +11,7 @@ DOME = build_skin(DomeSpec())
 def dots(count=91):
     layout = place_markers(DOME, MarkerSpec(count=count))
     normals = (layout.positions - [0, 0, DOME.center_z]) / DOME.radius
-    return layout.positions, dot_edges(layout.positions, normals, layout.diameter)
+    return layout.positions, flat_marker_outlines(layout.positions, normals, layout.diameter)
 
 
 def centroids(image, near, reach=7):
@@ -34,7 +34,7 @@ def centroids(image, near, reach=7):
 def test_centroids_are_projection_and_ellipse_bias(spec):
     camera = build_camera(spec)
     centres, edges = dots(37)
-    expected = trace_dots(camera, edges).centres
+    expected = project_markers(camera, edges).centres
     found = centroids(render(camera, edges), expected)
     assert np.abs(found - expected).max() <= 0.02
     assert np.abs(found - camera.project(centres)).max() > 0.02
@@ -45,7 +45,9 @@ def test_the_bias_of_a_tilted_disc_is_the_closed_form():
     for tilt in np.radians([20.0, 45.0, 60.0]):
         normal = np.array([[np.sin(tilt), 0.0, np.cos(tilt)]])
         centre, radius = np.array([[0.0, 0.0, 12.0]]), 0.75
-        bias = trace_dots(camera, dot_edges(centre, normal, 2 * radius)).centres - camera.project(centre)
+        bias = project_markers(camera, flat_marker_outlines(centre, normal, 2 * radius)).centres - camera.project(
+            centre
+        )
         closed = 300.0 * radius**2 * np.sin(tilt) * np.cos(tilt) / 60.0**2
         assert np.abs(bias[0, 0]) == pytest.approx(closed, rel=2e-3)
         assert bias[0, 1] == pytest.approx(0.0, abs=1e-9)
@@ -85,4 +87,4 @@ def test_a_dot_behind_the_camera_or_outside_is_not_drawn():
     camera = build_camera()
     normal = np.array([[0.0, 0.0, 1.0]])
     for centre in ([[0.0, 0.0, -60.0]], [[500.0, 0.0, 10.0]]):
-        assert render(camera, dot_edges(np.array(centre), normal, 1.5)).min() == 200
+        assert render(camera, flat_marker_outlines(np.array(centre), normal, 1.5)).min() == 200

@@ -5,11 +5,19 @@ import pytest
 from numpy.typing import NDArray
 
 from errors import refused
-from palpate.built.shifted_cameras import ShiftedCameras
-from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, dot_edges, read_window, trace_dots
+from palpate.built.shifted_cameras import CameraDerivatives
+from palpate.camera import (
+    Camera,
+    CameraSpec,
+    WindowSpec,
+    build_camera,
+    flat_marker_outlines,
+    project_markers,
+    read_window,
+)
 from palpate.cli.unit import UnitFlags
 from palpate.design import ConeSpec, Dome, MarkerSpec, place_markers
-from palpate.markers import Naming
+from palpate.markers import MarkerAssignment
 from palpate.sensor.register import register_dome
 
 LEANING = {"distance": 24.0, "offset_x": 1.5, "offset_y": -2.0, "tilt_x_deg": 4.0, "tilt_y_deg": -5.0, "roll_deg": 30}
@@ -53,7 +61,7 @@ def test_rays_traced_from_the_pinhole_meet_the_points(window: WindowSpec) -> Non
     camera = behind(window)
     at, rays = trace(camera, camera.project(POINTS), window)
     assert miss(at, rays).max() < 1e-9
-    starts, sight = camera.sight(camera.project(POINTS))
+    starts, sight = camera.sight_lines(camera.project(POINTS))
     assert starts == pytest.approx(at, abs=1e-12)
     assert sight == pytest.approx(rays, abs=1e-12)
 
@@ -78,9 +86,9 @@ def test_near_the_axis_a_point_seems_as_deep_as_its_depth_over_the_index() -> No
 def test_a_window_as_dense_as_air_is_none() -> None:
     air = WindowSpec(thickness=5.0, index=1.0, gel_index=1.0)
     assert behind(air).project(POINTS) == pytest.approx(behind(None).project(POINTS), abs=1e-9)
-    starts, rays = behind(None).sight([[100.0, 80.0]])
+    starts, rays = behind(None).sight_lines([[100.0, 80.0]])
     assert starts == pytest.approx(behind(None).origin[None])
-    assert rays == pytest.approx(behind(air).sight([[100.0, 80.0]])[1], abs=1e-12)
+    assert rays == pytest.approx(behind(air).sight_lines([[100.0, 80.0]])[1], abs=1e-12)
 
 
 def test_what_stands_before_or_in_the_window_is_seen_without_a_jump() -> None:
@@ -114,7 +122,7 @@ def test_derivatives_by_the_camera_are_those_of_cameras_moved_past_the_window() 
         return build_camera(camera.spec.model_copy(update={name: getattr(camera.spec, name) + by}))
 
     pairs = [(moved(name, step), moved(name, -step)) for name, step in zip(names, steps, strict=True)]
-    found = ShiftedCameras(camera, pairs, steps).slopes(POINTS)
+    found = CameraDerivatives(camera, pairs, steps).jacobian(POINTS)
     wider = [
         (moved(name, 20 * step).project(POINTS) - moved(name, -20 * step).project(POINTS)) / (40 * step)
         for name, step in zip(names, steps, strict=True)
@@ -131,8 +139,8 @@ def test_the_camera_is_registered_behind_its_window() -> None:
     layout = place_markers(skin, MarkerSpec(count=61, diameter=0.6))
     nominal = CameraSpec(distance=24, window=WINDOWS[0])
     true = build_camera(nominal.model_copy(update={"distance": 24.3, "offset_x": 0.2, "tilt_y_deg": 0.8}))
-    seen = trace_dots(true, dot_edges(layout.positions, skin.normal(layout.positions), 0.6)).centres
-    naming = Naming(np.arange(len(seen)), seen, np.ones(len(seen), bool), 0.0, False, (), -1, 0.0)
+    seen = project_markers(true, flat_marker_outlines(layout.positions, skin.normal(layout.positions), 0.6)).centres
+    naming = MarkerAssignment(np.arange(len(seen)), seen, np.ones(len(seen), bool), 0.0, False, (), -1, 0.0)
     found = register_dome(naming, layout, skin, nominal).camera.spec
     assert found.window == nominal.window
     assert found.distance == pytest.approx(24.3, abs=2e-3)

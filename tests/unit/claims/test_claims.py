@@ -4,16 +4,16 @@ from dataclasses import replace
 import pytest
 
 from errors import check_values, refused
-from palpate.claims import Verdict, judge_claims, read_evidence
+from palpate.claims import Verdict, assess_claims, read_evidence
 from palpate.claims import write_claims as write_page
 from palpate.claims.claim import CLAIMS
 from palpate.claims.evidence import DESIGNS, Evidence
-from palpate.claims.judge_claims import JUDGES
-from palpate.claims.judge_material import judge_law, judge_mesh
+from palpate.claims.judge_claims import ASSESSMENTS
+from palpate.claims.judge_material import assess_law, assess_mesh
 from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER
 
-HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
+HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED
 WHOLE = evaluate_grid(PAPER)
 
 
@@ -58,16 +58,16 @@ def grid(changes=PRINTED, keep=lambda h, t, m: True, branches=ends):
 
 
 def verdict(claim, evidence):
-    (found,) = (answer for answer in judge_claims([evidence]) if answer.claim.name == claim)
+    (found,) = (answer for answer in assess_claims([evidence]) if answer.claim.name == claim)
     return found.finding.verdict
 
 
 def test_every_claim_but_that_of_the_real_sensor_is_answered():
-    names = [answer.claim.name for answer in judge_claims([grid()])]
+    names = [answer.claim.name for answer in assess_claims([grid()])]
     assert names == list(CLAIMS) == [f"C{number}" for number in (*range(1, 13), 14)]
 
 
-@pytest.mark.parametrize("claim", JUDGES)
+@pytest.mark.parametrize("claim", ASSESSMENTS)
 def test_a_grid_as_the_paper_prints_it_confirms_every_claim(claim):
     assert verdict(claim, grid()) == HOLDS
 
@@ -87,7 +87,7 @@ CONTRARY = {
 }
 
 
-@pytest.mark.parametrize("claim", JUDGES)
+@pytest.mark.parametrize("claim", ASSESSMENTS)
 def test_a_grid_that_says_otherwise_refutes_it(claim):
     assert verdict(claim, grid(CONTRARY[claim])) == FAILS
 
@@ -105,12 +105,15 @@ def test_the_best_design_must_be_within_both_printed_figures(rmse, greatest, exp
 
 @pytest.mark.parametrize("claim", ["C9", "C10", "C11", "C12", "C14"])
 def test_built_units_stand_beside_and_do_not_decide(claim):
-    built = {"built_rmse_deg": lambda h, t, m: 1 / error(h, t, m), "known_rmse_deg": lambda h, t, m: error(h, t, m)}
-    worst = {"built_worst_deg": lambda h, t, m: 3.0, "known_worst_deg": lambda h, t, m: 0.1}
-    (found,) = (one.finding for one in judge_claims([grid({**built, **worst})]) if one.claim.name == claim)
+    built = {
+        "built_rmse_deg": lambda h, t, m: 1 / error(h, t, m),
+        "calibrated_rmse_deg": lambda h, t, m: error(h, t, m),
+    }
+    worst = {"built_p95_deg": lambda h, t, m: 3.0, "calibrated_p95_deg": lambda h, t, m: 0.1}
+    (found,) = (one.finding for one in assess_claims([grid({**built, **worst})]) if one.claim.name == claim)
     assert found.verdict == HOLDS
     assert "built" in found.figures
-    (without,) = (one.finding for one in judge_claims([grid()]) if one.claim.name == claim)
+    (without,) = (one.finding for one in assess_claims([grid()]) if one.claim.name == claim)
     assert (found.why != without.why) == (claim not in ("C10", "C14"))
     assert "built" not in without.figures
 
@@ -120,13 +123,13 @@ def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
-    head = "height_mm,thickness_mm,markers,known,rmse_deg,worst_deg,depth_rmse_mm,noise_deg"
+    head = "height_mm,thickness_mm,markers,known,rmse_deg,p95_deg,depth_rmse_mm,noise_deg"
     table.write_text("\n".join([head, *rows]))
     write_grid(tmp_path / "study", grid().grid)
     grids, _ = read_evidence([tmp_path / "built", tmp_path / "study"])
     assert len(grids) == 1
-    assert grids[0].figures("known_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
-    (found,) = (one.finding for one in judge_claims(grids) if one.claim.name == "C9")
+    assert grids[0].figures("calibrated_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
+    (found,) = (one.finding for one in assess_claims(grids) if one.claim.name == "C9")
     assert "built" in found.figures
     check_values(found.figures, 12)
     table.write_text("height_mm,markers\n20,7\n")
@@ -149,9 +152,9 @@ def test_domes_that_stay_flat_are_open_only_where_they_could_invert(depth, expec
     assert verdict("C5", grid(flat, branches=lambda h, t: {0: "flat", 12: "flat"})) == expected
 
 
-@pytest.mark.parametrize("claim", JUDGES)
+@pytest.mark.parametrize("claim", ASSESSMENTS)
 def test_a_grid_without_the_designs_is_not_decided_and_says_what_it_needs(claim):
-    answers = judge_claims([grid(keep=lambda h, t, m: h == 30 and t == 4)])
+    answers = assess_claims([grid(keep=lambda h, t, m: h == 30 and t == 4)])
     (found,) = (answer.finding for answer in answers if answer.claim.name == claim)
     assert found.verdict == OPEN
     assert found.figures == ""
@@ -159,7 +162,7 @@ def test_a_grid_without_the_designs_is_not_decided_and_says_what_it_needs(claim)
 
 
 def test_one_missing_design_of_48_is_named():
-    answers = judge_claims([grid(keep=lambda h, t, m: (h, t, m) != (10, 3, 91))])
+    answers = assess_claims([grid(keep=lambda h, t, m: (h, t, m) != (10, 3, 91))])
     needs = {answer.claim.name: answer.finding.why for answer in answers if answer.finding.verdict == OPEN}
     mesh = needs.pop("C2")
     check_values(mesh, "palpate convergence")
@@ -181,18 +184,18 @@ def test_a_design_that_failed_is_missing_with_its_reason():
         else design
         for design in PAPER
     ]
-    answers = judge_claims([Evidence(evaluate_grid(failed), "x")])
+    answers = assess_claims([Evidence(evaluate_grid(failed), "x")])
     (found,) = (answer.finding for answer in answers if answer.claim.name == "C14")
     check_values(found.why, "H20 T2", 169, "the lamp went out")
 
 
 def test_without_a_grid_only_the_law_is_decided():
-    answers = judge_claims([])
+    answers = assess_claims([])
     assert {answer.claim.name for answer in answers if answer.finding.verdict != OPEN} == {"C1"}
 
 
 def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
-    finding = judge_law()
+    finding = assess_law()
     c10, c20, c30 = 0.0141156, 0.0001106, 0.0000048
 
     def nominal(stretch):
@@ -216,20 +219,20 @@ def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
 def test_a_mesh_is_fine_enough_only_where_all_finer_ones_agree(tmp_path, errors, expected):
     lines = ["elements,stress_error", *(f"{elements},{share}" for elements, share in errors.items())]
     (tmp_path / "convergence.csv").write_text("\n".join(lines))
-    assert judge_mesh(tmp_path / "convergence.csv").verdict == expected
+    assert assess_mesh(tmp_path / "convergence.csv").verdict == expected
 
 
 def test_a_broken_mesh_study_is_refused(tmp_path):
     (tmp_path / "convergence.csv").write_text("elements,stress_error\n100,much\n")
     with refused("convergence-table-unreadable"):
-        judge_mesh(tmp_path / "convergence.csv")
+        assess_mesh(tmp_path / "convergence.csv")
 
 
 def test_each_contact_law_of_a_mesh_study_is_answered(tmp_path):
     for law in ("frictionless", "no_slip"):
         (tmp_path / f"convergence_{law}.csv").write_text("elements,stress_error\n100,0.01\n200,0\n")
     grids, meshes = read_evidence([tmp_path])
-    answers = [answer for answer in judge_claims(grids, meshes) if answer.claim.name == "C2"]
+    answers = [answer for answer in assess_claims(grids, meshes) if answer.claim.name == "C2"]
     assert [answer.source for answer in answers] == ["mesh study, frictionless", "mesh study, no slip"]
     assert {answer.finding.verdict for answer in answers} == {HOLDS}
 
@@ -243,7 +246,7 @@ def test_two_contact_laws_are_answered_side_by_side(tmp_path):
     for contact in ("no-slip", "frictionless"):
         write_grid(tmp_path / contact, with_spec(contact, "best"))
     grids, meshes = read_evidence([tmp_path / "no-slip", tmp_path / "frictionless"])
-    answers = judge_claims(grids, meshes)
+    answers = assess_claims(grids, meshes)
     assert [answer.source for answer in answers if answer.claim.name == "C12"] == [
         "no-slip, best",
         "frictionless, best",
@@ -258,7 +261,7 @@ def test_a_folder_without_a_grid_is_refused(tmp_path):
 @pytest.mark.parametrize("ending", ["md", "html"])
 def test_the_page_tells_every_verdict_with_its_command_and_pictures(tmp_path, ending):
     evidence = grid(CONTRARY["C12"])
-    answers = judge_claims([evidence])
+    answers = assess_claims([evidence])
     page, *pictures = write_page(tmp_path / f"claims.{ending}", answers, [evidence], "palpate claims results/made-up")
     text = page.read_text()
     assert "palpate claims results/made-up" in text

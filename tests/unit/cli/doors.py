@@ -14,7 +14,7 @@ import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.benchmark import PRESETS
-from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
 from palpate.grid import evaluate_grid, write_grid
@@ -90,7 +90,14 @@ ROWS = {
         "--source first --out new",
         ("--source", "--layout"),
         ("--out",),
-        ("--workers 0", "--known 0", "--tolerance x=1", "--cluster local:2", "--height 10", "--material cheese"),
+        (
+            "--workers 0",
+            "--calibration-presses 0",
+            "--tolerance x=1",
+            "--cluster local:2",
+            "--height 10",
+            "--material cheese",
+        ),
     ),
     "grid show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
     "grid plot": Row(
@@ -116,7 +123,7 @@ ROWS = {
         "--requirements {wanted} --out new",
         ("--requirements",),
         ("--out",),
-        ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck", "--prove maybe"),
+        ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck", "--validate maybe"),
     ),
     "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
     "make": Row(
@@ -172,15 +179,15 @@ ROWS = {
         (
             "--tolerance x=1",
             "--tolerance dot",
-            "--tolerance dot=-1",
-            "--tolerance dot=nan",
-            "--tolerance dot=x",
+            "--tolerance marker_position=-1",
+            "--tolerance marker_position=nan",
+            "--tolerance marker_position=x",
             "--contact 11",
             "--contact nan",
             "--contact sticky",
             "--solver x",
             "--markers 91",
-            "--least-depth 9",
+            "--min-depth 9",
         ),
     ),
     "benchmark make": Row(
@@ -212,7 +219,7 @@ ROWS = {
         ("--recording", "--rest", "--from"),
         ("--out",),
         (
-            "--learn nothing",
+            "--targets nothing",
             "--image nothing",
             "--press nothing",
             "--angles turns",
@@ -220,7 +227,7 @@ ROWS = {
             "--euler xx",
             "--estimators x",
             "--correspondence x",
-            "--held-out 0.7",
+            "--test-share 0.7",
             "--from {twin}",
         ),
     ),
@@ -230,7 +237,7 @@ ROWS = {
         ("--out",),
         (
             "--walls 0",
-            "--known 9",
+            "--calibration-presses 9",
             "--tolerance 0",
             "--force 0.000001",
             "--model {model}",
@@ -239,7 +246,7 @@ ROWS = {
         ),
     ),
     "accept": Row(
-        f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",
+        f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --min-depth 0",
         ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
         ("--out",),
         ("--readings {truth}", "--markers 91"),
@@ -254,7 +261,7 @@ def furnish(folder: Path) -> dict[str, Path]:
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
-    edges = dot_edges(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)
+    edges = flat_marker_outlines(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)
     right = {name: folder / name for name in ("images", "photos", "results", "spare")}
     right["images"].mkdir()
     for number in range(3):
@@ -317,13 +324,13 @@ def still_twin(dome: Skin) -> Twin:
     return Twin(
         skin=dome,
         order=np.zeros(1, int),
-        shapes=np.zeros((1, 3, len(place_circles()))),
+        modes=np.zeros((1, 3, len(place_circles()))),
         tilts_deg=tilts,
         depths_mm=depths,
-        slips=np.zeros(1),
-        reach_mm=np.full((1, len(tilts)), 8.0),
+        inverse_frictions=np.zeros(1),
+        max_depth_mm=np.full((1, len(tilts)), 8.0),
         amplitudes=fit_spline(axes, pressed),
-        drifts=fit_spline(axes, drifts),
+        lateral=fit_spline(axes, drifts),
     )
 
 

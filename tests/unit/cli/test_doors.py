@@ -19,7 +19,7 @@ from palpate.cli import main
 COMMANDS = dict(list_commands())
 HEAVY = (
     ("mechanics.newton", "Problem", "solve"),
-    ("study.run_study", "Run", "do"),
+    ("study.run_study", "Run", "run"),
     ("viewer.guard", "Guard", "__init__"),
 )
 """What computes or serves: module, class, method."""

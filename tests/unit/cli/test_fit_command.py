@@ -82,7 +82,7 @@ def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixt
 
 
 def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone") == 0
+    assert call("fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone") == 0
     shown = capsys.readouterr().out
     assert "-3.6" in shown
     check_values(shown, "Drucker", 11.68, "--stable")
@@ -90,7 +90,7 @@ def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.
 
 
 def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = run_fit(capsys, ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "--stable")
+    shown = run_fit(capsys, ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "--stable")
     assert shown["stable"]
     assert shown["stable_fit"] is None
     assert shown["constants"][0]["low"] is None
@@ -101,7 +101,7 @@ def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFix
 
 def test_an_unstable_material_is_written_with_its_caution(tmp_path: Path) -> None:
     out = tmp_path / "soft.yaml"
-    assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
+    assert call("fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
     check_values(read_material(out).caution, 11.68)
 
 

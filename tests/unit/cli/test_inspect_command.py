@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from errors import check_refusal, check_values
-from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.cli import main
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 
@@ -24,7 +24,7 @@ def run(*words):
 def image(tmp_path):
     """The dome at rest, without the dot of marker 20."""
     points = np.delete(np.vstack([LAYOUT.positions, place_orientation_mark(DOME, LAYOUT)]), 20, axis=0)
-    edges = dot_edges(points, (points - [0, 0, DOME.center_z]) / DOME.radius, LAYOUT.diameter)
+    edges = flat_marker_outlines(points, (points - [0, 0, DOME.center_z]) / DOME.radius, LAYOUT.diameter)
     path = tmp_path / "rest.png"
     cv2.imwrite(str(path), render(build_camera(), edges, RenderSpec(noise=1.0, blur_px=0.6)))
     return path

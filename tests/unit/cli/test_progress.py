@@ -12,7 +12,7 @@ def test_every_part_of_a_search_is_counted_from_one(capsys: pytest.CaptureFixtur
         lines.planned(2, 1, 10.0)
         lines.ended("press", 5.0, 1.0, "")
         lines.ended("twin", 5.0, 1.0, "No press.")
-    lines.noted("4 of 60 skins tried.")
+    lines.message("4 of 60 skins tried.")
     said = capsys.readouterr().err.splitlines()
     assert said[:3] == said[3:6]
     for line, values in zip(said[:3], ((2, 1), ("[1/2] press", "1.0 s"), ("[2/2] twin", "No press.")), strict=True):

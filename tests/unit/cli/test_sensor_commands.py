@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from errors import check_refusal, check_values
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.cli import main
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
@@ -39,7 +39,7 @@ def recording(tmp_path):
     points = np.vstack([LAYOUT.positions, place_orientation_mark(DOME, LAYOUT)])
     normals = (points - [0, 0, DOME.center_z]) / DOME.radius
     for number, shift in enumerate((0.0, -1.0, -2.0)):
-        edges = dot_edges(points + np.array([0, 0, shift]), normals, LAYOUT.diameter)
+        edges = flat_marker_outlines(points + np.array([0, 0, shift]), normals, LAYOUT.diameter)
         cv2.imwrite(
             str(tmp_path / f"{number}.png"), render(build_camera(), edges, RenderSpec(noise=1.0, blur_px=0.6))
         )
@@ -185,11 +185,13 @@ def test_live_says_what_to_do_without_a_camera(model, capsys):
 def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, capsys):
     camera = build_camera(CameraSpec(roll_deg=65.0))
     normals = (LAYOUT.positions - [0, 0, DOME.center_z]) / DOME.radius
-    wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, image_step=4.0)
+    wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, depth_step=4.0)
     press = solve_press(mesh_skin(DOME, MeshSpec(cells=6)), get_material("zaid_2024_ecoflex_00_30"), wall)
     rest, pressed = press.positions(LAYOUT.positions)[[0, -1]]
     for name, points in (("0", rest), ("1", rest - [0, 0, 1]), ("2", rest - [0, 0, 2]), ("press", pressed)):
-        image = render(camera, dot_edges(points, normals, LAYOUT.diameter), RenderSpec(noise=1.0, blur_px=0.6))
+        image = render(
+            camera, flat_marker_outlines(points, normals, LAYOUT.diameter), RenderSpec(noise=1.0, blur_px=0.6)
+        )
         cv2.imwrite(str((recording if name != "press" else recording.parent) / f"{name}.png"), image)
     words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
     assert run(*words) == 2

@@ -16,7 +16,7 @@ from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin
 from palpate.material import get_material
-from palpate.study import MaterialSpec, study_of
+from palpate.study import MaterialSpec, single_design_study
 from palpate.twin import Twin, find_twin, twin_path, write_twin
 from palpate.twin.twin_file import material_text
 
@@ -54,7 +54,7 @@ def keep(folder: str, twin: Twin, age_s: float = 0.0) -> Path:
 def test_a_sensor_is_read_by_the_twin_of_its_design(command, at, house, capsys) -> None:
     path = keep("study", still_twin(SKIN))
     words = at.replace("images", str(house["images"])).split()
-    assert run(command, *words, *([] if command == "live" else ["--no-zero", "--least-depth", "0"])) in (0, 1)
+    assert run(command, *words, *([] if command == "live" else ["--no-zero", "--min-depth", "0"])) in (0, 1)
     check_values(capsys.readouterr().err, path)
 
 
@@ -72,12 +72,12 @@ def test_without_a_twin_the_command_that_makes_it_is_said_and_nothing_is_compute
 
 
 def test_the_best_twin_of_skin_and_material_reads_whenever_it_was_written() -> None:
-    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX), off_mm=0.02)
+    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX), interpolation_error_mm=0.02)
     keep("a_rough", mine, age_s=-10)
-    fine = keep("b_fine", replace(mine, off_mm=0.01), age_s=10)
-    keep("c_as_fine", replace(mine, off_mm=0.01))
-    keep("d_unsaid", replace(mine, off_mm=0.0, material=""))
-    keep("e_unchecked", replace(mine, off_mm=np.nan))
+    fine = keep("b_fine", replace(mine, interpolation_error_mm=0.01), age_s=10)
+    keep("c_as_fine", replace(mine, interpolation_error_mm=0.01))
+    keep("d_unsaid", replace(mine, interpolation_error_mm=0.0, material=""))
+    keep("e_unchecked", replace(mine, interpolation_error_mm=np.nan))
     keep("f_stiff", replace(mine, material=material_text(get_material("yeoh:1,1,1"))), age_s=-10)
     broken = twin_path(Path("results") / "broken", SKIN)
     broken.parent.mkdir(parents=True)
@@ -88,7 +88,7 @@ def test_the_best_twin_of_skin_and_material_reads_whenever_it_was_written() -> N
     told: list[PalpateError] = []
     assert find_twin(Path("results"), SKIN, ECOFLEX, told.append) == fine
     assert len(told) == 2
-    assert all(any(str(path) in error.what for error in told) for path in (broken, old))
+    assert all(any(str(path) in error.problem for error in told) for path in (broken, old))
     assert find_twin(Path("results"), build_skin(DomeSpec(thickness=1)), ECOFLEX) is None
     assert find_twin(Path("nowhere"), SKIN, ECOFLEX) is None
 
@@ -118,12 +118,12 @@ def test_a_bench_makes_the_twin_that_is_missing(monkeypatch, capsys) -> None:
     check_values(capsys.readouterr().err, "H20 T2")
     study, folder = asked[0]
     assert folder == Path("results") / "H20_T2"
-    assert study == study_of(DomeSpec(), MarkerSpec(count=37), MaterialSpec())
+    assert study == single_design_study(DomeSpec(), MarkerSpec(count=37), MaterialSpec())
 
 
 def test_a_design_is_a_study_of_its_own() -> None:
     skin = EllipsoidSpec(height=15, aspect=0.8)
-    study = study_of(skin, MarkerSpec(count=37), MaterialSpec(name="yeoh:1,1,1"))
+    study = single_design_study(skin, MarkerSpec(count=37), MaterialSpec(name="yeoh:1,1,1"))
     assert study.designs.skins() == (skin,)
     assert study.designs.markers == (MarkerSpec(count=37),)
     assert study.name == "ellipsoid_0.8_H15_T2_yeoh_1_1_1"

@@ -6,7 +6,7 @@ from palpate.core import MissingExtraError, PalpateError
 
 def test_an_error_keeps_sentence_and_remedy_apart() -> None:
     error = PalpateError("The wall is 0 mm thick.", "Give more than 0.2 mm.", code="wall-not-positive")
-    assert (error.what, error.remedy) == ("The wall is 0 mm thick.", "Give more than 0.2 mm.")
+    assert (error.problem, error.remedy) == ("The wall is 0 mm thick.", "Give more than 0.2 mm.")
     assert str(error) == "The wall is 0 mm thick. Give more than 0.2 mm."
 
 
@@ -19,7 +19,12 @@ def test_a_missing_extra_says_what_to_install() -> None:
 def test_an_error_keeps_its_code_from_one_process_to_another() -> None:
     for error in (PalpateError("No.", "Go.", code="no-way"), MissingExtraError("torch", "learn")):
         copy = pickle.loads(pickle.dumps(error))
-        assert (type(copy), copy.what, copy.remedy, copy.code) == (type(error), error.what, error.remedy, error.code)
+        assert (type(copy), copy.problem, copy.remedy, copy.code) == (
+            type(error),
+            error.problem,
+            error.remedy,
+            error.code,
+        )
         assert str(copy) == str(error)
 
 
@@ -28,6 +33,6 @@ def test_any_error_is_told_in_one_line() -> None:
     assert PalpateError.of(own) is own
     told = PalpateError.of(ValueError("bad shape\nmore"))
     assert told.code == "library-error"
-    check_values(told.what, "ValueError", "bad shape")
-    assert "more" not in told.what
-    check_values(PalpateError.of(KeyboardInterrupt()).what, "KeyboardInterrupt")
+    check_values(told.problem, "ValueError", "bad shape")
+    assert "more" not in told.problem
+    check_values(PalpateError.of(KeyboardInterrupt()).problem, "KeyboardInterrupt")

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from errors import refused
-from palpate.core import new_folder, writing, written_into, written_whole
+from palpate.core import atomic_folder, atomic_write, atomic_write_into, wrap_write_errors
 
 
 class InterruptedWorkError(Exception):
@@ -20,7 +20,7 @@ def break_off(path: Path) -> None:
 def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with written_whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.write_text("new")
         assert (draft.name, draft.parent.parent, path.read_text()) == ("a.txt", tmp_path, "old")
     assert path.read_text() == "new"
@@ -30,7 +30,7 @@ def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
 def test_a_file_that_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with pytest.raises(InterruptedWorkError), written_whole(path) as draft:
+    with pytest.raises(InterruptedWorkError), atomic_write(path) as draft:
         break_off(draft)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
@@ -38,7 +38,7 @@ def test_a_file_that_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
 
 def test_files_of_a_folder_appear_together(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "folder"
-    with written_into(folder) as drafts:
+    with atomic_write_into(folder) as drafts:
         for name in ("a.csv", "b.csv"):
             (drafts / name).write_text(name)
         assert [path for path in folder.iterdir() if path != drafts] == []
@@ -50,17 +50,17 @@ def test_a_new_folder_appears_whole_or_not_at_all(tmp_path: Path, there: bool) -
     folder = tmp_path / "pack"
     if there:
         folder.mkdir()
-    with pytest.raises(InterruptedWorkError), new_folder(folder) as draft:
+    with pytest.raises(InterruptedWorkError), atomic_folder(folder) as draft:
         break_off(draft / "half")
     assert [*tmp_path.rglob("*")] == ([folder] if there else [])
-    with new_folder(folder) as draft:
+    with atomic_folder(folder) as draft:
         (draft / "whole").write_text("")
     assert [path.name for path in folder.iterdir()] == ["whole"]
-    with refused("folder-exists"), new_folder(folder):
+    with refused("folder-exists"), atomic_folder(folder):
         pass
 
 
-@pytest.mark.parametrize("opened", [written_whole, written_into, new_folder])
+@pytest.mark.parametrize("opened", [atomic_write, atomic_write_into, atomic_folder])
 def test_what_cannot_be_written_is_reported_with_its_reason_and_remedy(tmp_path: Path, opened) -> None:
     (tmp_path / "file").write_text("")
     path = tmp_path / "file" / "a.txt"
@@ -69,5 +69,5 @@ def test_what_cannot_be_written_is_reported_with_its_reason_and_remedy(tmp_path:
 
 
 def test_an_error_without_a_reason_of_the_system_is_reported_as_it_is() -> None:
-    with refused("file-unwritable", "The grid", "disk full"), writing("The grid"):
+    with refused("file-unwritable", "The grid", "disk full"), wrap_write_errors("The grid"):
         raise OSError("disk full")

@@ -21,7 +21,7 @@ from palpate.cli import main
 from palpate.cli.border import BAD_INPUT, guarded
 from palpate.core import load_extra
 from palpate.relaxation import Relaxation, relax_history
-from palpate.sensor import KnownPress
+from palpate.sensor import ReferencePress
 
 ROOT = Path(__file__).parents[3]
 SOURCE = ROOT / "src" / "palpate"
@@ -230,7 +230,7 @@ def missing_image() -> None:
 
 
 def negative_depth() -> None:
-    KnownPress.simulate(np.zeros((2, 2)), (0.0, 0.0, -1.0), None, None)  # type: ignore[arg-type]
+    ReferencePress.simulate(np.zeros((2, 2)), (0.0, 0.0, -1.0), None, None)  # type: ignore[arg-type]
 
 
 def time_that_goes_back() -> None:

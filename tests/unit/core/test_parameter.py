@@ -1,7 +1,7 @@
 import pytest
 
 from errors import refused
-from palpate.core import Spec, flag_of, parameter, parameters
+from palpate.core import Spec, flag_name, parameter, parameters
 
 
 class HoleSpec(Spec):
@@ -64,4 +64,4 @@ class DrillSpec(Spec):
 
 
 def test_a_flag_is_declared_at_the_field_or_its_name_without_the_unit() -> None:
-    assert [flag_of(DrillSpec, name) for name in DrillSpec.model_fields] == ["point", "shank-length", "drill"]
+    assert [flag_name(DrillSpec, name) for name in DrillSpec.model_fields] == ["point", "shank-length", "drill"]

@@ -80,9 +80,9 @@ def test_a_broken_artefact_is_never_found(store: ArtefactStore, how: str) -> Non
 
 @pytest.mark.parametrize("how", [how for how in FAULTS if how not in ("bit flipped", "of another artefact")])
 def test_planning_sees_by_the_size_that_an_artefact_is_broken(store: ArtefactStore, how: str) -> None:
-    assert store.holds(ONE)
+    assert store.has(ONE)
     damage(store.path(ONE), how)
-    assert not store.holds(ONE)
+    assert not store.has(ONE)
     assert store.path(ONE).with_name(store.path(ONE).name + ".broken").exists()
 
 
@@ -91,9 +91,9 @@ def test_a_manifest_of_before_sizes_were_noted_is_held_to_its_checksum(store: Ar
     content = json.loads(manifest.read_text())
     del content["bytes"]
     manifest.write_text(json.dumps(content, indent=2))
-    assert store.holds(ONE)
+    assert store.has(ONE)
     store.path(ONE).write_text("forcd")
-    assert not store.holds(ONE)
+    assert not store.has(ONE)
 
 
 def test_list_store_tells_whole_from_quarantined_and_working(store: ArtefactStore) -> None:

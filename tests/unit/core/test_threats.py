@@ -11,7 +11,7 @@ import pytest
 
 import palpate
 from errors import refused
-from palpate.core import ArtefactStore, Recipe, refuse_outside_links
+from palpate.core import ArtefactStore, Recipe, reject_external_links
 
 SOURCE = Path(palpate.__file__).parent
 """Of the checkout, or of the wheel that is tested beside it."""
@@ -100,7 +100,7 @@ def test_refuse_outside_links_names_the_member_that_lies_in_another_file(tmp_pat
     with h5py.File(path) as file:
         assert file["inner/depth"][1] == 1.0, "without the check, HDF5 follows the link"
         with refused("hdf5-outside-link", "inner/depth"):
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
 
 
 def test_refuse_outside_links_refuses_raw_data_in_another_file(tmp_path: Path) -> None:
@@ -109,7 +109,7 @@ def test_refuse_outside_links_refuses_raw_data_in_another_file(tmp_path: Path) -
     with h5py.File(path, "w") as file:
         file.create_dataset("depth", (1,), "f8", external=[(str(tmp_path / "raw"), 0, 8)])
     with h5py.File(path) as file, refused("hdf5-outside-link", "depth"):
-        refuse_outside_links(file, path)
+        reject_external_links(file, path)
 
 
 def test_refuse_outside_links_refuses_virtual_datasets(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_refuse_outside_links_refuses_virtual_datasets(tmp_path: Path) -> None:
     with h5py.File(path, "a") as file:
         file.create_virtual_dataset("virtual", layout)
     with h5py.File(path) as file, refused("hdf5-outside-link", "virtual"):
-        refuse_outside_links(file, path)
+        reject_external_links(file, path)
 
 
 def test_refuse_outside_links_ends_where_links_run_in_a_circle(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_refuse_outside_links_ends_where_links_run_in_a_circle(tmp_path: Path) -
         file["soft"] = h5py.SoftLink("/a")
         file["depth"] = np.arange(3.0)
     with h5py.File(path) as file:
-        refuse_outside_links(file, path)
+        reject_external_links(file, path)
 
 
 @pytest.mark.parametrize("kind", ["..", "../up", "a/b", "/etc", "", ".hidden", "a\0b"])

@@ -8,10 +8,10 @@ from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 from needs import needs
 from palpate.dataset import (
     DatasetSpec,
+    check_leakage,
     draw_jitter,
     generate_dataset,
     read_dataset,
-    refuse_leakage,
     sample_poses,
     write_dataset,
 )
@@ -83,7 +83,7 @@ def test_a_press_on_both_sides_is_refused(dataset):
 def test_one_pose_under_two_numbers_on_both_sides_is_refused():
     poses = np.array([[1.0, 2.0, 2.4], [1.0, 2.0, 2.4]])
     with refused("split-shares-pose", "1.000", "2.000"):
-        refuse_leakage(np.array([0, 1]), poses, np.array([True, False]))
+        check_leakage(np.array([0, 1]), poses, np.array([True, False]))
 
 
 def test_images_out_of_reach_are_counted_by_reason():

@@ -9,7 +9,14 @@ import pytest
 from errors import refused
 from kinematic_press import RADIUS, KinematicPress, PinholeCamera, kinematic_positions, rings, solved
 from palpate.camera import CameraSpec, build_camera
-from palpate.dataset import DatasetSpec, RandomiseSpec, VariedPresses, generate_dataset, read_dataset, write_dataset
+from palpate.dataset import (
+    DatasetSpec,
+    PerturbedPresses,
+    RandomisationSpec,
+    generate_dataset,
+    read_dataset,
+    write_dataset,
+)
 from palpate.design import Dome, MarkerLayout
 
 LAYOUT, CAMERA = rings(), PinholeCamera()
@@ -33,7 +40,7 @@ def group(**changes):
 
 
 def spec(**randomise):
-    return DatasetSpec(n_presses=60, randomise=RandomiseSpec(**randomise))
+    return DatasetSpec(n_presses=60, randomise=RandomisationSpec(**randomise))
 
 
 def test_a_spec_without_randomisation_is_written_as_before_there_was_any():
@@ -59,7 +66,7 @@ def test_nothing_varied_gives_the_same_images():
 
 def test_every_slip_between_the_pressed_ones_is_seen():
     chosen = spec(frictions=(1.2, 0.6))
-    relatives = VariedPresses(frictions=(group(slip=SLIP), group(slip=2 * SLIP)))
+    relatives = PerturbedPresses(frictions=(group(slip=SLIP), group(slip=2 * SLIP)))
     dataset = generate_dataset(solved(), LAYOUT, CAMERA, chosen, relatives)
     slips = []
     for image, (rx, ry, depth) in zip(dataset.images_px[::8], dataset.poses[::8], strict=True):
@@ -77,7 +84,7 @@ def test_every_slip_between_the_pressed_ones_is_seen():
 def test_walls_thinner_and_thicker_are_seen():
     chosen = spec(thickness=0.05)
     dataset = generate_dataset(
-        solved(), LAYOUT, CAMERA, chosen, VariedPresses(thicknesses=(group(thick=-THICK), group(thick=THICK)))
+        solved(), LAYOUT, CAMERA, chosen, PerturbedPresses(thicknesses=(group(thick=-THICK), group(thick=THICK)))
     )
     deep = dataset.poses[:, 2] > 7.9
     plain = generate_dataset(solved(), LAYOUT, CAMERA, DatasetSpec(n_presses=60))
@@ -89,13 +96,13 @@ def test_walls_thinner_and_thicker_are_seen():
 def test_presses_that_are_asked_for_must_be_there():
     with refused("dataset-variation-missing", "friction", "1", "0"):
         generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)))
-    shallow = VariedPresses(frictions=(group(reached=4.0),))
+    shallow = PerturbedPresses(frictions=(group(reached=4.0),))
     with refused("dataset-variation-short", "4"):
         generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), shallow)
 
 
 def test_units_on_different_branches_are_left_out_with_the_reason():
-    snapped = VariedPresses(frictions=(group(inverted_from=5.0),))
+    snapped = PerturbedPresses(frictions=(group(inverted_from=5.0),))
     dataset = generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), snapped)
     assert dataset.dropped == {"units on different branches": 60 * 4}
 
@@ -113,11 +120,11 @@ def test_a_misprinted_dot_moves_as_the_surface_beneath_it_and_looks_as_designed_
     assert 0.02 < off[deep].max() < 1.0
     assert np.array_equal(dataset.rest_px, plain.rest_px)
     # the displacement itself: that of the surface a little aside, against the closed form
-    from palpate.dataset.vary import vary_field
+    from palpate.dataset.vary import randomise_field
 
-    field = vary_field(presses, layout, VariedPresses(), spec(dot=0.2))
+    field = randomise_field(presses, layout, PerturbedPresses(), spec(dot=0.2))
     step = np.full((1, len(layout.positions), 2), 0.1)
-    there = replace(field, off=step)
+    there = replace(field, tangent_offsets=step)
     rest = there.rest_of(np.array([0]))[0]
     assert np.linalg.norm(rest - layout.positions, axis=1) == pytest.approx(np.full(37, 0.1 * np.sqrt(2)), rel=0.02)
     moved = there.positions(np.array([[5.0, 2.0]]), np.array([0]), 9)[0]
@@ -140,7 +147,7 @@ def test_another_camera_under_every_unit_is_seen_after_rest_was_taken_off():
 
 def test_a_varied_dataset_survives_its_file(tmp_path):
     made = generate_dataset(
-        solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), VariedPresses(frictions=(group(slip=SLIP),))
+        solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), PerturbedPresses(frictions=(group(slip=SLIP),))
     )
     write_dataset(tmp_path / "d.h5", made)
     assert read_dataset(tmp_path / "d.h5").spec == made.spec
@@ -148,4 +155,4 @@ def test_a_varied_dataset_survives_its_file(tmp_path):
 
 def test_frictions_are_numbers_given_once():
     with refused("frictions-malformed"):
-        RandomiseSpec(frictions=(1.0, 1.0))
+        RandomisationSpec(frictions=(1.0, 1.0))

@@ -16,7 +16,7 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec
 from palpate.fea.edge import EdgeSpec
 from palpate.material import get_material
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
 from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 from presses import solve_press
@@ -43,7 +43,7 @@ def pair() -> Pair:
 @needs_ccx
 class TestAgreement:
     def test_images_are_at_the_same_depths(self, pair: Pair) -> None:
-        assert pair.theirs.ended is Ended.DEPTH_REACHED
+        assert pair.theirs.ended is EndReason.DEPTH_REACHED
         assert pair.theirs.depth == pytest.approx(pair.ours.depth)
         assert list(pair.theirs.branch) == list(pair.ours.branch)
         assert pair.theirs.solved_by == "calculix"
@@ -64,7 +64,7 @@ class TestAgreement:
 
     def test_what_calculix_does_not_give_is_nan(self, pair: Pair) -> None:
         assert np.isnan(pair.theirs.contact_energy).all()
-        assert np.isnan(pair.theirs.hold_tension).all()
+        assert np.isnan(pair.theirs.stabilisation_tension).all()
         assert (pair.theirs.negative_pivots == -1).all()
 
     def test_the_rest_is_measured(self, pair: Pair) -> None:
@@ -194,9 +194,9 @@ def test_stored_energy_of_a_swelling_is_that_of_its_bulk_modulus() -> None:
 @pytest.mark.parametrize(
     "obstacle",
     [
-        BallSpec(radius=8, offset=4, depth=3, image_step=1),
-        CylinderSpec(radius=8, offset=3, depth=3, image_step=1),
-        EdgeSpec(radius=6, opening_deg=120, offset=2, depth=3, image_step=1),
+        BallSpec(radius=8, offset=4, depth=3, depth_step=1),
+        CylinderSpec(radius=8, offset=3, depth=3, depth_step=1),
+        EdgeSpec(radius=6, opening_deg=120, offset=2, depth=3, depth_step=1),
     ],
     ids=["ball", "bar", "edge"],
 )

@@ -103,7 +103,7 @@ def test_shell_normals_point_outward() -> None:
 
 @pytest.mark.parametrize(("dialect", "element"), DIALECTS)
 def test_the_wall_travels_to_the_depth_with_an_image_every_step(dialect: str, element: str) -> None:
-    found = {card.keyword: card for card in cards(text_of(dialect, element, WallSpec(depth=4, image_step=0.8)))}
+    found = {card.keyword: card for card in cards(text_of(dialect, element, WallSpec(depth=4, depth_step=0.8)))}
     assert [float(row[0]) for row in found["TIME POINTS"].data] == pytest.approx([0.8, 1.6, 2.4, 3.2, 4.0])
     assert found["STATIC"].data == [["0.4", "4", "0.0001", "0.4"]]
     assert [row[3] for row in found["BOUNDARY"].data if len(row) > 3] == ["-4"]

@@ -24,7 +24,7 @@ COARSE = MeshSpec(cells=10, core=2)
 
 
 def side(tilt_deg: float, **more: Any) -> SideWallSpec:
-    travel = {"depth": 2.0, "image_step": 1.0, "contact": "frictionless"} | more
+    travel = {"depth": 2.0, "depth_step": 1.0, "contact": "frictionless"} | more
     return SideWallSpec(tilt_deg=tilt_deg, **travel)
 
 
@@ -106,7 +106,7 @@ def test_the_wall_touches_in_one_point_looks_at_the_skin_and_is_as_long(dialect:
     before = (nodes - corners[0]) @ facing
     assert (before > 0).all()
     middle = corners.mean(axis=0)
-    assert middle == pytest.approx(SKIN.touch(outward(92, 40)), abs=1e-6)
+    assert middle == pytest.approx(SKIN.support_point(outward(92, 40)), abs=1e-6)
     for edge in (corners[1] - corners[0], corners[3] - corners[0]):
         length = np.linalg.norm(edge)
         assert np.abs((nodes - middle) @ edge / length).max() < length / 2
@@ -124,11 +124,11 @@ class Sliding(ObstacleSpec):
     kind: str = "sliding"
     tilt_deg: float = 90.0
 
-    def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
+    def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         """It is for barrels."""
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return "sliding"
 
     @property
@@ -141,15 +141,15 @@ class Sliding(ObstacleSpec):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return PoseSpace.of_sides()
+        return PoseSpace.for_side_walls()
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
-        return side(self.tilt_deg).at_touch(mesh)
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        return side(self.tilt_deg).at_first_contact(mesh)
 
 
 def centred(wall: ObstacleSpec, spec: MeshSpec = COARSE) -> Mesh:
     mesh = mesh_skin(SKIN, spec)
-    return centre_mesh(mesh, wall.at_touch(mesh)[1])
+    return centre_mesh(mesh, wall.at_first_contact(mesh)[1])
 
 
 @pytest.fixture(scope="module")
@@ -181,11 +181,11 @@ class TestAgreement:
         points = place_markers(SKIN, MarkerSpec(rows=8, around=8, pitch=30)).positions
         away = np.linalg.norm(theirs.positions(points)[-1] - ours.positions(points)[-1], axis=-1)
         assert np.sqrt((away**2).mean()) < 0.01 * 2.0
-        assert np.abs(ours.moved(points)[-1]).max() > 0.5
+        assert np.abs(ours.displacement_at(points)[-1]).max() > 0.5
 
     def test_a_wall_that_comes_down_along_the_axis_hardly_presses(self, pair: tuple[Press, Press]) -> None:
         """A control: two millimetres along the axis are a tenth of one towards the barrel."""
-        wall = Sliding(tilt_deg=87.0, depth=2.0, image_step=1.0, contact="frictionless")
+        wall = Sliding(tilt_deg=87.0, depth=2.0, depth_step=1.0, contact="frictionless")
         slid = solve_press_calculix(centred(wall), SILICONE, wall)
         assert 0 < slid.force[-1] @ outward(87) < 0.1 * pair[1].force[-1] @ outward(87)
 

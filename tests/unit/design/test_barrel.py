@@ -42,7 +42,7 @@ def test_nodes_of_the_published_mesh_lie_on_the_surfaces() -> None:
     ends = TACLINK.point(np.array([[TACLINK.hole, 0.0], [0.0, 1.0]]), 1.0)
     assert ends == pytest.approx(np.array([[36.284, 0, 260], [0, 36.284, 0]]), abs=1e-3)
     assert TACLINK.arc_radius == pytest.approx(500.0, abs=0.02)
-    assert TACLINK.touch(np.array([0.0, -1.0, 0.0])) == pytest.approx([0.0, -53.361, 130.0])
+    assert TACLINK.support_point(np.array([0.0, -1.0, 0.0])) == pytest.approx([0.0, -53.361, 130.0])
 
 
 def test_rows_are_those_of_the_published_markers() -> None:
@@ -124,7 +124,7 @@ def test_a_wall_at_the_side_touches_where_the_outer_arc_is_farthest(skin: Barrel
     outer, reach = skin.point(ring(skin, 2000, 1.0), 1.0), skin.arc_radius + skin.thickness
     for lean in (-8.0, 0.0, 3.0):
         normal = wall_normal(*rotation_vector(np.radians(90 + lean), 0.4))
-        touch = skin.touch(normal)
+        touch = skin.support_point(normal)
         assert ((outer - touch) @ normal).max() < 1e-9
         assert touch[2] == pytest.approx(skin.height / 2 - reach * np.sin(np.radians(lean)))
         edge = [
@@ -149,7 +149,7 @@ def test_a_barrel_that_hardly_bulges_is_a_cylinder() -> None:
 def test_all_markers_are_in_sight_of_a_fisheye_and_rays_through_their_pixels_meet_them() -> None:
     camera, layout = build_camera(read_study("barrel").camera), place_markers(TACLINK, ROWS)
     assert camera.visible(layout.positions, TACLINK).all()
-    starts, rays = camera.sight(camera.project(layout.positions))
+    starts, rays = camera.sight_lines(camera.project(layout.positions))
     assert TACLINK.hit(starts, rays) == pytest.approx(layout.positions, abs=1e-6)
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from errors import check_values, refused
-from palpate.design import Dome, Finding, MarkerSpec, Severity, check_design, place_markers, refuse_errors
+from palpate.design import Dome, Finding, MarkerSpec, Severity, check_design, place_markers, raise_on_errors
 
 DOME = Dome(20.0, 20.0, 2.0)
 
@@ -34,7 +34,7 @@ def test_a_ring_outside_the_dome_is_an_error_with_a_remedy() -> None:
     assert finding.severity is Severity.ERROR
     check_values(finding.message, 12, "21 mm")
     with refused("ring-outside-dome", "40"):
-        refuse_errors(found.values())
+        raise_on_errors(found.values())
 
 
 def test_dots_that_overlap_are_reported_with_their_distance() -> None:
@@ -44,4 +44,4 @@ def test_dots_that_overlap_are_reported_with_their_distance() -> None:
 def test_a_dot_over_the_rim_is_reported() -> None:
     found = check(Dome(10.0, 20.0, 2.0), ring_diameters=(39.5,))
     assert found["marker-near-rim"].severity is Severity.WARNING
-    refuse_errors(found.values())
+    raise_on_errors(found.values())

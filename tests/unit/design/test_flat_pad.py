@@ -48,7 +48,7 @@ def test_a_pad_with_a_round_plan_is_the_cone() -> None:
     assert pad.distance(points) == pytest.approx(cone.distance(points), abs=1e-9)
     assert pad.normal(points) == pytest.approx(cone.normal(points), abs=1e-7)
     normal = wall_normal(*rotation_vector(np.radians(2), 0.7))
-    assert pad.touch(normal) == pytest.approx(cone.touch(normal))
+    assert pad.support_point(normal) == pytest.approx(cone.support_point(normal))
     assert pad.clamp_depth(0.1, "flat") == pytest.approx(cone.clamp_depth(0.1, "flat"))
     assert pad.rim_slope("flat") == pytest.approx(cone.rim_slope("flat"))
     assert pad.widest == pytest.approx(cone.widest)
@@ -82,8 +82,10 @@ def test_walls_of_every_azimuth_first_touch_the_outer_surface_where_nothing_is_a
     outer = PAD.point(np.random.default_rng(1).uniform(-0.7, 0.7, (4000, 2)), 1.0)
     for azimuth in np.radians([0, 1, 30, 45, 90, 200]):
         normal = wall_normal(*rotation_vector(np.radians(3), azimuth))
-        assert ((outer - PAD.touch(normal)) @ normal).max() < 1e-9
-        assert PAD.touch_height(normal[None])[0] == pytest.approx(PAD.touch(normal) @ normal / normal[2], abs=1e-9)
+        assert ((outer - PAD.support_point(normal)) @ normal).max() < 1e-9
+        assert PAD.support_height(normal[None])[0] == pytest.approx(
+            PAD.support_point(normal) @ normal / normal[2], abs=1e-9
+        )
 
 
 def test_a_pad_that_hangs_over_its_window_is_refused() -> None:

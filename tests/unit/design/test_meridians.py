@@ -41,8 +41,8 @@ def test_a_cone_whose_edge_is_the_whole_meridian_is_the_dome() -> None:
     for layer in (0.0, 1.0):
         expected = dome.point(place, layer, Rim.RADIAL)
         assert cone.point(place, layer, Rim.RADIAL) == pytest.approx(expected, abs=1e-6)
-    assert cone.touch(np.array([0.0, 0.1, np.sqrt(0.99)])) == pytest.approx(
-        dome.touch(np.array([0.0, 0.1, np.sqrt(0.99)])), abs=1e-6
+    assert cone.support_point(np.array([0.0, 0.1, np.sqrt(0.99)])) == pytest.approx(
+        dome.support_point(np.array([0.0, 0.1, np.sqrt(0.99)])), abs=1e-6
     )
 
 
@@ -101,7 +101,7 @@ def test_a_wall_touches_the_outermost_point(spec, tilt: float) -> None:
     normal = np.array([np.sin(np.radians(tilt)), 0.0, np.cos(np.radians(tilt))])
     s = np.linspace(0, 1, 200_001)
     outer = skin.point(np.column_stack([s, 0 * s]), 1.0)
-    assert skin.touch(normal) @ normal == pytest.approx((outer @ normal).max(), abs=1e-8)
+    assert skin.support_point(normal) @ normal == pytest.approx((outer @ normal).max(), abs=1e-8)
     slope = outer[-1] - outer[-2]
     assert skin.rim_slope(Rim.FLAT) == pytest.approx(np.arctan2(-slope[2], slope[0]), abs=1e-3)
 

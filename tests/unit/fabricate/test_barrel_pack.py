@@ -14,18 +14,18 @@ from needs import needs
 from palpate.cad import CadSolid, box, cylinder
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import (
+    ContactModule,
     MarkerLayout,
     MarkerSpec,
-    Module,
     MountSpec,
-    build_module,
-    build_solid,
+    build_contact_module,
+    build_module_solid,
     place_markers,
     place_orientation_mark,
 )
 from palpate.design.barrel import BarrelSpec
 from palpate.fabricate import PackSpec, ProcessSpec, build_enclosure, build_mold, check_process, write_pack
-from palpate.fabricate.check_parts import check_enclosure, check_frame, refuse_interference
+from palpate.fabricate.check_parts import check_enclosure, check_frame, check_interference
 from palpate.fabricate.enclosure import free_travel
 from palpate.fabricate.frame import ROD, plan_frame
 from palpate.fabricate.pins import build_dimples
@@ -52,8 +52,8 @@ def spec_of(**change: object) -> PackSpec:
 
 
 @pytest.fixture(scope="module")
-def module() -> Module:
-    return build_module(TACLINK, MOUNT)
+def module() -> ContactModule:
+    return build_contact_module(TACLINK, MOUNT)
 
 
 @pytest.fixture(scope="module")
@@ -65,9 +65,9 @@ def frustum(low: float, high: float, height: float) -> float:
     return np.pi * (low * low + low * high + high * high) / 3 * height
 
 
-def body_mm3(module: Module) -> float:
+def body_mm3(module: ContactModule) -> float:
     """Volume of the module, by Pappus for the wall: its section lies between two arcs and both ends."""
-    skin, half = module.dome, module.dome.height / 2
+    skin, half = module.skin, module.skin.height / 2
 
     def within(reach: float) -> float:
         return quad(lambda z: np.pi * (np.sqrt(reach**2 - z**2) - skin.centre_radius) ** 2, -half, half)[0]
@@ -78,16 +78,16 @@ def body_mm3(module: Module) -> float:
     return within(skin.arc_radius + skin.thickness) - within(skin.arc_radius) + 2 * ring
 
 
-def test_a_barrels_module_has_both_flanges_and_the_volume_of_its_section(module: Module) -> None:
-    body = build_solid(module)
+def test_a_barrels_module_has_both_flanges_and_the_volume_of_its_section(module: ContactModule) -> None:
+    body = build_module_solid(module)
     assert body.volume == pytest.approx(body_mm3(module), rel=1e-9)
     assert body.bounds[:, 2] == pytest.approx([-3.0, 263.0], abs=1e-6)
     upside_down = body.turned("x", 180.0).moved(z=260.0)
     assert body.overlap(upside_down) == pytest.approx(body.volume, rel=1e-6)
 
 
-def test_the_mesh_of_a_barrel_lies_on_both_arcs_also_between_its_points(module: Module) -> None:
-    mesh = build_solid(module).mesh()
+def test_the_mesh_of_a_barrel_lies_on_both_arcs_also_between_its_points(module: ContactModule) -> None:
+    mesh = build_module_solid(module).mesh()
     assert mesh.is_watertight
     corners = mesh.points[mesh.triangles]
     wall = corners[(corners[..., 2].min(axis=1) > -1e-6) & (corners[..., 2].max(axis=1) < 260 + 1e-6)]
@@ -99,7 +99,7 @@ def test_the_mesh_of_a_barrel_lies_on_both_arcs_also_between_its_points(module: 
     assert np.abs(middle[on_one]).max() < 0.022
 
 
-def test_core_halves_and_part_fill_the_block_of_a_barrel(module: Module) -> None:
+def test_core_halves_and_part_fill_the_block_of_a_barrel(module: ContactModule) -> None:
     spec, mold = PROCESS, build_mold(module, PROCESS)
     assert set(mold.parts) == {"mold_core", "mold_cavity_front", "mold_cavity_back"}
     block = np.pi * mold.radius**2 * (spec.plate + 266.0 + spec.mold_floor)
@@ -114,10 +114,10 @@ def test_core_halves_and_part_fill_the_block_of_a_barrel(module: Module) -> None
     assert all(part.pieces == 1 for part in mold.parts.values())
 
 
-def test_a_barrels_mold_closes_one_way_only(module: Module) -> None:
+def test_a_barrels_mold_closes_one_way_only(module: ContactModule) -> None:
     parts = build_mold(module, PROCESS).parts
     core, front, back = parts["mold_core"], parts["mold_cavity_front"], parts["mold_cavity_back"]
-    refuse_interference(parts)
+    check_interference(parts)
     assert core.overlap(front.moved(y=-30)) == pytest.approx(0.0, abs=1e-3)  # a half leaves the core sideways
     for turn in (90.0, 180.0, 270.0):
         assert core.overlap(front.turned("z", turn)) + core.overlap(back.turned("z", turn)) > 1.0
@@ -131,7 +131,7 @@ def test_dimples_are_where_the_dots_are_and_as_deep(layout: MarkerLayout) -> Non
     long = depth + 0.25 * TACLINK.thickness
     middles = np.array([dimple.bounds.mean(axis=0) for dimple in dimples])
     assert middles == pytest.approx(scale * (points + (long / 2 - depth) * TACLINK.normal(points)), abs=1e-5)
-    core = build_module(TACLINK, MOUNT, scale)
+    core = build_contact_module(TACLINK, MOUNT, scale)
     plug = core.solid(core.inside())
     across, along = 50.0 / np.cos(np.radians(0.86)), TACLINK.arc_radius
     ball = np.pi * 9 * depth - np.pi * 81 / 8 * (1 / across + 1 / along)  # of a middle row; the core bends away
@@ -155,12 +155,12 @@ def build_rows(pitch: float) -> MarkerLayout:
     return place_markers(TACLINK, MarkerSpec(rows=16, around=16, pitch=pitch, diameter=6))
 
 
-def test_rods_carry_the_far_end_between_the_columns_of_dots(module: Module, layout: MarkerLayout) -> None:
+def test_rods_carry_the_far_end_between_the_columns_of_dots(module: ContactModule, layout: MarkerLayout) -> None:
     frame = plan_frame(module, layout)
     enclosure = build_enclosure(module, 20.0, PROCESS, frame=frame)
-    parts, body = enclosure.parts, build_solid(module)
+    parts, body = enclosure.parts, build_module_solid(module)
     clamped = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
-    refuse_interference({**parts, "module": body}, intended=clamped)
+    check_interference({**parts, "module": body}, intended=clamped)
     squeezed = np.pi * (module.flange_radius**2 - 37.7**2) * 0.2
     for ring in ("clamp_ring", "end_ring"):
         assert parts[ring].overlap(body) == pytest.approx(squeezed, rel=0.05)
@@ -184,7 +184,7 @@ def seen_by_boxes(rods: CadSolid, origin: np.ndarray, points: np.ndarray) -> np.
     return np.array(found)
 
 
-def test_what_rods_hide_is_what_lines_of_sight_meet(module: Module, layout: MarkerLayout) -> None:
+def test_what_rods_hide_is_what_lines_of_sight_meet(module: ContactModule, layout: MarkerLayout) -> None:
     frame = plan_frame(module, layout)
     camera = build_camera(FISHEYE)
     assert list(check_frame(frame, layout, camera)) == []
@@ -198,14 +198,16 @@ def test_what_rods_hide_is_what_lines_of_sight_meet(module: Module, layout: Mark
     assert finding.code == "marker-behind-rod"
 
 
-def test_a_wall_at_the_side_is_stopped_by_the_rings_where_geometry_says(module: Module, layout: MarkerLayout) -> None:
+def test_a_wall_at_the_side_is_stopped_by_the_rings_where_geometry_says(
+    module: ContactModule, layout: MarkerLayout
+) -> None:
     enclosure = build_enclosure(module, 20.0, PROCESS, frame=plan_frame(module, layout))
     ring = enclosure.parts["clamp_ring"].join(enclosure.parts["end_ring"])
     for tilt in (0.0, 2.0):
         travel = free_travel(module, enclosure, tilt)
         wall = box((0, -200, -400), (50, 200, 400)).turned("y", tilt)
         normal = np.array([np.cos(np.radians(tilt)), 0.0, -np.sin(np.radians(tilt))])
-        at = TACLINK.touch(normal) @ normal
+        at = TACLINK.support_point(normal) @ normal
         assert ring.overlap(wall.moved(*((at - travel + 0.05) * normal))) < 1e-3
         assert ring.overlap(wall.moved(*((at - travel - 0.2) * normal))) > 1e-3
     deep = ProcessSpec(working_depth=7, working_tilt_deg=5)
@@ -225,7 +227,7 @@ def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet(tmp_path: Path)
     assert not {"template.stl", "artwork.dxf"} & set(pack.files)
     assert {"assembly_section.png", "markers.csv"} <= set(pack.files)
     scale = 1 / (1 - 0.001)
-    module = build_module(SMALL.build(), MOUNT, scale)
+    module = build_contact_module(SMALL.build(), MOUNT, scale)
     bare = build_mold(module, small_process()).parts["mold_core"].volume
     assert bare - parts["mold_core"].volume == pytest.approx(33 * np.pi * 4 * 0.4 * scale**3, rel=0.15)
     check_floors(pack.folder, scale)
@@ -253,9 +255,9 @@ def check_floors(folder: Path, scale: float) -> None:
     ("change", "message"),
     [
         ({"process": small_process(printer_size=100)}, ("part-too-long", "mold_core", "106.1", "100")),
-        ({"dome": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
-        ({"dome": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
-        ({"dome": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
+        ({"skin": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
+        ({"skin": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
+        ({"skin": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
         ({"process": small_process(dot_depth=0.1)}, ("dimple-too-shallow", "0.081", "0.1")),
         ({"markers": ROWS.model_copy(update={"around": 36, "count": 144})}, ("dimples-too-near",)),
     ],

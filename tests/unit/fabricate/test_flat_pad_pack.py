@@ -15,7 +15,16 @@ from errors import check_values, refused
 from needs import needs
 from palpate.cad import SurfaceMesh
 from palpate.camera import CameraSpec, WindowSpec
-from palpate.design import MarkerSpec, Module, MountSpec, Rim, build_module, build_solid, rotation_vector, wall_normal
+from palpate.design import (
+    ContactModule,
+    MarkerSpec,
+    MountSpec,
+    Rim,
+    build_contact_module,
+    build_module_solid,
+    rotation_vector,
+    wall_normal,
+)
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fabricate import PackSpec, ProcessSpec, build_mold, write_pack
 from palpate.fabricate.enclosure import Enclosure, free_travel
@@ -31,8 +40,8 @@ AREA = 4 * 1.217 * gamma(1 + 1 / 6) ** 2 / gamma(1 + 2 / 6)
 
 
 @pytest.fixture(scope="module")
-def module() -> Module:
-    return build_module(PAD, MountSpec())
+def module() -> ContactModule:
+    return build_contact_module(PAD, MountSpec())
 
 
 def frustum(low: float, high: float, height: float) -> float:
@@ -49,7 +58,7 @@ def flat_top(offset: float) -> float:
     return round_part + frustum(end, foot, cone.height + offset - edge * (1 - np.cos(theta)))
 
 
-def body_mm3(module: Module) -> float:
+def body_mm3(module: ContactModule) -> float:
     """Volume of the module, by integrals over its height."""
     ring = frustum(module.flange_radius, module.flange_foot, 3.0) - frustum(
         module.opening_radius, module.opening_foot, 3.0
@@ -57,10 +66,10 @@ def body_mm3(module: Module) -> float:
     return AREA * (flat_top(0.5) - flat_top(0.0) + ring)
 
 
-def test_a_pads_module_has_the_volume_of_its_sections_and_not_that_of_a_round_one(module: Module) -> None:
-    volume = build_solid(module).volume
+def test_a_pads_module_has_the_volume_of_its_sections_and_not_that_of_a_round_one(module: ContactModule) -> None:
+    volume = build_module_solid(module).volume
     assert volume == pytest.approx(body_mm3(module), rel=2e-6)
-    turned = build_solid(build_module(PAD.cone, MountSpec())).volume
+    turned = build_module_solid(build_contact_module(PAD.cone, MountSpec())).volume
     assert turned == pytest.approx(body_mm3(module) * np.pi / AREA, rel=1e-6)
     assert turned < 0.7 * volume
 
@@ -72,20 +81,20 @@ def off_surface(points: np.ndarray) -> np.ndarray:
     return np.min(found, axis=0)
 
 
-def test_the_mesh_of_a_pad_is_closed_and_lies_on_its_two_surfaces(module: Module) -> None:
-    mesh = build_solid(module).mesh()
+def test_the_mesh_of_a_pad_is_closed_and_lies_on_its_two_surfaces(module: ContactModule) -> None:
+    mesh = build_module_solid(module).mesh()
     assert mesh.is_watertight
     above = mesh.points[mesh.points[:, 2] > 1e-6]
     assert len(above) > 500
     assert off_surface(above).max() < 1e-3
-    round_one = build_solid(build_module(PAD.cone, MountSpec())).mesh().points
+    round_one = build_module_solid(build_contact_module(PAD.cone, MountSpec())).mesh().points
     assert off_surface(round_one[round_one[:, 2] > 1e-6]).max() > 0.1
 
 
-def test_mold_and_part_fill_the_block_of_a_pad(module: Module) -> None:
+def test_mold_and_part_fill_the_block_of_a_pad(module: ContactModule) -> None:
     mold, spec = build_mold(module, PROCESS), PROCESS
     core, cavity = mold.parts["mold_core"], mold.parts["mold_cavity"]
-    block = AREA * mold.radius**2 * (spec.plate + module.dome.outer_height + spec.mold_floor + 3.0)
+    block = AREA * mold.radius**2 * (spec.plate + module.skin.outer_height + spec.mold_floor + 3.0)
     through = np.pi / 4 * (spec.pour_diameter**2 + spec.vents * spec.vent_diameter**2) * spec.plate
     pin, hole = spec.pin_diameter / 2, spec.pin_diameter / 2 + spec.clearance
     play = 3 * np.pi * (hole**2 * (spec.pin_height + 0.5) - pin**2 * spec.pin_height)
@@ -95,14 +104,14 @@ def test_mold_and_part_fill_the_block_of_a_pad(module: Module) -> None:
 
 
 @pytest.mark.slow
-def test_a_pads_mold_closes_one_way_only(module: Module) -> None:
+def test_a_pads_mold_closes_one_way_only(module: ContactModule) -> None:
     mold = build_mold(module, PROCESS)
     core, cavity = mold.parts["mold_core"], mold.parts["mold_cavity"]
     assert core.overlap(cavity) < 1e-3
     assert core.overlap(cavity.turned("z", 180.0)) > 1.0
 
 
-def test_a_window_lies_in_the_opening_and_holds_the_gel(module: Module) -> None:
+def test_a_window_lies_in_the_opening_and_holds_the_gel(module: ContactModule) -> None:
     window = build_window(module, 2.0, PROCESS)
     assert window.gel_mm3 == pytest.approx(AREA * flat_top(0.0), rel=2e-6)
     assert window.solid.volume == pytest.approx(AREA * (10.375 - PROCESS.clearance) ** 2 * 2.0, rel=2e-6)
@@ -113,7 +122,7 @@ def test_a_window_lies_in_the_opening_and_holds_the_gel(module: Module) -> None:
             build_window(module, thickness, PROCESS)
 
 
-def test_the_ring_stops_the_wall_of_the_worst_azimuth(module: Module) -> None:
+def test_the_ring_stops_the_wall_of_the_worst_azimuth(module: ContactModule) -> None:
     ring = ((18.0, 1.5), (33.0, -1.5))
     tilt = np.radians(3.0)
     outer = PAD.point(np.random.default_rng(0).uniform(-0.7, 0.7, (20000, 2)), 1.0)

@@ -14,9 +14,9 @@ from palpate.design import (
     MountSpec,
     SkinSpec,
     SplineSpec,
-    build_module,
+    build_contact_module,
+    build_module_solid,
     build_skin,
-    build_solid,
     place_markers,
 )
 from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
@@ -27,15 +27,15 @@ SPEC = ProcessSpec()
 
 
 def module_of(height: float, thickness: float = 2.0):
-    return build_module(build_skin(DomeSpec(height=height, thickness=thickness)), MountSpec())
+    return build_contact_module(build_skin(DomeSpec(height=height, thickness=thickness)), MountSpec())
 
 
 @pytest.mark.parametrize("height", [10, 20, 30])
 def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
     module = module_of(height)
     mold = build_mold(module, SPEC)
-    assert mold.hollow() == pytest.approx(build_solid(module).volume, rel=1e-9)
-    body = build_solid(module)
+    assert mold.hollow() == pytest.approx(build_module_solid(module).volume, rel=1e-9)
+    body = build_module_solid(module)
     for part in mold.parts.values():
         assert part.pieces == 1
         assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
@@ -54,8 +54,8 @@ def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
     ids=lambda spec: spec.build().name,
 )
 def test_a_mold_of_any_meridian_leaves_the_module_between_its_parts(spec: SkinSpec) -> None:
-    module = build_module(spec.build(), MountSpec())
-    mold, body = build_mold(module, SPEC), build_solid(module)
+    module = build_contact_module(spec.build(), MountSpec())
+    mold, body = build_mold(module, SPEC), build_module_solid(module)
     assert mold.hollow() == pytest.approx(body.volume, rel=1e-6)
     for part in mold.parts.values():
         assert part.pieces == 1
@@ -90,7 +90,7 @@ def test_a_mold_that_cannot_be_is_refused_with_the_number(change: dict[str, floa
 def test_build_enclosure_holds_the_module_and_nothing_interferes(camera: CameraBody) -> None:
     module = module_of(20)
     enclosure = build_enclosure(module, 48.0, ProcessSpec(camera_body=camera))
-    parts, body = enclosure.parts, build_solid(module)
+    parts, body = enclosure.parts, build_module_solid(module)
     assert parts["housing"].overlap(body) < 1e-3
     assert parts["housing"].overlap(parts["clamp_ring"]) < 1e-3
     assert parts["housing"].overlap(parts["robot_plate"]) < 1e-3
@@ -106,7 +106,7 @@ def test_the_wall_is_stopped_by_the_clamp_ring_where_geometry_says() -> None:
     ring = enclosure.parts["clamp_ring"]
     for tilt in (0.0, 12.0):
         travel = free_travel(module, enclosure, tilt)
-        top = module.dome.center_z + module.dome.outer_radius / np.cos(np.radians(tilt))
+        top = module.skin.center_z + module.skin.outer_radius / np.cos(np.radians(tilt))
         wall = box((-200, -200, 0), (200, 200, 50)).turned("x", tilt)  # falls along y
         assert ring.overlap(wall.moved(z=top - travel + 0.05)) < 1e-3
         assert ring.overlap(wall.moved(z=top - travel - 0.2)) > 1e-3

@@ -28,7 +28,7 @@ PINS_MM3 = 20 * np.pi / 4 * 1.2**2 * 2.0
 @pytest.mark.slow
 def test_a_pack_of_pins_fills_them_from_the_core(tmp_path: Path) -> None:
     pack = write_pack(tmp_path / "pack", SPEC)
-    bare = write_pack(tmp_path / "bare", replace(SPEC, dome=DomeSpec(height=18, base_radius=18, thickness=1)))
+    bare = write_pack(tmp_path / "bare", replace(SPEC, skin=DomeSpec(height=18, base_radius=18, thickness=1)))
     scale = 1 / (1 - SPEC.process.shrinkage_percent / 100)
     for name, size, sign in (("module", 1.0, 1), ("mold_core", scale**3, -1)):
         assert sign * (pack.volumes[name] - bare.volumes[name]) == pytest.approx(size * PINS_MM3, rel=0.02)

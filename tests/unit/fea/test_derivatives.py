@@ -24,14 +24,14 @@ STEPS = {
     "height": 0.02,
     "base_radius": 0.02,
     "C10": 1e-4,
-    "bend": 0.2,
+    "curvature": 0.2,
 }
 NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
 
 
 def mesh_of(wall: WallSpec = WALL) -> Mesh:
     mesh = mesh_skin(build_skin(SKIN), MeshSpec(cells=10))
-    return centre_mesh(mesh, wall.at_touch(mesh)[1])
+    return centre_mesh(mesh, wall.at_first_contact(mesh)[1])
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def stuck() -> Press:
 def beside(name: str, by: float) -> Press:
     """The whole press again, with a parameter that differs."""
     mesh, material, wall = mesh_of(), MATERIAL, WALL
-    if name in ("tilt_deg", "depth", "bend"):
+    if name in ("tilt_deg", "depth", "curvature"):
         wall = wall.model_copy(update={name: getattr(wall, name) + by})
     elif name == "C10":
         data = material.key_data()
@@ -76,7 +76,7 @@ def test_a_stiffer_silicone_of_the_same_shape_bears_as_much_more(kind: str, requ
     press = request.getfixturevalue(kind)
     constants = MATERIAL.key_data()["constants"]
     solved = solve_press(
-        press.mesh, MATERIAL, press.wall, SOLVER.model_copy(update={"derivatives": tuple(constants)})
+        press.mesh, MATERIAL, press.obstacle, SOLVER.model_copy(update={"derivatives": tuple(constants)})
     )
     total = sum(value * solved.derivative(name).force[-1] for name, value in constants.items())
     assert total == pytest.approx(solved.force[-1], rel=1e-4)
@@ -91,7 +91,7 @@ def test_across_the_tilt_the_force_turns_with_the_wall(press: Press) -> None:
 
 def test_a_frictionless_wall_may_slide_along_itself_and_twist(press: Press) -> None:
     assert np.abs(press.derivative("twist_deg").displacement[-1]).max() == 0
-    normal = press.wall.normal(press.mesh)
+    normal = press.obstacle.normal(press.mesh)
     expected = -normal[1] / normal[2] * press.derivative("depth").displacement[-1]
     assert press.derivative("shift").displacement[-1] == pytest.approx(expected, abs=1e-6)
 
@@ -105,7 +105,9 @@ def test_what_sticks_is_dragged_along(stuck: Press) -> None:
         assert np.abs(found.displacement[-1][stuck.mesh.base]).max() == 0
 
 
-@pytest.mark.parametrize(("name", "by"), [("drift", 0.05), ("drift_across", 0.05), ("twist_rate_deg", 0.5)])
+@pytest.mark.parametrize(
+    ("name", "by"), [("lateral_rate", 0.05), ("lateral_rate_across", 0.05), ("twist_rate_deg", 0.5)]
+)
 def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> None:
     """The derivative of half a model against whole models under walls that do drift, one and the other way."""
     wall = WALL.model_copy(update={"contact": "no-slip", "depth": 3.2})
@@ -119,7 +121,9 @@ def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> Non
 
 
 def test_a_frictionless_wall_may_drift() -> None:
-    rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("drift",))).derivative("drift")
+    rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("lateral_rate",))).derivative(
+        "lateral_rate"
+    )
     assert np.abs(rate.displacement).max() < 1e-6
 
 
@@ -127,7 +131,7 @@ def test_a_frictionless_wall_may_drift() -> None:
 def test_a_wall_of_one_curvature_is_a_large_ball(radius: float) -> None:
     """Bent walls and balls share no code but what asks them for their gap."""
     mesh, contact = mesh_of(WallSpec()), {"depth": 1.6, "contact": 0.8}
-    bent = solve_press(mesh, MATERIAL, WallSpec(bend=1000 / radius, **contact))
+    bent = solve_press(mesh, MATERIAL, WallSpec(curvature=1000 / radius, **contact))
     ball = solve_press(mesh, MATERIAL, BallSpec(radius=radius, **contact))
     flat = solve_press(mesh, MATERIAL, WallSpec(**contact))
     moved = np.linalg.norm(ball.displacement[-1] - flat.displacement[-1])
@@ -137,14 +141,14 @@ def test_a_wall_of_one_curvature_is_a_large_ball(radius: float) -> None:
 
 def test_a_hollow_wall_touches_more_of_the_dome() -> None:
     forces = [
-        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"bend": by})).force[-1, 2] for by in (-5, 0, 5)
+        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"curvature": by})).force[-1, 2] for by in (-5, 0, 5)
     ]
     assert forces[0] > 1.05 * forces[1] > 1.1 * forces[2]
 
 
 def test_half_a_model_cannot_drift_across_its_plane() -> None:
     with refused("mesh-whole-needed"):
-        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"drift_across": 0.1}))
+        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"lateral_rate_across": 0.1}))
 
 
 def test_derivatives_survive_the_file(press: Press, tmp_path) -> None:
@@ -174,7 +178,7 @@ def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
     """Without friction the way back goes through the same states; a wall that held on has been elsewhere."""
     solver = SOLVER.model_copy(update={"derivatives": ("tilt_deg", "depth")})
     for contact, same in (("frictionless", True), ("no-slip", False)):
-        wall = WALL.model_copy(update={"contact": contact, "unload": True, "image_step": 0.8})
+        wall = WALL.model_copy(update={"contact": contact, "unload": True, "depth_step": 0.8})
         there, back = (solve_press(mesh_of(), MATERIAL, wall, solver).derivative("tilt_deg").force[k] for k in (1, 3))
         # 2e-4 are the rounding of the differences, another on another processor; one that held on is off by 0.1
         assert bool(np.abs(back - there).max() < 1e-3 * np.abs(there).max()) is same

@@ -8,10 +8,10 @@ import pytest
 from errors import check_values
 from palpate.design import DomeSpec, build_skin
 from palpate.fea import BallSpec, Branch, WallSpec
-from palpate.fea.inverted import RING_POINTS, doubt, find_ring, mirror
+from palpate.fea.inverted import RING_POINTS, explain_rejection, find_contact_ring, mirror_displacement
 from palpate.fea.solve_press import start_press
 from palpate.material import get_material
-from palpate.mechanics import Ended, SolverSpec, State
+from palpate.mechanics import EndReason, SolverSpec, State
 from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
 
@@ -31,17 +31,17 @@ def press():
 @pytest.fixture(scope="module")
 def path(press):
     """A path under the wall of `press`, whose monitor judges states."""
-    return start_press(press.mesh, MATERIAL, press.wall, SolverSpec(), RING_POINTS)
+    return start_press(press.mesh, MATERIAL, press.obstacle, SolverSpec(), RING_POINTS)
 
 
 def judged(path, displacement, negative_pivots: int = 0) -> str:
     rest = path.increments[0]
     state = State(displacement, rest.state.p)
-    return doubt(path.monitor, replace(rest, depth=DEPTH, state=state, negative_pivots=negative_pivots))
+    return explain_rejection(path.monitor, replace(rest, depth=DEPTH, state=state, negative_pivots=negative_pivots))
 
 
 def test_the_branch_reaches_from_its_onset_to_the_full_depth(press) -> None:
-    assert press.ended is Ended.DEPTH_REACHED
+    assert press.ended is EndReason.DEPTH_REACHED
     assert press.depth[0] == pytest.approx(2.65, abs=0.1)
     assert press.depth[-1] == DEPTH
     assert (press.branch == Branch.INVERTED).all()
@@ -55,7 +55,7 @@ def test_its_apex_is_off_the_wall_by_nearly_the_depth_and_its_energy_is_the_work
 
 
 def test_the_mirrored_skin_keeps_its_order_and_nearly_its_volume(path, press) -> None:
-    moved = mirror(press.mesh, path.loading.obstacle(DEPTH))
+    moved = mirror_displacement(press.mesh, path.loading.obstacle(DEPTH))
     skin = press.mesh.nodes + moved
     assert np.isfinite(path.problem.assemble(State(moved, path.increments[0].state.p), ()).elastic)
     apex_inner, apex_outer = skin[press.mesh.pole_inner], skin[press.mesh.pole_outer]
@@ -65,7 +65,7 @@ def test_the_mirrored_skin_keeps_its_order_and_nearly_its_volume(path, press) ->
 
 def test_the_inverted_state_is_not_doubted_and_touches_on_a_ring(path, press) -> None:
     state = State(press.displacement[-1], path.increments[0].state.p)
-    ring = find_ring(path.monitor, DEPTH, state)
+    ring = find_contact_ring(path.monitor, DEPTH, state)
     assert judged(path, press.displacement[-1]) == ""
     assert 0.8 * ring.outer < ring.inner < ring.outer < np.sqrt(2 * 21 * DEPTH)
 
@@ -75,19 +75,19 @@ def test_an_unstable_state_is_not_called_inverted(path, press) -> None:
 
 
 def test_the_flat_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall)
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle)
     assert (flat.branch == Branch.FLAT).all()
     check_values(judged(path, flat.displacement[-1]), "4 mm")
 
 
 def test_a_dented_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall)
-    dented = path.monitor.pushed(DEPTH, State(flat.displacement[-1], path.increments[0].state.p), 1.5)
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle)
+    dented = path.monitor.perturbed(DEPTH, State(flat.displacement[-1], path.increments[0].state.p), 1.5)
     assert "ring" in judged(path, dented)
 
 
 def test_a_half_lifted_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall).displacement[-1]
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle).displacement[-1]
     lifted = np.where(press.mesh.nodes[:, 1:2] > -2.0, press.displacement[-1], flat)
     assert "ring" in judged(path, lifted)
 
@@ -119,22 +119,22 @@ def test_it_rests_where_it_is_when_contact_sticks(press) -> None:
 
 def test_a_thick_dome_has_none_and_says_why() -> None:
     press = solve_press(skin(4), MATERIAL, WallSpec(contact="frictionless", depth=2.4), branch=Branch.INVERTED)
-    assert press.ended is Ended.NO_BRANCH
+    assert press.ended is EndReason.NO_BRANCH
     check_values(press.message, "2.4 mm")
 
 
 def test_under_a_ball_the_skin_is_mirrored_in_the_ball() -> None:
     ball = BallSpec(radius=60, depth=DEPTH, contact="frictionless")
     press = solve_press(skin(), MATERIAL, ball, branch=Branch.INVERTED)
-    assert press.ended in (Ended.DEPTH_REACHED, Ended.NO_BRANCH)
+    assert press.ended in (EndReason.DEPTH_REACHED, EndReason.NO_BRANCH)
     assert (press.branch == Branch.INVERTED).all() or len(press.depth) == 1
 
 
 @pytest.mark.parametrize("contact", ["frictionless", "no-slip"])
 def test_without_adhesion_nothing_pulls_the_skin_to_the_wall(contact: str) -> None:
     press = solve_press(skin(), MATERIAL, WallSpec(contact=contact, depth=DEPTH), SolverSpec(adhesion=0))
-    assert press.ended is Ended.DEPTH_REACHED
-    assert (press.hold_tension == 0).all()
+    assert press.ended is EndReason.DEPTH_REACHED
+    assert (press.stabilisation_tension == 0).all()
     if contact == "frictionless":
         assert press.branch[-1] == Branch.INVERTED
         assert press.jump_depth > 2.6
@@ -142,7 +142,7 @@ def test_without_adhesion_nothing_pulls_the_skin_to_the_wall(contact: str) -> No
 
 def test_its_derivatives_are_differences_of_two_presses() -> None:
     """By thickness, of domes a hundredth thicker and thinner; nothing changes as the wall slides along itself."""
-    wall, names = WallSpec(tilt_deg=6.0, contact=0.5, depth=DEPTH), ("thickness", "drift")
+    wall, names = WallSpec(tilt_deg=6.0, contact=0.5, depth=DEPTH), ("thickness", "lateral_rate")
     press, thicker, thinner = (
         solve_press(skin(thickness), MATERIAL, wall, SolverSpec(derivatives=asked), Branch.INVERTED)
         for thickness, asked in ((1.0, names), (1.01, ()), (0.99, ()))
@@ -154,4 +154,4 @@ def test_its_derivatives_are_differences_of_two_presses() -> None:
         assert found.force[image, 2] == pytest.approx(
             (thicker.force[image, 2] - thinner.force[image, 2]) / 0.02, rel=0.01
         )
-    assert np.abs(press.derivative("drift").displacement).max() < 1e-5
+    assert np.abs(press.derivative("lateral_rate").displacement).max() < 1e-5

@@ -9,7 +9,7 @@ import pytest
 from errors import refused
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Press, WallSpec, picture_press, plot_press, tabulate_press
+from palpate.fea import Press, WallSpec, plot_press, render_press_3d, tabulate_press
 from palpate.fea.plot_press import check_graphics
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
@@ -40,7 +40,7 @@ def test_a_machine_without_graphics_is_reported(press, monkeypatch):
 
     monkeypatch.setattr(ctypes, "CDLL", no_library)
     with refused("graphics-missing", "libEGL"):
-        picture_press(press)
+        render_press_3d(press)
 
 
 def test_a_picture_shows_the_dome(press):
@@ -50,8 +50,8 @@ def test_a_picture_shows_the_dome(press):
         pytest.skip("no OpenGL here")
     if importlib.util.find_spec("pyvista") is None:
         with refused("extra-missing"):
-            picture_press(press)
+            render_press_3d(press)
         return
-    picture = picture_press(press)
+    picture = render_press_3d(press)
     assert picture.shape == (600, 800, 3)
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50

@@ -26,7 +26,7 @@ def press(wall: ObstacleSpec) -> Press:
 
 
 def route(contact: str | float, *waypoints: tuple[float, ...], **more: float) -> Press:
-    return press(RouteSpec(waypoints=waypoints, contact=contact, image_step=0.5, **more))
+    return press(RouteSpec(waypoints=waypoints, contact=contact, depth_step=0.5, **more))
 
 
 def imbalance(pressed: Press) -> float:
@@ -36,14 +36,14 @@ def imbalance(pressed: Press) -> float:
 
 
 def test_a_route_straight_down_is_a_press() -> None:
-    ours, plain = route(0.5, (3.0, 0, 0, 5)), press(WallSpec(tilt_deg=5, depth=3, image_step=0.5, contact=0.5))
+    ours, plain = route(0.5, (3.0, 0, 0, 5)), press(WallSpec(tilt_deg=5, depth=3, depth_step=0.5, contact=0.5))
     assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=1e-6)
     assert ours.work[-1] == pytest.approx(plain.work[-1], rel=1e-4)
 
 
 def test_a_route_down_and_aside_is_a_wall_that_drifts() -> None:
     ours = route("no-slip", (3.0, 0.6, 0, 0, 0, 3))
-    plain = press(WallSpec(depth=3, image_step=0.5, drift_across=0.2, twist_rate_deg=1.0))
+    plain = press(WallSpec(depth=3, depth_step=0.5, lateral_rate_across=0.2, twist_rate_deg=1.0))
     # their increments are not of one length, and what sticks remembers them
     assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=0.01)
     assert ours.force[-1] == pytest.approx(plain.force[-1], abs=0.02 * plain.force[-1, 2])
@@ -53,8 +53,8 @@ def test_without_friction_the_way_to_a_place_does_not_matter() -> None:
     """Pressed straight, then tilted about the contact: the wall that comes tilted to the same plane."""
     ours = route("frictionless", (3.0,), (3.0, 0, 0, 6))
     normal = np.array([0.0, -np.sin(np.radians(6)), np.cos(np.radians(6))])
-    depth = 3.0 + (SKIN.touch(normal) - SKIN.touch(np.array([0.0, 0.0, 1.0]))) @ normal / normal[2]
-    plain = press(WallSpec(tilt_deg=6, depth=float(depth), image_step=0.5, contact="frictionless"))
+    depth = 3.0 + (SKIN.support_point(normal) - SKIN.support_point(np.array([0.0, 0.0, 1.0]))) @ normal / normal[2]
+    plain = press(WallSpec(tilt_deg=6, depth=float(depth), depth_step=0.5, contact="frictionless"))
     assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=2e-4)
     assert ours.force[-1] == pytest.approx(plain.force[-1], abs=1e-3 * plain.force[-1, 2])
     assert ours.energy[-1] == pytest.approx(plain.energy[-1], rel=1e-3)

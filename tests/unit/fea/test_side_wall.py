@@ -11,7 +11,7 @@ from palpate.design.barrel import BarrelSpec
 from palpate.fea import (
     BallSpec,
     Branch,
-    Ended,
+    EndReason,
     Press,
     SolverSpec,
     WallSpec,
@@ -34,7 +34,7 @@ YOUNG, POISSON = 0.1262, 0.45
 
 def pressed(tilt_deg: float, mesh: Mesh | None = None, depth: float = 2.0, azimuth_deg: float = 0.0) -> Press:
     wall = SideWallSpec(
-        tilt_deg=tilt_deg, depth=depth, image_step=1.0, contact="frictionless", azimuth_deg=azimuth_deg
+        tilt_deg=tilt_deg, depth=depth, depth_step=1.0, contact="frictionless", azimuth_deg=azimuth_deg
     )
     return solve_press(mesh or mesh_skin(SKIN, COARSE), SILICONE, wall, SolverSpec(tolerance=1e-8))
 
@@ -51,12 +51,12 @@ def test_a_press_above_the_middle_is_the_mirror_image_of_one_below(leaning: Pres
     turned = other.positions(points * flip + [0, 0, SKIN.height]) * flip + [0, 0, SKIN.height]
     assert turned == pytest.approx(leaning.positions(points), abs=1e-4)
     assert other.force * flip == pytest.approx(leaning.force, rel=1e-4, abs=1e-7)
-    assert np.abs(leaning.moved(points)[-1]).max() > 0.5
+    assert np.abs(leaning.displacement_at(points)[-1]).max() > 0.5
 
 
 def test_the_force_is_along_the_normal_and_its_work_is_stored(leaning: Press) -> None:
     normal = np.array([0.0, -np.cos(np.radians(3)), -np.sin(np.radians(3))])
-    assert leaning.ended is Ended.DEPTH_REACHED
+    assert leaning.ended is EndReason.DEPTH_REACHED
     assert (leaning.branch == Branch.FLAT).all()
     along = leaning.force @ normal
     assert (along[1:] > 0).all()
@@ -69,7 +69,7 @@ def test_the_force_is_along_the_normal_and_its_work_is_stored(leaning: Press) ->
 
 def test_the_patch_lies_against_the_wall_and_nothing_is_behind_it(leaning: Press) -> None:
     normal = np.array([0.0, -np.cos(np.radians(3)), -np.sin(np.radians(3))])
-    touch = SKIN.touch(normal) - 2.0 * normal
+    touch = SKIN.support_point(normal) - 2.0 * normal
     outer = (leaning.mesh.nodes + leaning.displacement[-1])[np.unique(leaning.mesh.outer_faces)]
     reach = (outer - touch) @ normal
     assert reach.max() == pytest.approx(0.0, abs=0.02)
@@ -78,7 +78,7 @@ def test_the_patch_lies_against_the_wall_and_nothing_is_behind_it(leaning: Press
 
 def test_a_whole_barrel_under_a_wall_at_an_azimuth_is_the_half_one_turned(leaning: Press) -> None:
     whole = pressed(93.0, mesh_skin(SKIN, MeshSpec(cells=10, core=2, whole=True)), depth=1.0, azimuth_deg=40.0)
-    turned = replace(leaning, wall=leaning.wall.model_copy(update={"azimuth_deg": 40.0}))
+    turned = replace(leaning, obstacle=leaning.obstacle.model_copy(update={"azimuth_deg": 40.0}))
     points = place_markers(SKIN, MarkerSpec(rows=6, around=10, pitch=35)).positions
     assert whole.positions(points)[1] == pytest.approx(turned.positions(points)[1], abs=2e-3)
     half = np.linalg.norm(leaning.force[1])
@@ -96,7 +96,7 @@ def test_a_barrel_that_is_loose_at_its_far_end_is_softer(leaning: Press) -> None
 
 
 def test_friction_holds_and_costs_work(leaning: Press) -> None:
-    wall = leaning.wall.model_copy(update={"contact": 0.6})
+    wall = leaning.obstacle.model_copy(update={"contact": 0.6})
     held = solve_press(leaning.mesh, SILICONE, wall)
     assert np.linalg.norm(held.force[-1]) > np.linalg.norm(leaning.force[-1])
     assert held.dissipation[-1] > 0
@@ -158,7 +158,7 @@ def test_a_tube_with_a_loose_end_does_not(leaning: Press) -> None:
 def test_a_press_is_written_and_read_again(leaning: Press, tmp_path) -> None:  # type: ignore[no-untyped-def]
     write_press(tmp_path / "press.h5", leaning)
     again = read_press(tmp_path / "press.h5")
-    assert again.wall == leaning.wall
+    assert again.obstacle == leaning.obstacle
     assert again.mesh.nodes == pytest.approx(leaning.mesh.nodes)
     points = place_markers(SKIN, MarkerSpec(rows=4, around=4, pitch=30)).positions
     assert again.positions(points) == pytest.approx(leaning.positions(points), abs=1e-5)

@@ -9,7 +9,7 @@ from errors import refused
 from palpate.design import DomeSpec, Rim, build_skin, turn_about_axis, wall_normal
 from palpate.fea import Branch, Press, WallSpec, read_press, write_press
 from palpate.material import get_material
-from palpate.mechanics import Ended, SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
 
@@ -47,7 +47,7 @@ def test_the_wall_works_as_much_as_the_dome_stores() -> None:
 def test_images_come_at_every_step_and_say_their_branch(tilted: Press) -> None:
     assert tilted.depth == pytest.approx([0, 0.8, 1.6, 2.4])
     assert set(tilted.branch) == {Branch.FLAT}
-    assert tilted.ended is Ended.DEPTH_REACHED
+    assert tilted.ended is EndReason.DEPTH_REACHED
     assert (np.diff(tilted.contact_area) > 0).all()
     assert (np.diff(tilted.peak_stress) > 0).all()
 
@@ -98,7 +98,7 @@ def test_a_press_ends_where_the_wall_reaches_the_clamp() -> None:
     low = press(height=8, thickness=4, tilt_deg=25, depth=8, cells=8)
     expected = low.mesh.skin.clamp_depth(np.radians(25), Rim.FLAT)
     assert 3 < expected < 4
-    assert low.ended is Ended.WALL_AT_CLAMP
+    assert low.ended is EndReason.WALL_AT_CLAMP
     assert low.ended_depth == pytest.approx(expected)
     assert f"{expected:.3f} mm of 8 mm" in low.message
 
@@ -120,7 +120,7 @@ def test_a_press_survives_its_file(tilted: Press, tmp_path: Path) -> None:
     assert again.positions(ring()) == pytest.approx(tilted.positions(ring()), abs=1e-5)
     assert again.force == pytest.approx(tilted.force)
     assert list(again.branch) == list(tilted.branch)
-    assert again.wall == tilted.wall
+    assert again.obstacle == tilted.obstacle
     (tmp_path / "broken.h5").write_bytes((tmp_path / "press.h5").read_bytes()[:500])
     with refused("press-unreadable"):
         read_press(tmp_path / "broken.h5")

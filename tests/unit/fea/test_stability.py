@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Branch, Ended, WallSpec, find_stability
+from palpate.fea import Branch, EndReason, WallSpec, find_stability
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
@@ -28,8 +28,8 @@ def test_a_thin_dome_has_a_second_state_from_some_2_6_thicknesses_on() -> None:
 @pytest.mark.slow
 def test_where_a_flat_dome_becomes_unstable_it_jumps_to_the_inverted_state() -> None:
     mesh = mesh_skin(build_skin(DomeSpec(height=10, thickness=1)), MeshSpec(cells=14))
-    press = solve_press(mesh, MATERIAL, WallSpec(tilt_deg=12, contact="frictionless", depth=6.6, image_step=0.2))
-    assert press.ended is Ended.DEPTH_REACHED, press.message
+    press = solve_press(mesh, MATERIAL, WallSpec(tilt_deg=12, contact="frictionless", depth=6.6, depth_step=0.2))
+    assert press.ended is EndReason.DEPTH_REACHED, press.message
     assert 6.0 < press.jump_depth < 6.6
     after = press.depth >= press.jump_depth
     assert (press.branch[after] == Branch.INVERTED).all()

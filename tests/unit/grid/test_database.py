@@ -39,7 +39,7 @@ def test_other_programs_can_ask_it(path, grid):
 
 
 def test_depths_and_tilts_are_rows(path, grid):
-    found = ask(path, "SELECT depth_mm, rmse_jitter_deg, limit_deg FROM by_depth WHERE design = 0 ORDER BY depth_mm")
+    found = ask(path, "SELECT depth_mm, rmse_jitter_deg, bound_deg FROM by_depth WHERE design = 0 ORDER BY depth_mm")
     shallow, deep = (row["rmse_jitter_deg"] for row in grid.by_depth[:2])
     assert found == [(2.4, shallow, LIMITS[0].least_squares_deg), (8.0, deep, LIMITS[1].least_squares_deg)]
     found = ask(path, "SELECT tilt_from_deg, tilt_to_deg, validation_samples FROM by_tilt WHERE design = 0")

@@ -8,12 +8,12 @@ import pytest
 from errors import refused
 from palpate.grid import (
     SpecificationGrid,
+    column_unit,
     cut_depth_panels,
     cut_panels,
     evaluate_grid,
     read_grid,
-    rows_of,
-    unit_of,
+    rows_for_design,
     write_grid,
 )
 from results import FIRST, PAPER, make_design
@@ -37,9 +37,9 @@ PROMISED = {
     "spec",
     "repeats",
     "rmse_spread_deg",
-    "limit_deg",
-    "limit_pitman_deg",
-    "rmse_over_limit",
+    "bound_deg",
+    "bound_pitman_deg",
+    "rmse_over_bound",
     "estimator_key",
 }
 PICTURES = (
@@ -73,26 +73,26 @@ def test_a_row_holds_the_figures_of_its_design():
 def test_a_row_holds_the_limit_and_how_near_the_error_comes():
     design = make_design()
     row = evaluate_grid([design]).designs[0]
-    assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
-    assert row["limit_pitman_deg"] == pytest.approx(np.sqrt((0.7**2 + 0.1**2) / 2))
-    assert row["rmse_over_limit"] == pytest.approx(row["rmse_jitter_deg"] / row["limit_deg"])
+    assert row["bound_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
+    assert row["bound_pitman_deg"] == pytest.approx(np.sqrt((0.7**2 + 0.1**2) / 2))
+    assert row["rmse_over_bound"] == pytest.approx(row["rmse_jitter_deg"] / row["bound_deg"])
 
 
 def test_the_table_by_depth_holds_errors_and_limits():
     design = make_design()
-    shallow, deep = rows_of(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
+    shallow, deep = rows_for_design(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
     assert (shallow["depth_mm"], deep["depth_mm"]) == (2.4, 8.0)
-    assert (shallow["limit_deg"], deep["limit_floor_deg"]) == (1.2, 0.05)
+    assert (shallow["bound_deg"], deep["bound_floor_deg"]) == (1.2, 0.05)
     assert deep["rmse_deg"] == design.clean.by_depth[1].pooled.rmse
     assert deep["max_error_jitter_deg"] == design.jittered.by_depth[1].pooled.max
-    assert deep["rmse_over_limit"] == pytest.approx(design.jittered.by_depth[1].pooled.rmse / 0.2)
+    assert deep["rmse_over_bound"] == pytest.approx(design.jittered.by_depth[1].pooled.rmse / 0.2)
     assert deep["validation_samples"] == design.clean.by_depth[1].images
 
 
 def test_a_design_without_an_estimator_still_has_its_limit():
     row = evaluate_grid([make_design(failure="stopped"), make_design()]).designs[0]
-    assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
-    assert row["rmse_over_limit"] is None
+    assert row["bound_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
+    assert row["rmse_over_bound"] is None
 
 
 def test_the_table_by_tilt_holds_the_errors_of_every_interval():
@@ -153,19 +153,19 @@ def test_a_row_with_other_columns_or_of_no_design_is_refused():
 
 def test_designs_that_are_kept_keep_their_tables():
     grid = evaluate_grid(FIRST)
-    some = grid.keep([grid.designs[5], grid.designs[2]])
+    some = grid.select([grid.designs[5], grid.designs[2]])
     assert [row["markers"] for row in some.designs] == [37, 91]
     for table in ("by_depth", "by_tilt", "presses"):
         for new, old in ((0, 5), (1, 2)):
-            kept = [{**row, "design": old} for row in rows_of(getattr(some, table), new)]
-            assert tuple(kept) == rows_of(getattr(grid, table), old)
+            kept = [{**row, "design": old} for row in rows_for_design(getattr(some, table), new)]
+            assert tuple(kept) == rows_for_design(getattr(grid, table), old)
 
 
 @pytest.mark.parametrize(
     ("column", "unit"), [("rmse_deg", "deg"), ("travel_mm", "mm"), ("force_n", "N"), ("markers", "")]
 )
 def test_a_columns_suffix_is_its_unit(column, unit):
-    assert unit_of(column) == unit
+    assert column_unit(column) == unit
 
 
 def test_folder_gives_the_same_grid_back(tmp_path):
@@ -297,7 +297,7 @@ def test_a_row_says_what_its_intervals_are_worth():
     row, broken = evaluate_grid([make_design(), make_design(failure="it broke")]).designs
     assert (row["interval_level"], row["interval_coverage"], row["interval_coverage_depth"]) == (0.9, 0.905, 0.91)
     assert (row["interval_half_width_deg"], row["interval_half_width_mm"]) == (0.8, 0.1)
-    assert (row["interval_presses"], row["called_outside"]) == (120, 0.011)
+    assert (row["interval_presses"], row["flagged_ood"]) == (120, 0.011)
     assert broken["interval_coverage"] is None
 
 

@@ -38,7 +38,7 @@ def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
     assert table.column("rmse_deg").to_pylist() == [row["rmse_deg"] for row in GRID.designs]
     assert table.schema.field("travel_mm").metadata[b"unit"] == b"mm"
     depths = parquet.read_table(tmp_path / "g_by_depth.parquet")
-    assert depths.column("limit_deg").to_pylist() == [row["limit_deg"] for row in GRID.by_depth]
+    assert depths.column("bound_deg").to_pylist() == [row["bound_deg"] for row in GRID.by_depth]
     kinds = [str(table.schema.field(name).type) for name in ("markers", "rmse_deg", "shape")]
     assert kinds == ["int64", "double", "string"]
 

@@ -11,11 +11,11 @@ GRID = evaluate_grid(PAPER)
 @pytest.mark.parametrize(
     ("kind", "metric", "name"),
     [
-        ("heat", "rmse_over_limit", "heat_map_rmse_over_limit"),
+        ("heat", "rmse_over_bound", "heat_map_rmse_over_limit"),
         ("heat", "rmse_deg", "heat_map_rmse"),
         ("travel", "travel_mm", "marker_travel"),
         ("travel", "rmse_deg", "rmse_by_thickness"),
-        ("depth", "limit_deg", "limit_by_depth"),
+        ("depth", "bound_deg", "limit_by_depth"),
         ("tilt", "rmse_jitter_deg", "rmse_jitter_by_tilt"),
         ("markers", "max_error_deg", "max_error_by_markers"),
     ],
@@ -33,7 +33,7 @@ def test_every_kind_gives_png_and_svg(tmp_path, kind, metric, name):
         ("heat", "rsme_deg", ("column-unknown", "rsme_deg", "rmse_deg")),
         ("heat", "shape", ("metric-is-text", "shape")),
         ("depth", "travel_mm", ("metric-unknown", "travel_mm", "depth", "rmse_deg", "max_error_deg")),
-        ("tilt", "limit_deg", ("metric-unknown", "limit_deg", "tilt", "rmse_deg")),
+        ("tilt", "bound_deg", ("metric-unknown", "bound_deg", "tilt", "rmse_deg")),
     ],
 )
 def test_what_cannot_be_drawn_is_reported_and_nothing_is_written(tmp_path, kind, metric, says):

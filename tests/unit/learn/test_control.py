@@ -5,9 +5,9 @@ import pytest
 from synthetic import make_dataset
 
 from errors import refused
-from palpate.learn import TrainSpec, compare_splits, evaluate, shuffle_labels, train
+from palpate.learn import TrainingSpec, compare_splits, evaluate, shuffle_labels, train
 
-EARLY = TrainSpec(schedule="plateau", plateau_patience=5, stopping_patience=15, epochs=80, repeats=2)
+EARLY = TrainingSpec(schedule="plateau", plateau_patience=5, stopping_patience=15, epochs=80, repeats=2)
 
 
 def curious_dataset():
@@ -19,19 +19,19 @@ def curious_dataset():
 
 
 def test_a_split_by_image_flatters_where_presses_can_be_recognised():
-    spec = TrainSpec(epochs=60, batch=32, repeats=1, components=0, clean_share=1.0)
+    spec = TrainingSpec(epochs=60, batch=32, repeats=1, components=0, clean_share=1.0)
     found = compare_splits(curious_dataset(), spec, seed=1)
-    assert found.flatters > 2.0
+    assert found.optimism_factor > 2.0
     assert found.by_press.images == found.by_image.images == 100
 
 
 def test_a_split_by_image_flatters_little_where_the_pose_is_all_there_is():
-    found = compare_splits(make_dataset(presses=300), TrainSpec(width=32, epochs=40), seed=1)
-    assert 0.7 < found.flatters < 1.4
+    found = compare_splits(make_dataset(presses=300), TrainingSpec(width=32, epochs=40), seed=1)
+    assert 0.7 < found.optimism_factor < 1.4
 
 
 def test_the_honest_side_of_the_comparison_is_the_training_of_the_grid():
-    dataset, spec = make_dataset(), TrainSpec(width=16, epochs=5)
+    dataset, spec = make_dataset(), TrainingSpec(width=16, epochs=5)
     found = compare_splits(dataset, spec, seed=3)
     assert found.by_press == evaluate(train(dataset, spec, seed=3), dataset)
 
@@ -54,5 +54,5 @@ def test_shuffled_labels_are_those_of_other_presses_and_keep_depth_and_split():
 
 def test_learning_from_shuffled_labels_leaves_their_spread():
     shuffled = shuffle_labels(make_dataset(presses=1000), seed=2)
-    spread = np.sqrt((shuffled.part(validation=True).poses[:, :2] ** 2).mean())
+    spread = np.sqrt((shuffled.subset(validation=True).poses[:, :2] ** 2).mean())
     assert evaluate(train(shuffled, EARLY), shuffled).rmse_deg == pytest.approx(spread, rel=0.05)

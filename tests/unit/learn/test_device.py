@@ -6,7 +6,7 @@ from synthetic import make_dataset
 
 from errors import refused
 from needs import needs
-from palpate.learn import TrainSpec, device, evaluate, find_device, train
+from palpate.learn import TrainingSpec, device, evaluate, find_device, train
 
 torch = needs("torch")
 
@@ -49,7 +49,7 @@ class Factories(torch.overrides.TorchFunctionMode):
 @pytest.mark.parametrize("schedule", ["cosine", "plateau"])
 def test_every_tensor_of_a_training_is_made_on_the_device_it_is_given(schedule):
     """The first processor by number: torch tells it from a device that nobody named."""
-    spec = TrainSpec(width=4, layers=2, epochs=2, dropout=0.5, schedule=schedule)
+    spec = TrainingSpec(width=4, layers=2, epochs=2, dropout=0.5, schedule=schedule)
     with Factories() as factories:
         train(make_dataset(presses=20), spec, device="cpu:0")
     assert {"as_tensor", "tensor", "zeros", "empty", "randn", "randperm"} <= {name for name, _ in factories.made}
@@ -58,6 +58,6 @@ def test_every_tensor_of_a_training_is_made_on_the_device_it_is_given(schedule):
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no CUDA device")
 def test_cuda_learns_as_well_as_the_processor():
-    dataset, spec = make_dataset(), TrainSpec(width=32, epochs=40)
+    dataset, spec = make_dataset(), TrainingSpec(width=32, epochs=40)
     errors = [evaluate(train(dataset, spec, 1, device=name), dataset).rmse_deg for name in ("cpu", "cuda")]
     assert errors[0] == pytest.approx(errors[1], rel=0.3)

@@ -8,7 +8,7 @@ import pytest
 from synthetic import make_dataset
 
 from errors import refused
-from palpate.learn import TrainSpec, calibrate, fit_ridge, read_estimator, train, write_estimator
+from palpate.learn import TrainingSpec, calibrate_interval, fit_ridge, read_estimator, train, write_estimator
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_file_gives_the_same_estimator_back(path):
 @pytest.mark.parametrize("activation", ["relu", "silu"])
 def test_deep_networks_come_back(tmp_path, activation):
     dataset = make_dataset()
-    one = train(dataset, TrainSpec(epochs=3, layers=2, width=16, activation=activation, repeats=2))
+    one = train(dataset, TrainingSpec(epochs=3, layers=2, width=16, activation=activation, repeats=2))
     write_estimator(tmp_path / "estimator.onnx", one)
     again = read_estimator(tmp_path / "estimator.onnx")
     assert again.predict_members(dataset.images_px) == pytest.approx(one.predict_members(dataset.images_px), abs=1e-5)
@@ -127,7 +127,7 @@ def test_reading_needs_no_torch(path):
 
 def test_the_interval_comes_back_with_its_presses(tmp_path):
     dataset = make_dataset(presses=200)
-    one = calibrate(fit_ridge(dataset), dataset)
+    one = calibrate_interval(fit_ridge(dataset), dataset)
     write_estimator(tmp_path / "estimator.onnx", one)
     onnx.checker.check_model(onnx.load(tmp_path / "estimator.onnx"), full_check=True)
     again = read_estimator(tmp_path / "estimator.onnx")
@@ -135,4 +135,4 @@ def test_the_interval_comes_back_with_its_presses(tmp_path):
     assert again.interval.error == pytest.approx(one.interval.error, rel=1e-5)
     found, expected = again.estimate(dataset.images_px), one.estimate(dataset.images_px)
     assert found.half_width == pytest.approx(expected.half_width, rel=1e-4)
-    assert np.array_equal(found.outside, expected.outside)
+    assert np.array_equal(found.out_of_distribution, expected.out_of_distribution)

@@ -11,7 +11,14 @@ import pytest
 from errors import refused
 from palpate.dataset import Dataset, DatasetSpec, sample_poses
 from palpate.design import wall_normal
-from palpate.learn import calibrate, fit_ridge, learn_forces, open_predictor, read_estimator, write_estimator
+from palpate.learn import (
+    calibrate_interval,
+    fit_ridge,
+    open_predictor,
+    read_estimator,
+    train_force_output,
+    write_estimator,
+)
 from palpate.learn.force import FORCE_AXES, train_forces, turn_to_dome, turn_to_wall
 
 DEPTHS = (2.0, 3.0, 4.0, 5.0)
@@ -52,8 +59,8 @@ def dataset() -> Dataset:
 def files(dataset: Dataset, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """An estimator, and the same with forces."""
     plain, told = (tmp_path_factory.mktemp("forces") / name for name in ("plain.onnx", "told.onnx"))
-    write_estimator(plain, calibrate(fit_ridge(dataset), dataset))
-    learn_forces(plain, dataset, told)
+    write_estimator(plain, calibrate_interval(fit_ridge(dataset), dataset))
+    train_force_output(plain, dataset, told)
     return plain, told
 
 
@@ -65,7 +72,7 @@ def test_the_axes_of_the_wall_are_the_dome_s_turned() -> None:
 
 
 def test_forces_are_told_with_intervals_that_hold(dataset: Dataset, files: tuple[Path, Path]) -> None:
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     found = open_predictor(files[1]).predict(held.images_px)
     assert found.forces is not None
     assert found.forces_half_width is not None

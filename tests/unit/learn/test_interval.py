@@ -5,7 +5,7 @@ import pytest
 from synthetic import make_dataset
 
 from palpate.dataset import draw_jitter
-from palpate.learn import TrainSpec, calibrate, fit_ridge, measure_coverage, train
+from palpate.learn import TrainingSpec, calibrate_interval, fit_ridge, measure_coverage, train
 from palpate.learn.interval import press_quantile
 
 
@@ -16,7 +16,7 @@ def dataset():
 
 @pytest.fixture(scope="module")
 def estimator(dataset):
-    return calibrate(train(dataset, TrainSpec(width=32, epochs=30)), dataset)
+    return calibrate_interval(train(dataset, TrainingSpec(width=32, epochs=30)), dataset)
 
 
 def jittered(images_px, seed=7):
@@ -69,7 +69,7 @@ def test_coverage_is_measured_on_no_press_that_trained_or_calibrated(dataset, es
 
 def test_a_poor_estimator_keeps_the_promise_by_wider_intervals(dataset, estimator):
     poor = replace(estimator, interval=None, biases=(*estimator.biases[:-1], estimator.biases[-1] + 0.5))
-    found = measure_coverage(calibrate(poor, dataset), dataset, seed=1)
+    found = measure_coverage(calibrate_interval(poor, dataset), dataset, seed=1)
     assert 0.87 <= found.angle <= 0.93
     assert found.half_width_deg > 1.2 * measure_coverage(estimator, dataset, seed=1).half_width_deg
 
@@ -83,13 +83,15 @@ def test_shallow_images_get_wider_intervals():
     linear = make_dataset(presses=300, bend=0.0, markers=40)
     images = linear.rest_px + (linear.images_px - linear.rest_px) * (linear.poses[:, 2] / 5.6)[:, None, None]
     grown = replace(linear, images_px=images)
-    width = calibrate(train(grown, TrainSpec(width=32, epochs=300)), grown).estimate(images).half_width[:, 0]
+    width = (
+        calibrate_interval(train(grown, TrainingSpec(width=32, epochs=300)), grown).estimate(images).half_width[:, 0]
+    )
     assert width[linear.poses[:, 2] == 2.4].mean() > 1.3 * width[linear.poses[:, 2] == 5.6].mean()
 
 
 def test_few_presses_give_infinite_intervals_and_no_coverage():
     small = make_dataset(presses=40)
-    calibrated = calibrate(fit_ridge(small), small)
+    calibrated = calibrate_interval(fit_ridge(small), small)
     assert len(calibrated.interval.presses) == 4
     assert np.isinf(calibrated.interval.factor).all()
     assert measure_coverage(calibrated, small) is None
@@ -99,7 +101,7 @@ def test_few_presses_give_infinite_intervals_and_no_coverage():
 def test_a_single_held_out_press_leaves_the_estimator_without_interval():
     small = make_dataset(presses=10)
     small = replace(small, validation=small.press == 0)
-    assert calibrate(fit_ridge(small), small).interval is None
+    assert calibrate_interval(fit_ridge(small), small).interval is None
 
 
 def test_the_estimates_of_a_calibrated_estimator_are_the_same(dataset, estimator):
@@ -130,7 +132,7 @@ def test_an_image_that_the_training_never_saw_is_called_outside(dataset, estimat
     else:
         images = dataset.rest_px + 1.6 * (images - dataset.rest_px)
         images = images[np.hypot(*dataset.poses[:200, :2].T) > 10.0]
-    assert estimator.estimate(images).outside.mean() > 0.95
+    assert estimator.estimate(images).out_of_distribution.mean() > 0.95
 
 
 def test_a_pose_steeper_than_any_of_the_training_is_called_outside():
@@ -139,6 +141,6 @@ def test_a_pose_steeper_than_any_of_the_training_is_called_outside():
     narrow = {name: getattr(wide, name)[tilt < 6.0] for name in ("images_px", "poses", "press", "validation")}
     narrow |= {name: getattr(wide, name)[tilt < 6.0] for name in ("branch", "travel_mm")}
     inside = replace(wide, **narrow)
-    estimator = calibrate(fit_ridge(inside), inside)
-    assert estimator.estimate(wide.images_px[tilt > 9.0]).outside.all()
-    assert estimator.estimate(wide.images_px[tilt < 5.0]).outside.mean() < 0.02
+    estimator = calibrate_interval(fit_ridge(inside), inside)
+    assert estimator.estimate(wide.images_px[tilt > 9.0]).out_of_distribution.all()
+    assert estimator.estimate(wide.images_px[tilt < 5.0]).out_of_distribution.mean() < 0.02

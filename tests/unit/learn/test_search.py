@@ -8,8 +8,8 @@ import pytest
 from synthetic import make_dataset
 
 from needs import needs
-from palpate.learn import SearchSpec, TrainSpec, search, train
-from palpate.learn import search as search_function
+from palpate.learn import LearningSpec, TrainingSpec, search_estimator, train
+from palpate.learn import search_estimator as search_function
 
 needs("optuna")
 
@@ -43,15 +43,15 @@ def tabulated(monkeypatch):
 
 
 def test_search_finds_the_best_setting_of_the_table(tabulated, tmp_path):
-    best = search(None, SearchSpec(preset="paper", trials=40), tmp_path / "journal")
+    best = search_estimator(None, LearningSpec(preset="paper", trials=40), tmp_path / "journal")
     assert (best.layers, best.width, best.dropout) == (4, 256, 0.0)
 
 
 def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_path, monkeypatch):
     module = sys.modules["palpate.learn.search"]
-    spec = SearchSpec(preset="paper", trials=12)
-    search(None, spec, tmp_path / "whole")
-    error = module._judge
+    spec = LearningSpec(preset="paper", trials=12)
+    search_estimator(None, spec, tmp_path / "whole")
+    error = module._validate
     calls = []
 
     def interrupted(dataset, space, trial, spec):
@@ -62,14 +62,14 @@ def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_pa
 
     monkeypatch.setattr(module, "_judge", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        search(None, spec, tmp_path / "broken")
-    search(None, spec, tmp_path / "broken")
+        search_estimator(None, spec, tmp_path / "broken")
+    search_estimator(None, spec, tmp_path / "broken")
     assert len(calls) == 12 + 1
     assert settings_tried(tmp_path / "broken") == settings_tried(tmp_path / "whole")
 
 
 def test_trials_stay_in_table_1_and_use_the_printed_protocol(tabulated, tmp_path):
-    best = search_function(None, SearchSpec(preset="paper", trials=15, seed=3), tmp_path / "journal")
+    best = search_function(None, LearningSpec(preset="paper", trials=15, seed=3), tmp_path / "journal")
     tried, _ = settings_tried(tmp_path / "journal")
     assert {p["layers"] for p in tried} <= {2, 3, 4, 5, 6, 7}
     assert {p["width"] for p in tried} <= {32, 64, 128, 256, 512, 1024}
@@ -79,9 +79,9 @@ def test_trials_stay_in_table_1_and_use_the_printed_protocol(tabulated, tmp_path
 
 def test_quick_trains_one_network_and_leaves_no_journal(tmp_path):
     dataset = make_dataset(presses=20, markers=3)
-    found = search(dataset, SearchSpec(seed=5), tmp_path / "journal")
+    found = search_estimator(dataset, LearningSpec(seed=5), tmp_path / "journal")
     assert not (tmp_path / "journal").exists()
-    assert np.array_equal(found.weights[0], train(dataset, TrainSpec(), 5).weights[0])
+    assert np.array_equal(found.weights[0], train(dataset, TrainingSpec(), 5).weights[0])
 
 
 def shrink(monkeypatch, preset, epochs, **choices):
@@ -100,7 +100,9 @@ def shrink(monkeypatch, preset, epochs, **choices):
 
 def test_paper_search_on_real_training_gives_one_network(tmp_path, monkeypatch):
     shrink(monkeypatch, "paper", 3)
-    estimator = search(make_dataset(presses=20), SearchSpec(preset="paper", trials=2), tmp_path / "journal")
+    estimator = search_estimator(
+        make_dataset(presses=20), LearningSpec(preset="paper", trials=2), tmp_path / "journal"
+    )
     assert estimator.members == 1
     _, errors = settings_tried(tmp_path / "journal")
     assert len(errors) == 2
@@ -113,7 +115,9 @@ def test_best_search_prunes_and_the_paper_does_not(tmp_path, monkeypatch):
     states = {}
     for preset, name, values in (("best", "clean_share", (0.25, 1.0)), ("paper", "width", (32, 64))):
         shrink(monkeypatch, preset, 20, **{name: values})
-        search(make_dataset(presses=20, markers=4), SearchSpec(preset=preset, trials=6), tmp_path / preset)
+        search_estimator(
+            make_dataset(presses=20, markers=4), LearningSpec(preset=preset, trials=6), tmp_path / preset
+        )
         states[preset] = {trial.state for trial in trials_of(tmp_path / preset)}
     assert optuna.trial.TrialState.PRUNED in states["best"]
     assert states["paper"] == {optuna.trial.TrialState.COMPLETE}
@@ -136,14 +140,14 @@ def scored(monkeypatch):
 
 
 def test_a_later_trial_beats_the_first_where_it_is_better(scored, tmp_path):
-    found = search(None, SearchSpec(preset="best", trials=25), tmp_path / "journal")
+    found = search_estimator(None, LearningSpec(preset="best", trials=25), tmp_path / "journal")
     assert (found.width, found.clean_share) == (256, 0.75)
     first = trials_of(tmp_path / "journal")[0].params
     assert (first["width"], first["clean_share"]) != (256, 0.75)
 
 
 def test_no_setting_is_trained_twice_and_hopeless_ones_are_not_trained_long(scored, tmp_path):
-    search(None, SearchSpec(preset="best", trials=25), tmp_path / "journal")
+    search_estimator(None, LearningSpec(preset="best", trials=25), tmp_path / "journal")
     assert len(set(scored)) == len(scored)
     short, long = (sum(epochs == rung for *_, epochs in scored) for rung in (15, 45))
     assert 0 < long < short < 25
@@ -151,8 +155,8 @@ def test_no_setting_is_trained_twice_and_hopeless_ones_are_not_trained_long(scor
 
 def test_a_best_search_that_was_interrupted_anywhere_ends_alike(scored, tmp_path, monkeypatch):
     module = sys.modules["palpate.learn.search"]
-    spec, score = SearchSpec(preset="best", trials=8), sys.modules["palpate.learn.search"]._score
-    search(None, spec, tmp_path / "whole")
+    spec, score = LearningSpec(preset="best", trials=8), sys.modules["palpate.learn.search"]._score
+    search_estimator(None, spec, tmp_path / "whole")
     calls = []
 
     def interrupted(*words):
@@ -164,7 +168,7 @@ def test_a_best_search_that_was_interrupted_anywhere_ends_alike(scored, tmp_path
     monkeypatch.setattr(module, "_score", interrupted)
     for _ in range(20):
         try:
-            search(None, spec, tmp_path / "broken")
+            search_estimator(None, spec, tmp_path / "broken")
             break
         except KeyboardInterrupt:
             continue
@@ -180,15 +184,15 @@ def test_best_search_chooses_without_the_held_out_presses(tmp_path, monkeypatch)
     dataset = make_dataset(presses=30, markers=4)
     moved = dataset.images_px.copy()
     moved[dataset.validation] += 50.0
-    spec = SearchSpec(preset="best", trials=4)
-    search(dataset, spec, tmp_path / "one")
-    search(replace(dataset, images_px=moved), spec, tmp_path / "two")
+    spec = LearningSpec(preset="best", trials=4)
+    search_estimator(dataset, spec, tmp_path / "one")
+    search_estimator(replace(dataset, images_px=moved), spec, tmp_path / "two")
     assert settings_tried(tmp_path / "one") == settings_tried(tmp_path / "two")
 
 
 def test_what_a_search_finds_is_calibrated_on_presses_that_trained_nothing(tmp_path):
     dataset = make_dataset(presses=150, markers=3)
-    found = search(dataset, SearchSpec(seed=5), tmp_path / "journal")
+    found = search_estimator(dataset, LearningSpec(seed=5), tmp_path / "journal")
     held = set(dataset.press[dataset.validation])
     assert set(found.interval.presses) < held
     assert len(found.interval.presses) == len(held) // 2
@@ -198,10 +202,10 @@ def test_the_same_seed_gives_the_same_numbers_in_a_fresh_process(tmp_path):
     program = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "import hashlib; from pathlib import Path; from synthetic import make_dataset\n"
-        "from palpate.learn import SearchSpec, search, write_estimator\n"
+        "from palpate.learn import LearningSpec, search, write_estimator\n"
         "model, seed = Path(sys.argv[1]), int(sys.argv[2])\n"
         "dataset = make_dataset(presses=60, markers=3)\n"
-        "write_estimator(model, search(dataset, SearchSpec(seed=seed), model.with_suffix('.journal')))\n"
+        "write_estimator(model, search(dataset, LearningSpec(seed=seed), model.with_suffix('.journal')))\n"
         "print(hashlib.sha256(model.read_bytes()).hexdigest())\n"
     )
 

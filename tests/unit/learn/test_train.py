@@ -7,9 +7,9 @@ import pytest
 from synthetic import make_dataset
 
 from errors import refused
-from palpate.learn import TrainSpec, evaluate, fit_ridge, paper_training, train
+from palpate.learn import TrainingSpec, evaluate, fit_ridge, paper_training, train
 
-FAST = TrainSpec(width=32, epochs=60, batch=64)
+FAST = TrainingSpec(width=32, epochs=60, batch=64)
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +57,8 @@ def test_shuffled_labels_leave_the_spread_of_the_labels():
     poses = dataset.poses.reshape(400, 3, 3).copy()
     poses[..., :2] = poses[order][..., :2]
     shuffled = replace(dataset, poses=poses.reshape(-1, 3))
-    found = evaluate(train(shuffled, TrainSpec(width=8, epochs=10, repeats=1, learning_rate=3e-4)), shuffled)
-    spread = shuffled.part(validation=True).poses[:, :2].std()
+    found = evaluate(train(shuffled, TrainingSpec(width=8, epochs=10, repeats=1, learning_rate=3e-4)), shuffled)
+    spread = shuffled.subset(validation=True).poses[:, :2].std()
     assert found.rmse_deg == pytest.approx(spread, rel=0.05)
 
 

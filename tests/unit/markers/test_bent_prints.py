@@ -7,7 +7,7 @@ from bent_prints import bent, controls, design_of, draw, judge
 
 from errors import refused
 from palpate.core import generator
-from palpate.markers import name_markers, prepare_detector
+from palpate.markers import assign_markers, prepare_detector
 
 
 @pytest.mark.parametrize("count", [7, 37, 91, 169])
@@ -16,7 +16,7 @@ def test_a_bent_print_is_named_wholly_or_says_what_it_does_not_know(count):
         scale, marked = (1.0, 1.6)[number % 2], number % 4 < 2
         drawn = bent(count, generator(8, "bent", count, number), scale=scale, mark=marked, kept=number % 3 == 0)
         design = design_of(count, scale, marked)
-        naming = name_markers(drawn["dots"], design.pattern)
+        naming = assign_markers(drawn["dots"], design.pattern)
         assert judge(naming, drawn, drawn["dots"], design).verdict in ("whole", "ambiguous", "mark hidden")
         assert marked or naming.ambiguous
 
@@ -28,7 +28,7 @@ def test_an_image_of_a_bent_print_is_named_through_the_detector(count):
     picture = draw(drawn["dots"], drawn["shape"], rng, scale=1.6)
     dots = prepare_detector(picture).find(picture).positions_px
     design = design_of(count, 1.6)
-    assert judge(name_markers(dots, design.pattern), drawn, dots, design).verdict == "whole"
+    assert judge(assign_markers(dots, design.pattern), drawn, dots, design).verdict == "whole"
 
 
 @pytest.mark.parametrize(("count", "number", "image"), [(37, 37, False), (7, 7, True)])
@@ -42,11 +42,11 @@ def test_a_ring_of_six_is_not_bent_to_a_speck(count, number, image):
         picture = draw(dots, drawn["shape"], rng, scale=scale)
         dots = prepare_detector(picture).find(picture).positions_px
     with refused("assignment-doubtful"):
-        name_markers(dots, design.pattern)
+        assign_markers(dots, design.pattern)
 
 
 @pytest.mark.parametrize("kind", ["another design", "random dots", "half of the dots", "a grid of dots"])
 def test_what_is_no_print_of_the_design_is_refused_with_numbers(kind):
     for dots, pattern in islice(controls()[kind](generator(8, "controls", kind)), 3):
         with refused(("markers-not-assigned", "assignment-doubtful"), len(pattern), len(dots)):
-            name_markers(dots, pattern)
+            assign_markers(dots, pattern)

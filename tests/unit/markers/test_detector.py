@@ -6,7 +6,7 @@ from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import Detector, DetectSpec, prepare_detector
-from palpate.markers.choose_field import lie_half_way
+from palpate.markers.choose_field import is_midpoint
 
 SETTINGS = [(50.0, 5.0), (100.0, 3.0), (100.0, 1.0), (200.0, 2.0)]
 
@@ -236,5 +236,5 @@ def test_texture_without_dots_is_no_field():
 
 def test_which_dots_lie_half_way_between_two_others():
     points = np.array([[0.0, 0], [10, 0], [20, 0.5], [30, 0], [50, 60], [70, 20]])
-    assert lie_half_way(points).tolist() == [False, True, True, False, False, False]
-    assert not lie_half_way(points[:2]).any()
+    assert is_midpoint(points).tolist() == [False, True, True, False, False, False]
+    assert not is_midpoint(points[:2]).any()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from empty_images import KINDS, draw_empty
 
-from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
@@ -57,7 +57,7 @@ def test_dots_painted_on_such_light_are_all_found(kind: str, depth: float) -> No
 def test_the_dots_of_a_design_are_found_however_few(count: int) -> None:
     """Seven markers are a layout of the paper; whoever holds dots against a design need not doubt them."""
     layout = place_markers(DOME, MarkerSpec(count=count))
-    edges = dot_edges(layout.positions, DOME.normal(layout.positions), layout.diameter)
+    edges = flat_marker_outlines(layout.positions, DOME.normal(layout.positions), layout.diameter)
     for seed in range(3):
         image = render(build_camera(), edges, RenderSpec(seed=seed))
         assert len(prepare_detector(image, doubt=count >= 8).find(image)) == count

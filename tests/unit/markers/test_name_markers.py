@@ -5,7 +5,7 @@ from posed_dome import posed_dots, project
 from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import build_pattern, name_markers
+from palpate.markers import assign_markers, build_pattern
 
 
 def layout(count, height=20.0):
@@ -27,7 +27,7 @@ def test_markers_of_any_pose_are_named_rightly_by_the_mark(count, height):
     resolved = 0
     for _ in range(8):
         dots, truth, mirror = posed_dots(np.vstack([positions, mark]), count, rng)
-        naming = name_markers(dots, pattern)
+        naming = assign_markers(dots, pattern)
         assert any(right(each.blob, truth) for each in (naming, *naming.alternatives))
         if not naming.ambiguous:
             resolved += 1
@@ -42,7 +42,7 @@ def test_without_a_mark_every_naming_that_fits_is_reported(count):
     positions, _ = layout(count)
     pattern = build_pattern(positions, project)
     dots, truth, _ = posed_dots(positions, count, generator(1, "no mark", count))
-    naming = name_markers(dots, pattern)
+    naming = assign_markers(dots, pattern)
     assert naming.ambiguous
     assert len(naming.alternatives) == 11
     assert sum(right(each.blob, truth) for each in (naming, *naming.alternatives)) == 1
@@ -51,7 +51,7 @@ def test_without_a_mark_every_naming_that_fits_is_reported(count):
 def test_a_hidden_mark_leaves_the_naming_ambiguous():
     positions, mark = layout(37)
     dots, _, _ = posed_dots(positions, 37, generator(1, "hidden"), missing=0.0, false=0.0)
-    naming = name_markers(dots, build_pattern(positions, project, mark))
+    naming = assign_markers(dots, build_pattern(positions, project, mark))
     assert naming.ambiguous
     assert naming.mark == -1
     assert naming.found.all()
@@ -65,10 +65,10 @@ def test_a_false_dot_about_where_another_turn_has_the_mark_is_not_the_mark():
     for place in range(12):
         dots = project(positions) + rng.normal(0, 0.1, (91, 2))
         beside = pattern.marks_px[place] + 0.1 * pattern.spacing_px * np.array([np.cos(place), np.sin(place)])
-        naming = name_markers(np.vstack([dots, beside]), pattern)
+        naming = assign_markers(np.vstack([dots, beside]), pattern)
         assert naming.ambiguous
         assert naming.mark == -1
-    assert not name_markers(np.vstack([dots, pattern.marks_px[3] + 0.1]), pattern).ambiguous
+    assert not assign_markers(np.vstack([dots, pattern.marks_px[3] + 0.1]), pattern).ambiguous
 
 
 def test_a_mark_among_many_false_dots_is_not_believed():
@@ -81,7 +81,7 @@ def test_a_mark_among_many_false_dots_is_not_believed():
     crowd = rng.uniform(0, 1, (200, 2)) * [346, 260]
     crowd = crowd[np.linalg.norm(crowd[:, None] - project(positions)[None], axis=-1).min(axis=1) > 12]
     crowd = crowd[np.linalg.norm(crowd[:, None] - pattern.marks_px[None], axis=-1).min(axis=1) > 6]
-    naming = name_markers(np.vstack([dots, crowd, project(mark)]), pattern)
+    naming = assign_markers(np.vstack([dots, crowd, project(mark)]), pattern)
     assert naming.ambiguous
 
 
@@ -97,7 +97,7 @@ def test_of_a_thousand_random_poses_none_is_misnamed_without_a_word(count):
     for number in range(334):
         points, pattern = patterns[number % 3]
         dots, truth, mirror = posed_dots(points, count, rng)
-        naming = name_markers(dots, pattern)
+        naming = assign_markers(dots, pattern)
         real = np.isin(np.arange(len(dots)), truth[truth >= 0])
         for each in (naming,) if not naming.ambiguous else (naming, *naming.alternatives):
             misnamed = (each.blob >= 0) & real[each.blob] & (each.blob != truth)
@@ -116,7 +116,7 @@ def test_of_a_thousand_random_poses_none_is_misnamed_without_a_word(count):
 def test_in_the_nominal_pose_turn_and_positions_are_those_of_the_camera():
     positions, mark = layout(91)
     pattern = build_pattern(positions, project, mark)
-    naming = name_markers(np.vstack([project(positions), project(mark)]), pattern)
+    naming = assign_markers(np.vstack([project(positions), project(mark)]), pattern)
     assert not naming.ambiguous
     assert naming.blob.tolist() == list(range(91))
     assert naming.turn_deg == pytest.approx(0.0, abs=0.1)
@@ -127,7 +127,7 @@ def test_a_missing_marker_is_expected_where_it_would_be():
     positions, mark = layout(91)
     seen = np.delete(np.arange(91), [0, 17, 80])
     dots = np.vstack([project(positions[seen]), project(mark)])
-    naming = name_markers(dots, build_pattern(positions, project, mark))
+    naming = assign_markers(dots, build_pattern(positions, project, mark))
     assert np.flatnonzero(~naming.found).tolist() == [0, 17, 80]
     np.testing.assert_allclose(naming.positions_px, project(positions), atol=0.5)
 
@@ -148,7 +148,7 @@ def test_a_layout_without_symmetry_needs_no_mark(mirror):
     free = positions.copy()
     free[1:, :2] += generator(0, "free").uniform(-0.9, 0.9, (36, 2))
     dots, truth, _ = posed_dots(free, 37, generator(3, "free pose"), mirror=mirror)
-    naming = name_markers(dots, build_pattern(free, project))
+    naming = assign_markers(dots, build_pattern(free, project))
     assert not naming.ambiguous
     assert right(naming.blob, truth)
     assert naming.mirrored == mirror
@@ -158,14 +158,14 @@ def test_a_layout_without_symmetry_needs_no_mark(mirror):
 def test_too_few_dots_are_refused(dots):
     positions, mark = layout(37)
     with refused("markers-not-assigned", "37"):
-        name_markers(dots, build_pattern(positions, project, mark))
+        assign_markers(dots, build_pattern(positions, project, mark))
 
 
 def test_another_design_is_refused():
     positions, mark = layout(169)
     other, _ = layout(37)
     with refused("assignment-doubtful", "169"):
-        name_markers(project(other), build_pattern(positions, project, mark))
+        assign_markers(project(other), build_pattern(positions, project, mark))
 
 
 @pytest.mark.parametrize("count", [37, 91, 169])
@@ -176,6 +176,6 @@ def test_a_print_that_is_off_as_a_whole_keeps_its_mark(count, height):
     dome = build_skin(DomeSpec(height=height))
     moved = np.vstack([positions, mark])[:, :2] + [0.2, 0.15]
     printed = dome.inner_point(np.hypot(*moved.T), np.arctan2(moved[:, 1], moved[:, 0]))
-    naming = name_markers(project(printed), build_pattern(positions, project, mark))
+    naming = assign_markers(project(printed), build_pattern(positions, project, mark))
     assert not naming.ambiguous
     assert naming.blob.tolist() == list(range(count))

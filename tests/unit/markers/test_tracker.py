@@ -7,12 +7,12 @@ from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import (
-    Motion,
+    MotionModel,
     Tracker,
+    assign_markers,
     build_pattern,
     find_markers,
-    learn_motion,
-    name_markers,
+    fit_motion_model,
     prepare_detector,
 )
 
@@ -42,7 +42,7 @@ def follow(tracker, images, rng, lost=0.02):
 def test_every_marker_keeps_its_number_through_a_press(count):
     images = [project(pressed(markers(count), depth)) for depth in DEPTHS]
     for draw in range(10):
-        swaps, errors, jumped = follow(Tracker(Motion(images[0])), images, generator(draw, "track", count))
+        swaps, errors, jumped = follow(Tracker(MotionModel(images[0])), images, generator(draw, "track", count))
         assert swaps == 0
         assert not any(jumped)
         if count >= 91 and len(errors):
@@ -52,7 +52,7 @@ def test_every_marker_keeps_its_number_through_a_press(count):
 
 def test_a_lost_marker_comes_back_with_its_number():
     images = [project(pressed(markers(91), depth)) for depth in DEPTHS]
-    tracker = Tracker(Motion(images[0]))
+    tracker = Tracker(MotionModel(images[0]))
     for number, pixels in enumerate(images):
         gone = [5, 20, 60] if 2 <= number <= 8 else []
         seen = np.setdiff1d(np.arange(91), gone)
@@ -66,11 +66,11 @@ def test_modes_learnt_from_presses_estimate_lost_markers_better():
     images = np.stack(
         [project(pressed(rest, depth, tilt)) for depth in DEPTHS[1:] for tilt in np.linspace(-0.2, 0.2, 9)]
     )
-    motion = learn_motion(project(rest), images)
+    motion = fit_motion_model(project(rest), images)
     true = project(pressed(rest, 5.1, 0.13))
     found = generator(0, "gone").random(91) > 0.3
     by_modes = np.linalg.norm(motion.fill(true, found) - true, axis=1)[~found].max()
-    smooth = np.linalg.norm(Motion(project(rest)).fill(true, found) - true, axis=1)[~found].max()
+    smooth = np.linalg.norm(MotionModel(project(rest)).fill(true, found) - true, axis=1)[~found].max()
     assert by_modes < 0.1
     assert by_modes < smooth
     assert len(motion.modes_px) < 10
@@ -80,12 +80,12 @@ def test_the_estimate_does_not_look_at_what_is_not_found():
     rest = project(markers(37))
     seen, found = rest + 2.0, np.arange(37) % 5 > 0
     seen[~found] = np.nan
-    np.testing.assert_allclose(Motion(rest).fill(seen, found), rest + 2.0, atol=1e-4)
+    np.testing.assert_allclose(MotionModel(rest).fill(seen, found), rest + 2.0, atol=1e-4)
 
 
 def test_a_jump_and_an_image_without_dots_are_flagged():
     pixels = project(markers(91))
-    tracker = Tracker(Motion(pixels))
+    tracker = Tracker(MotionModel(pixels))
     assert not tracker.step(pixels).jumped
     assert tracker.step(np.empty((0, 2))).jumped
     assert not tracker.step(pixels).jumped
@@ -94,7 +94,7 @@ def test_a_jump_and_an_image_without_dots_are_flagged():
 
 def test_after_a_sudden_release_every_marker_has_its_number_again():
     rest = project(markers(169))
-    tracker = Tracker(Motion(rest))
+    tracker = Tracker(MotionModel(rest))
     for depth in DEPTHS:
         tracker.step(project(pressed(markers(169), depth)))
     for _ in range(3):
@@ -104,7 +104,7 @@ def test_after_a_sudden_release_every_marker_has_its_number_again():
 
 def test_nothing_to_follow_is_refused():
     with refused("tracker-no-marker"):
-        Tracker(Motion(np.empty((0, 2))))
+        Tracker(MotionModel(np.empty((0, 2))))
 
 
 def test_images_become_tracks():
@@ -117,7 +117,7 @@ def test_images_become_tracks():
         truth.append(pixels[:-1])
         images.append(draw_dots(pixels, 7.0, 1.0, 120.0, (260, 346)).astype(np.uint8))
     detector = prepare_detector(images[0])
-    naming = name_markers(detector.find(images[0]).positions_px, build_pattern(layout.positions, project, mark))
+    naming = assign_markers(detector.find(images[0]).positions_px, build_pattern(layout.positions, project, mark))
     tracks = find_markers(images, detector, naming)
     assert len(tracks) == len(DEPTHS)
     assert tracks.found.all()

@@ -17,14 +17,14 @@ from palpate.material import (
     Mode,
     PrepareSpec,
     Sample,
+    extrapolate_modes,
     find_stable_ranges,
     fit_material,
     get_material,
     list_models,
-    predict_unseen,
     prepare_sample,
     rank_models,
-    read_bench,
+    read_test_file,
     stretches,
     trace_curve,
 )
@@ -62,7 +62,7 @@ def curves(text: str, noise: float = 0.0, seed: int = 0, samples: int = 1) -> li
 
 
 def ecoflex(**spec: object) -> Sample:
-    return prepare_sample(read_bench(ECOFLEX)[0], PrepareSpec(greatest_stretch=5, **spec))
+    return prepare_sample(read_test_file(ECOFLEX)[0], PrepareSpec(max_stretch=5, **spec))
 
 
 def rational_yeoh(rows: list[tuple[str, str]]) -> list[Fraction]:
@@ -215,7 +215,7 @@ def test_yeoh_on_the_shared_ecoflex_has_a_negative_c30_and_says_where_it_ends() 
     "file", ["Ecoflex 00-30.csv", "Ecoflex 00-50.csv", "Dragon Skin 10 MEDIUM.csv", "Dragon Skin 30.csv"]
 )
 def test_a_fit_held_to_stability_is_stable_and_not_better_than_the_free_one(file: str, model: str) -> None:
-    sample = prepare_sample(read_bench(DATA / "marechal_2020" / file)[0], PrepareSpec(greatest_stretch=5))
+    sample = prepare_sample(read_test_file(DATA / "marechal_2020" / file)[0], PrepareSpec(max_stretch=5))
     free, held = (fit_material([sample], FitSpec(model=model, stable=stable)) for stable in (False, True))
     assert held.stable
     assert held.objective >= free.objective * (1 - 1e-9)
@@ -355,9 +355,9 @@ def test_r2_counts_every_row_and_is_told_by_mode() -> None:
 
 def test_models_are_ranked_by_akaikes_criterion() -> None:
     ranked = rank_models(curves("zaid_2024_ecoflex_00_30", noise=0.01))
-    assert [item.behind for item in ranked] == sorted(item.behind for item in ranked)
-    assert ranked[0].behind == 0
-    assert next(item for item in ranked if item.name == "neo-hooke").behind > 10
+    assert [item.delta_aicc for item in ranked] == sorted(item.delta_aicc for item in ranked)
+    assert ranked[0].delta_aicc == 0
+    assert next(item for item in ranked if item.name == "neo-hooke").delta_aicc > 10
 
 
 def test_akaikes_criterion_takes_the_true_model_more_often_than_a_richer_one() -> None:
@@ -410,7 +410,7 @@ def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_five_rubbers(
                 continue
             ranked = rank_models([sample])
             for fit in (item.fit for item in ranked if item.fit is not None):
-                for unseen in predict_unseen(fit, ranked, [sample]):
+                for unseen in extrapolate_modes(fit, ranked, [sample]):
                     other = every.get(str(unseen.mode))
                     if other is None or np.isnan(unseen.relative):
                         assert other is None or fit.condition > 1e8, (seen, fit.model.name)
@@ -445,7 +445,7 @@ def test_no_mode_is_called_unseen_that_was_measured() -> None:
     ranked = rank_models(samples, names=("yeoh", "gent"))
     fit = ranked[0].fit
     assert fit is not None
-    assert predict_unseen(fit, ranked, samples) == ()
+    assert extrapolate_modes(fit, ranked, samples) == ()
 
 
 def test_a_fit_becomes_a_material_with_range_and_quality() -> None:

@@ -8,7 +8,7 @@ from palpate.fea import WallSpec, read_press, write_press
 from palpate.material import Material, Mode, fit_material, get_material, list_models, trace_curve
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec
-from palpate.mechanics import Ended, State, System, cauchy_stress
+from palpate.mechanics import EndReason, State, System, cauchy_stress
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.equilibrium import find_equilibrium, make_solid
 from palpate.verify.properties import distorted_cube
@@ -85,7 +85,7 @@ def test_a_dome_of_it_is_pressed_and_the_energy_is_the_work(
 ) -> None:
     mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=3)), MeshSpec(cells=6))
     press = solve_press(mesh, material, WallSpec(tilt_deg=5, depth=1.6))
-    assert press.ended is Ended.DEPTH_REACHED
+    assert press.ended is EndReason.DEPTH_REACHED
     plain = solve_press(
         mesh, get_material(f"neo-hooke:{material.law.shear_modulus / 2!r}"), WallSpec(tilt_deg=5, depth=1.6)
     )

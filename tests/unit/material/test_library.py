@@ -5,23 +5,23 @@ from pathlib import Path
 import pytest
 
 from palpate.material import (
-    BenchSpec,
     FitSpec,
     PrepareSpec,
+    TestFileSpec,
     find_stable_ranges,
     fit_material,
     get_material,
     list_materials,
     prepare_sample,
     rank_models,
-    read_bench,
+    read_test_file,
 )
 
 DATA = Path(__file__).parent / "data"
-PLAIN = BenchSpec()
+PLAIN = TestFileSpec()
 NUMBERED = {"strain": "2", "strain_unit": "stretch", "stress": "1", "stress_unit": "MPa"}
 MEUNIER = {"UT": "uniaxial", "ET": "equibiaxial", "PS": "planar"}
-FITS: dict[str, tuple[list[tuple[str, BenchSpec]], FitSpec]] = {
+FITS: dict[str, tuple[list[tuple[str, TestFileSpec]], FitSpec]] = {
     "marechal_2020_ecoflex_00_30": (
         [("marechal_2020/Ecoflex 00-30.csv", PLAIN)],
         FitSpec(model="yeoh", stable=True),
@@ -40,7 +40,7 @@ FITS: dict[str, tuple[list[tuple[str, BenchSpec]], FitSpec]] = {
     ),
     "meunier_2008_silicone": (
         [
-            (f"meunier_2008/{mode}_stress_stretch.txt", BenchSpec(loading=loading, **NUMBERED))
+            (f"meunier_2008/{mode}_stress_stretch.txt", TestFileSpec(loading=loading, **NUMBERED))
             for mode, loading in MEUNIER.items()
         ],
         FitSpec(model="yeoh"),
@@ -56,9 +56,9 @@ def test_every_fit_of_our_own_is_tested() -> None:
 def test_a_fit_of_the_library_comes_out_of_its_data(name: str) -> None:
     files, spec = FITS[name]
     samples = [
-        prepare_sample(sample, PrepareSpec(greatest_stretch=5))
+        prepare_sample(sample, PrepareSpec(max_stretch=5))
         for file, bench in files
-        for sample in read_bench(DATA / file, bench)
+        for sample in read_test_file(DATA / file, bench)
     ]
     fit, material = fit_material(samples, spec), get_material(name)
     assert list(fit.law.constants.values()) == pytest.approx(list(material.law.constants.values()), rel=1e-6)
@@ -82,7 +82,7 @@ def test_the_two_sources_of_ecoflex_00_30_differ_by_nearly_two() -> None:
 def test_meuniers_silicone_is_described_best_by_yeoh_when_a_mode_is_left_out() -> None:
     """Ogden's six constants win by Akaike's criterion and are absurd in the mode that was left out."""
     files, _ = FITS["meunier_2008_silicone"]
-    samples = [sample for file, bench in files for sample in read_bench(DATA / file, bench)]
+    samples = [sample for file, bench in files for sample in read_test_file(DATA / file, bench)]
     ranked = {item.name: item for item in rank_models(samples)}
     assert next(iter(ranked)) == "ogden-3"
     assert ranked["ogden-3"].left_out > 10

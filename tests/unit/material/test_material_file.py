@@ -166,7 +166,7 @@ def test_a_wrong_relaxation_is_refused_with_the_file(kind: str, tmp_path: Path) 
     path.write_text(GOOD + text)
     with refused(*says) as caught:
         read_material(path)
-    assert str(path) in caught.value.what
+    assert str(path) in caught.value.problem
     assert caught.value.remedy
 
 

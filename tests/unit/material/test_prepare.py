@@ -72,10 +72,10 @@ def test_a_curve_without_a_toe_is_left_alone() -> None:
 
 
 def test_rows_outside_the_range_are_left_out() -> None:
-    ready = prepare_sample(curve(), PrepareSpec(points=None, least_stretch=0.5, greatest_stretch=2))
+    ready = prepare_sample(curve(), PrepareSpec(points=None, min_stretch=0.5, max_stretch=2))
     assert ready.stretch.max() <= 2
     with refused("samples-few-rows-left"):
-        prepare_sample(curve(), PrepareSpec(greatest_stretch=1.01))
+        prepare_sample(curve(), PrepareSpec(max_stretch=1.01))
 
 
 def test_the_strain_of_the_crosshead_is_corrected() -> None:

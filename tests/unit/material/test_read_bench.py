@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from errors import refused
 from palpate.cli import main
 from palpate.core import PalpateError
-from palpate.material import BenchSpec, Loading, Sample, get_material, read_bench, trace_curve
+from palpate.material import Loading, Sample, TestFileSpec, get_material, read_test_file, trace_curve
 
 DATA = Path(__file__).parent / "data"
 STRAIN = np.linspace(0.02, 2.0, 25)
@@ -36,7 +36,7 @@ def table(
 
 
 def read(path: Path, **spec: object) -> Sample:
-    (sample,) = read_bench(path, BenchSpec(**spec))
+    (sample,) = read_test_file(path, TestFileSpec(**spec))
     return sample
 
 
@@ -252,9 +252,9 @@ def test_a_malformed_file_is_refused_with_row_column_and_remedy(case: str, tmp_p
     path = write(tmp_path / "tension.csv", text)
     started = time.perf_counter()
     with refused(*says) as caught:
-        read_bench(path, BenchSpec(**spec))
+        read_test_file(path, TestFileSpec(**spec))
     assert time.perf_counter() - started < 5
-    assert str(path) in caught.value.what
+    assert str(path) in caught.value.problem
     assert caught.value.remedy
 
 
@@ -290,9 +290,9 @@ def test_ten_million_rows_are_read_in_five_seconds_of_a_processor(tmp_path: Path
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with refused("file-unreadable"):
-        read_bench(tmp_path / "tension.csv")
+        read_test_file(tmp_path / "tension.csv")
     with refused("file-unreadable"):
-        read_bench(tmp_path)
+        read_test_file(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -322,7 +322,7 @@ def test_one_file_holds_all_tests_by_the_suffixes_of_its_columns(tmp_path: Path)
     ends = ("ut", "et", "ps")
     header = ",".join(f"strain_{end},stress_MPa_{end}" for end in ends)
     lines = [",".join(f"{a:.9f},{(1 + k) * b:.9f}" for k in range(3)) for a, b in zip(STRAIN, STRESS, strict=True)]
-    samples = read_bench(write(tmp_path / "rubber.csv", "\n".join([header, *lines])))
+    samples = read_test_file(write(tmp_path / "rubber.csv", "\n".join([header, *lines])))
     assert [sample.loading for sample in samples] == [Loading.TENSION, Loading.EQUIBIAXIAL, Loading.PLANAR]
     for factor, sample in enumerate(samples, start=1):
         assert sample.nominal == pytest.approx(factor * STRESS, rel=1e-6)
@@ -336,7 +336,7 @@ def test_a_word_of_a_sentence_is_no_test(tmp_path: Path) -> None:
 def test_a_file_that_does_not_say_its_test_is_refused(tmp_path: Path) -> None:
     for name in ("sample", "tension_and_compression"):
         with refused("test-unknown", "--tension", "--compression"):
-            read_bench(write(tmp_path / f"{name}.csv", table()))
+            read_test_file(write(tmp_path / f"{name}.csv", table()))
 
 
 @pytest.mark.parametrize(("strain_sign", "stress_sign"), [(1, 1), (-1, -1), (-1, 1), (1, -1)])
@@ -353,14 +353,14 @@ def test_compression_comes_out_negative_whichever_sign_the_bench_gives_it(
 
 def test_compression_to_nothing_is_refused(tmp_path: Path) -> None:
     with refused("stretch-not-positive"):
-        read_bench(write(tmp_path / "compression.csv", table()))
+        read_test_file(write(tmp_path / "compression.csv", table()))
 
 
 def test_samples_are_told_apart_by_a_column(tmp_path: Path) -> None:
     text = "specimen,strain,stress (MPa)\n" + "".join(
         rows(STRAIN, factor * STRESS, f"{number},{{a:.9f}},{{b:.9f}}\n") for number, factor in ((1, 1.0), (2, 1.1))
     )
-    first, second = read_bench(write(tmp_path / "tension.csv", text))
+    first, second = read_test_file(write(tmp_path / "tension.csv", text))
     assert holds(first)
     assert second.nominal == pytest.approx(1.1 * STRESS, rel=1e-6)
     assert second.name == "tension.csv sample 2"
@@ -370,7 +370,7 @@ def test_samples_stand_side_by_side_and_may_be_of_different_length(tmp_path: Pat
     lines = ["strain,stress (MPa),strain,stress (MPa)"]
     for at, (a, b) in enumerate(zip(STRAIN, STRESS, strict=True)):
         lines.append(f"{a:.9f},{b:.9f}," + (f"{a:.9f},{1.1 * b:.9f}" if at < 15 else ","))
-    first, second = read_bench(write(tmp_path / "tension.csv", "\n".join(lines)))
+    first, second = read_test_file(write(tmp_path / "tension.csv", "\n".join(lines)))
     assert holds(first)
     assert len(second.stretch) == 15
     assert second.nominal == pytest.approx(1.1 * STRESS[:15], rel=1e-6)
@@ -431,7 +431,7 @@ def test_files_damaged_at_random_are_read_or_refused_and_nothing_else(tmp_path: 
                     damaged[at] = int(rng.integers(256))
         path.write_bytes(damaged)
         try:
-            samples = read_bench(path, BenchSpec(gauge_length=33, section=18))
+            samples = read_test_file(path, TestFileSpec(gauge_length=33, section=18))
         except PalpateError:
             continue
         assert all(np.isfinite(sample.nominal).all() and (sample.stretch > 0).all() for sample in samples)

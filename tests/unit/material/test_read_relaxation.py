@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from errors import check_values, refused
-from palpate.material import BenchSpec, read_relaxation
+from palpate.material import TestFileSpec, read_relaxation
 
 TIME = np.geomspace(0.1, 100, 40)
 STRESS = 0.02 * (0.8 + 0.2 * np.exp(-TIME / 3))
@@ -41,14 +41,14 @@ def test_a_stress_that_comes_up_first_is_taken_for_an_even_ramp(tmp_path):
     time = np.concatenate([[0, 0.5, 1.0], 1.0 + TIME])
     stress = np.concatenate([[0, 0.01, 0.021], STRESS])
     test = read_relaxation(write(tmp_path / "a.csv", "time (s),stress (MPa)", time, stress))
-    assert test.came == (0.0, 1.0)
+    assert test.ramp_times == (0.0, 1.0)
     assert "evenly" in test.notes[-1]
 
 
 def test_columns_without_names_are_given_by_number(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("\n".join(f"{b:.9g};{a:.9g}" for a, b in zip(TIME, STRESS, strict=True)))
-    test = read_relaxation(path, BenchSpec(time="2", time_unit="s", stress="1"))
+    test = read_relaxation(path, TestFileSpec(time="2", time_unit="s", stress="1"))
     assert test.time == pytest.approx(TIME)
 
 
@@ -80,8 +80,8 @@ WRONG = {
 def test_a_file_that_holds_no_relaxation_is_refused_with_a_remedy(kind, tmp_path):
     header, columns, spec, says = WRONG[kind]
     with refused(*says) as caught:
-        read_relaxation(write(tmp_path / "wrong.csv", header, *columns), BenchSpec(**spec))
-    assert "wrong.csv" in caught.value.what
+        read_relaxation(write(tmp_path / "wrong.csv", header, *columns), TestFileSpec(**spec))
+    assert "wrong.csv" in caught.value.problem
     assert caught.value.remedy
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.cli import main
-from palpate.material import FitSpec, Loading, PrepareSpec, Sample, fit_material, prepare_sample, read_bench
+from palpate.material import FitSpec, Loading, PrepareSpec, Sample, fit_material, prepare_sample, read_test_file
 
 SEEDS = range(25)
 
@@ -102,7 +102,7 @@ def test_the_fit_of_a_shuffled_file_is_that_of_the_sorted_one(name: str, tmp_pat
         path = tmp_path / f"{name}.csv"
         rows = [f"{a:.9g},{b:.9g}" for a, b in zip(sample.stretch[order], sample.nominal[order], strict=True)]
         path.write_text("\n".join(["stretch,stress (MPa)", *rows]))
-        (read,) = read_bench(path)
+        (read,) = read_test_file(path)
         fits.append(fit_material([prepare_sample(read, PrepareSpec())], FitSpec(model="yeoh")).linear)
     assert fits[1] == pytest.approx(fits[0], rel=1e-9)
     assert fits[2] == pytest.approx(fits[0], rel=1e-9)

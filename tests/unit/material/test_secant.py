@@ -54,8 +54,8 @@ def test_a_fit_far_too_stiff_at_small_strain_says_so_and_the_flag_it_names_mends
     whole = fit_file(tmp_path, capsys)
     assert whole["modes"][0]["r2"] > 0.99
     (said,) = [text for text in whole["warnings"] if "10 % strain" in text]
-    assert "--greatest-stretch 1.5" in said
-    near = fit_file(tmp_path, capsys, "--greatest-stretch", "1.5")
+    assert "--max-stretch 1.5" in said
+    near = fit_file(tmp_path, capsys, "--max-stretch", "1.5")
     assert not [text for text in near["warnings"] if "10 % strain" in text]
     off = [abs(facts["secants"][0]["fitted_mpa"] / 0.03 - 1) for facts in (whole, near)]
     assert off[0] > 0.15 > 3 * off[1]

@@ -9,12 +9,12 @@ from palpate.mechanics import (
     Continuation,
     DeadLoad,
     DeadLoading,
-    Ended,
+    EndReason,
+    NullMonitor,
     Problem,
     SolverSpec,
     State,
     System,
-    Unwatched,
     make_linear_solver,
 )
 from palpate.mechanics.linear import Pattern
@@ -58,7 +58,7 @@ def follow(jumps: bool) -> Continuation:
     problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
     spec = SolverSpec(first_step=0.05, largest_step=0.1, smallest_step=1e-3)
     down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
-    return Continuation(problem, DeadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=jumps)
+    return Continuation(problem, DeadLoading(down), NullMonitor(), spec, unit=LIMIT, jumps=jumps)
 
 
 def height(path: Continuation) -> float:
@@ -68,7 +68,7 @@ def height(path: Continuation) -> float:
 def test_a_branch_is_followed_to_its_limit_point() -> None:
     path = follow(jumps=False)
     assert not path.advance(2 * LIMIT)
-    assert path.ended is Ended.BRANCH_ENDED
+    assert path.ended is EndReason.BRANCH_ENDED
     assert path.last.depth == pytest.approx(LIMIT, rel=2e-3)
     assert height(path) == pytest.approx(RISE / np.sqrt(3), rel=0.05)
 
@@ -98,7 +98,7 @@ def test_an_increment_that_leads_elsewhere_is_cut_back() -> None:
     problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
     spec = SolverSpec(first_step=10.0, largest_step=10.0, smallest_step=1e-3)
     down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
-    path = Continuation(problem, DeadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=False)
+    path = Continuation(problem, DeadLoading(down), NullMonitor(), spec, unit=LIMIT, jumps=False)
     for share in (0.2, 0.4, 0.6):
         assert path.advance(share * LIMIT)
     assert not path.advance(2 * LIMIT)

@@ -13,4 +13,4 @@ def test_a_huge_ball_and_a_huge_bar_are_a_plane() -> None:
     middle = np.array([0.0, 0.0, 1.0 + radius])
     flat = Plane(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
     for obstacle in (Ball(radius, middle), Cylinder(radius, middle, np.array([1.0, 0.0, 0.0]))):
-        assert obstacle.reach(POINTS) == pytest.approx(flat.reach(POINTS), abs=1e-5)
+        assert obstacle.penetration(POINTS) == pytest.approx(flat.penetration(POINTS), abs=1e-5)

@@ -143,7 +143,7 @@ def test_a_pad_is_filled_with_sound_cells_wherever_its_pole_is(azimuth_deg: floa
     pad = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, stretch=1.2, flat_radius=7.5).build()
     mesh = mesh_skin(pad, MeshSpec(filled=True, cells=10, core=3, whole=True))
     if azimuth_deg is not None:
-        mesh = centre_mesh(mesh, pad.touch(wall_normal(*rotation_vector(0.05, np.radians(azimuth_deg)))))
+        mesh = centre_mesh(mesh, pad.support_point(wall_normal(*rotation_vector(0.05, np.radians(azimuth_deg)))))
     s = np.linspace(0, 1, 4001)
     x, _, z = pad.point(np.column_stack([s, 0 * s]), 0.0).T
     plan = 4 * 1.2 * gamma(1 + 1 / 6) ** 2 / gamma(1 + 2 / 6)

@@ -108,7 +108,7 @@ def test_a_point_off_the_inner_surface_is_refused(point: list[float]) -> None:
 def test_a_field_moved_to_a_mesh_with_another_pole_keeps_its_values() -> None:
     dome = build_skin(DomeSpec())
     here = mesh_skin(dome, MeshSpec(cells=24, core=2))
-    touched = dome.touch(wall_normal(*rotation_vector(np.radians(10), 0.0)))
+    touched = dome.support_point(wall_normal(*rotation_vector(np.radians(10), 0.0)))
     there = centre_mesh(here, touched)
     assert there.nodes[there.pole_outer] == pytest.approx(touched, abs=0.01)
     moved = locate_nodes(there, here).interpolate(there.nodes)

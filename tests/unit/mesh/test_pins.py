@@ -10,10 +10,10 @@ from errors import refused
 from palpate.design import DomeSpec, MarkerSpec, place_markers, skin_from_data
 from palpate.design.pinned import PinnedDome, PinnedSpec
 from palpate.fea import Press, WallSpec
-from palpate.fea.variations import names_of
+from palpate.fea.variations import parameter_names
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
-from palpate.mesh import Mesh, MeshSpec, follow_marked, follow_rate, locate_inner, mesh_skin
+from palpate.mesh import Mesh, MeshSpec, locate_inner, marker_displacement, marker_displacement_derivative, mesh_skin
 from palpate.twin import TWIN_DERIVATIVES, build_field
 from presses import build_twin, solve_press
 
@@ -30,7 +30,7 @@ def mesh() -> Mesh:
 
 
 def press(tilt: float, **wall: float) -> Press:
-    spec = WallSpec(tilt_deg=tilt, depth=3.2, image_step=0.4, **wall)
+    spec = WallSpec(tilt_deg=tilt, depth=3.2, depth_step=0.4, **wall)
     return solve_press(
         mesh_skin(SKIN, MeshSpec(cells=16)), ECOFLEX, spec, SolverSpec(derivatives=("tilt_deg", *TWIN_DERIVATIVES))
     )
@@ -50,13 +50,13 @@ def test_tips_stand_on_a_sphere_about_the_same_centre() -> None:
 def test_a_skin_that_turns_as_a_whole_turns_its_tips(mesh: Mesh) -> None:
     turn, way = Rotation.from_rotvec([0.2, -0.4, 0.1]).as_matrix(), np.array([0.3, 0.1, -2.0])
     moved = mesh.nodes @ turn.T + way - mesh.nodes
-    tips = LAYOUT.positions + follow_marked(mesh, locate_inner(mesh, LAYOUT.positions), moved[None])[0]
+    tips = LAYOUT.positions + marker_displacement(mesh, locate_inner(mesh, LAYOUT.positions), moved[None])[0]
     assert tips == pytest.approx(LAYOUT.positions @ turn.T + way, abs=5e-3)
 
 
 def test_an_inflated_sphere_keeps_the_length_of_its_pins(mesh: Mesh) -> None:
     arm = mesh.nodes - SKIN.wall.centre
-    tips = LAYOUT.positions + follow_marked(mesh, locate_inner(mesh, LAYOUT.positions), 0.1 * arm[None])[0]
+    tips = LAYOUT.positions + marker_displacement(mesh, locate_inner(mesh, LAYOUT.positions), 0.1 * arm[None])[0]
     assert np.linalg.norm(tips - SKIN.wall.centre, axis=1) == pytest.approx(1.1 * 20 - 3, abs=5e-4)
 
 
@@ -65,8 +65,8 @@ def test_a_rate_is_the_slope_of_the_motion(mesh: Mesh) -> None:
     x = mesh.nodes / 20
     state, rate = (np.sin(x @ rng.normal(size=(3, 3)) * 2)[None] for _ in range(2))
     places = locate_inner(mesh, LAYOUT.positions)
-    high, low = (follow_marked(mesh, places, state + side * 1e-4 * rate) for side in (1, -1))
-    assert follow_rate(mesh, places, state, rate) == pytest.approx((high - low) / 2e-4, abs=1e-6)
+    high, low = (marker_displacement(mesh, places, state + side * 1e-4 * rate) for side in (1, -1))
+    assert marker_displacement_derivative(mesh, places, state, rate) == pytest.approx((high - low) / 2e-4, abs=1e-6)
 
 
 def test_tips_stand_on_the_normal_of_the_pressed_wall(presses: list[Press]) -> None:
@@ -97,14 +97,14 @@ def test_field_and_twin_follow_the_tips_of_a_press_between_theirs(presses: list[
     field = build_field(presses, LAYOUT)
     assert np.abs(field.positions(rx, ry, 7)[0] - expected[8]).max() < 0.03
     twin = build_twin(presses)
-    found = twin.print_dots(LAYOUT.positions).move(np.array([rx[0], ry[0], 3.2]), 0.0).positions
+    found = twin.with_markers(LAYOUT.positions).evaluate(np.array([rx[0], ry[0], 3.2]), 0.0).positions
     assert np.abs(found - expected[8]).max() < 0.03
 
 
 def test_a_derivative_by_tilt_foresees_the_tips_of_the_next_tilt(presses: list[Press]) -> None:
     here, high, low = presses[1], press(4.5), press(3.5)
-    rate = here.moved(LAYOUT.positions, by="tilt_deg")[-1]
-    change = high.moved(LAYOUT.positions)[-1] - low.moved(LAYOUT.positions)[-1]
+    rate = here.displacement_at(LAYOUT.positions, by="tilt_deg")[-1]
+    change = high.displacement_at(LAYOUT.positions)[-1] - low.displacement_at(LAYOUT.positions)[-1]
     # every press has a mesh of its own: points of the wall themselves differ by 0.08 here
     assert np.sqrt(np.mean((change - rate) ** 2)) < 0.12 * np.sqrt(np.mean(change**2))
 
@@ -113,7 +113,9 @@ def test_a_derivative_by_tilt_foresees_the_tips_of_the_next_tilt(presses: list[P
 def test_tips_on_both_sides_of_the_mirror_follow_a_derivative(presses: list[Press], name: str) -> None:
     """What turns about the axis moves mirrored tips to mirrored places the other way, all else the same way."""
     flip = np.array([-1.0, 1.0, 1.0])
-    rate, mirrored = (presses[1].moved(points, by=name)[-1] for points in (LAYOUT.positions, LAYOUT.positions * flip))
+    rate, mirrored = (
+        presses[1].displacement_at(points, by=name)[-1] for points in (LAYOUT.positions, LAYOUT.positions * flip)
+    )
     sign = -1 if name == "twist_rate_deg" else 1
     assert np.abs(rate).max() > 1e-3
     assert mirrored == pytest.approx(sign * rate * flip, abs=1e-9)
@@ -124,7 +126,7 @@ def test_tips_on_both_sides_of_the_mirror_follow_a_derivative(presses: list[Pres
 
 def test_a_press_has_no_derivative_by_the_length_of_pins() -> None:
     """The wall does not know of them; where tips go is linear in their length."""
-    names = names_of(mesh_skin(SKIN, MeshSpec(cells=8)), ECOFLEX, WallSpec())
+    names = parameter_names(mesh_skin(SKIN, MeshSpec(cells=8)), ECOFLEX, WallSpec())
     assert "thickness" in names
     assert "pin" not in names
 

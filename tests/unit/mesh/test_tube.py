@@ -18,7 +18,9 @@ LOCAL = np.array([[i, j, k] for k in range(3) for j in range(3) for i in range(3
 
 def touched(whole: bool = False, tilt_deg: float = 93.0, **numbers: int) -> Mesh:
     mesh = mesh_skin(SKIN, MeshSpec(whole=whole, **numbers))
-    return centre_mesh(mesh, SideWallSpec(tilt_deg=tilt_deg, azimuth_deg=40.0 if whole else 0.0).at_touch(mesh)[1])
+    return centre_mesh(
+        mesh, SideWallSpec(tilt_deg=tilt_deg, azimuth_deg=40.0 if whole else 0.0).at_first_contact(mesh)[1]
+    )
 
 
 def volume() -> float:
@@ -81,7 +83,7 @@ def test_cells_are_finest_where_the_wall_touches() -> None:
     mesh = touched(tilt_deg=93.0)
     middles = mesh.nodes[mesh.outer_faces[:, 4]]
     size = np.linalg.norm(mesh.nodes[mesh.outer_faces[:, 0]] - mesh.nodes[mesh.outer_faces[:, 8]], axis=1)
-    touch = SKIN.touch(np.array([0.0, -np.cos(np.radians(3)), -np.sin(np.radians(3))]))
+    touch = SKIN.support_point(np.array([0.0, -np.cos(np.radians(3)), -np.sin(np.radians(3))]))
     near = np.linalg.norm(middles - touch, axis=1) < 25
     assert size[near].max() < 0.6 * np.median(size)
     assert np.linalg.norm(mesh.nodes[mesh.pole_outer] - touch) < 5

@@ -12,21 +12,21 @@ import numpy as np
 import pytest
 
 from errors import check_values, refused
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
     Front,
-    Proposal,
+    LayoutOption,
     RequirementsSpec,
-    TriedSkin,
-    Variant,
-    find_influences,
+    SkinEvaluation,
+    SkinTrial,
+    compute_sobol_indices,
     optimise_design,
     read_requirements,
 )
-from palpate.optimise.front import Control
-from palpate.optimise.optimise_design import _Judge, values, violations
-from palpate.optimise.propose import ProposalTask
+from palpate.optimise.front import SearchBaselines
+from palpate.optimise.optimise_design import _Evaluator, constraint_violations, objective_values
+from palpate.optimise.propose import SkinEvaluationTask
 from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.write_front import report, winner_study, write_front
@@ -36,9 +36,9 @@ WRONG = {
     "heights: [20, 10]": ("range-malformed", 20, 10, 2, 60),
     "heights: [10, 90]": ("range-malformed", 90, 2, 60),
     "depth: 12\nheights: [5, 11]": ("heights-below-depth", 11, 12),
-    "least_depth: 8": ("depths-not-rising", "least_depth", 8),
-    "greatest_dot: 0.8": ("marker-sizes-not-rising", "greatest_dot", 0.8, 1),
-    "dot: 0.2": ("markers-not-printable", "process.smallest_dot", 0.2, 0.4),
+    "min_depth: 8": ("depths-not-rising", "min_depth", 8),
+    "max_marker_diameter: 0.8": ("marker-sizes-not-rising", "max_marker_diameter", 0.8, 1),
+    "min_marker_diameter: 0.2": ("markers-not-printable", "process.min_marker_diameter", 0.2, 0.4),
     "materials: [cheese]": ("material-unknown", "cheese"),
     "cameras: []": ("list-empty", "cameras"),
     "objectives: [error, error]": ("list-entry-twice", "objectives", "error"),
@@ -51,9 +51,9 @@ WRONG = {
     "makrers: 37": ("extra_forbidden", "makrers", "markers"),
     "force_n: -1": ("greater_than", "force_n", -1),
     "thicknesses: [2]": ("missing", "thicknesses"),
-    "control: -1": ("greater_than_equal", "control", -1),
-    "grid:\n  designs:\n    heights: [90]": ("less_than_equal", "grid.designs.heights", 90),
-    "grid:\n  designs:\n    markers: [{file: dots.csv}]": ("layout-not-rings", "grid.designs"),
+    "random_skins: -1": ("greater_than_equal", "random_skins", -1),
+    "baseline_grid:\n  designs:\n    heights: [90]": ("less_than_equal", "baseline_grid.designs.heights", 90),
+    "baseline_grid:\n  designs:\n    markers: [{file: dots.csv}]": ("layout-not-rings", "baseline_grid.designs"),
 }
 
 
@@ -94,16 +94,16 @@ def test_without_what_reads_images_nothing_is_begun(tmp_path: Path, monkeypatch:
     assert not (tmp_path / "out").exists()
 
 
-def option(markers: int, worst: float) -> Variant:
+def option(markers: int, worst: float) -> LayoutOption:
     rings = {7: (20.0,), 19: (10.0, 20.0), 37: (10.0, 20.0, 28.0)}[markers]
-    figure = BuiltFigure(5, worst / 4, worst, 0.01, worst / 8)
-    return Variant(MarkerSpec(ring_diameters=rings), "davis346", 44.0, 0.0, figure)
+    figure = PredictedAccuracy(5, worst / 4, worst, 0.01, worst / 8)
+    return LayoutOption(MarkerSpec(ring_diameters=rings), "davis346", 44.0, 0.0, figure)
 
 
-def skin(number: int, height: float, force: float, *worst: float, reach: float = 8.0) -> TriedSkin:
+def skin(number: int, height: float, force: float, *worst: float, reach: float = 8.0) -> SkinTrial:
     options = tuple(option(count, each) for count, each in zip((7, 19, 37), worst, strict=False))
-    proposal = Proposal(DomeSpec(height=height), "zaid_2024_ecoflex_00_30", reach, force, None, options)
-    return TriedSkin(number, proposal, violations(SPEC, proposal))
+    proposal = SkinEvaluation(DomeSpec(height=height), "zaid_2024_ecoflex_00_30", reach, force, None, options)
+    return SkinTrial(number, proposal, constraint_violations(SPEC, proposal))
 
 
 SPEC = RequirementsSpec(name="wanted", force_n=0.6, error_deg=0.2)
@@ -118,32 +118,34 @@ TRIED = (
 def test_the_winner_has_the_least_error_of_those_within_the_limits() -> None:
     front = Front(SPEC, TRIED)
     assert front.winner is not None
-    assert (front.winner.tried.number, front.winner.option.markers.count) == (1, 37)
+    assert (front.winner.trial.number, front.winner.option.markers.count) == (1, 37)
     assert front.shortfall == ""
 
 
 def test_a_front_of_two_has_what_nothing_beats() -> None:
     front = Front(SPEC.model_copy(update={"objectives": ("error", "markers")}), TRIED)
-    assert [(entry.tried.number, entry.option.markers.count) for entry in front.best] == [(1, 37), (1, 19), (1, 7)]
+    assert [(entry.trial.number, entry.option.markers.count) for entry in front.pareto] == [(1, 37), (1, 19), (1, 7)]
     forces = Front(SPEC.model_copy(update={"objectives": ("error", "force")}), TRIED)
-    assert [entry.tried.number for entry in forces.best] == [1, 0]
+    assert [entry.trial.number for entry in forces.pareto] == [1, 0]
 
 
 def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once() -> None:
     several = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
-    front = Front(several, TRIED, rival=BuiltFigure(5, 0.06, 0.31, 0.01, 0.02))
-    assert [(title, entry.tried.number, entry.option.markers.count) for title, entry in front.ends] == [
+    front = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.31, 0.01, 0.02))
+    assert [(title, entry.trial.number, entry.option.markers.count) for title, entry in front.extremes] == [
         ("least force", 0, 37),
         ("fewest markers", 1, 19),
     ]
-    assert Front(several, TRIED).bar_deg == SPEC.error_deg, "what is wanted counts where there is no rival"
-    assert [entry.tried.number for _, entry in Front(several, TRIED).ends] == [1, 1]
+    assert Front(several, TRIED).error_threshold_deg == SPEC.error_deg, (
+        "what is wanted counts where there is no rival"
+    )
+    assert [entry.trial.number for _, entry in Front(several, TRIED).extremes] == [1, 1]
     assert front.winner is not None
     assert [title for title, _ in _finalists(front, front.winner)] == ["winner", "least force", "fewest markers"]
-    strict = Front(several, TRIED, rival=BuiltFigure(5, 0.06, 0.16, 0.01, 0.02))
+    strict = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.16, 0.01, 0.02))
     assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
-    assert Front(SPEC, TRIED).ends == ()
-    page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    assert Front(SPEC, TRIED).extremes == ()
+    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
     check_values(page, "0.310°")
     (told,) = (line for line in page.splitlines() if line.startswith("* fewest markers"))
     check_values(told, 1, "H18 T2", 19, "1.5 mm")
@@ -167,7 +169,7 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     (dome,) = study.designs.skins()
     assert (dome.height, study.designs.markers[0].count, study.camera.distance) == (18.0, 37, 44.0)
     assert winner_study(front, front.winner) == (tmp_path / "winner.yaml").read_text()
-    page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
     check_values(page, 4, 2)
 
 
@@ -178,19 +180,19 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
     tried = tuple(skin(number, 20.0 - number, 0.5, 0.5, 0.3, 0.1 + 0.01 * number) for number in range(4))
     short, asked = {20.0, 19.0}, list[float]()
 
-    def press_finely(self: _Judge, tasks: Sequence[ProposalTask]) -> list[Proposal]:
+    def press_finely(self: _Evaluator, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         asked.extend(task.skin.height for task in tasks)
-        coarse = [next(one.proposal for one in tried if one.proposal.skin == task.skin) for task in tasks]
-        return [replace(one, reach_mm=7.9) if one.skin.height in short else one for one in coarse]
+        coarse = [next(one.coarse for one in tried if one.coarse.skin == task.skin) for task in tasks]
+        return [replace(one, max_depth_mm=7.9) if one.skin.height in short else one for one in coarse]
 
-    monkeypatch.setattr(_Judge, "_do", press_finely)
+    monkeypatch.setattr(_Evaluator, "_do", press_finely)
     spec = SPEC.model_copy(update={"finalists": 2})
     front = Front(spec, tried)
-    finished = replace(front, tried=_Judge(spec, tmp_path, None, None, "").finish(front))
+    finished = replace(front, trials=_Evaluator(spec, tmp_path, None, None, "").finish(front))
     assert asked == [20.0, 19.0, 18.0, 17.0]
     assert finished.winner is not None
-    assert finished.winner.tried.number == 2
-    page = report(finished, find_influences(tried, SkinSpace.of(spec), 169), "")
+    assert finished.winner.trial.number == 2
+    page = report(finished, compute_sobol_indices(tried, SkinSpace.of(spec), 169), "")
     for number in (0, 1):
         assert re.search(rf"\bSkin {number}\b", page)
     assert not re.search(r"\bSkin 2\b", page)
@@ -198,8 +200,10 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
 
 def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
     """Only what meets the limits counts, and of finalists what coarse presses said, as of the others."""
-    finalist = replace(TRIED[1], full=skin(1, 18, 0.55, 0.9, 0.9, 0.9).proposal)
-    front = Front(SPEC, (TRIED[0], finalist), control=Control((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0])))
+    finalist = replace(TRIED[1], fine=skin(1, 18, 0.55, 0.9, 0.9, 0.9).coarse)
+    front = Front(
+        SPEC, (TRIED[0], finalist), search_baselines=SearchBaselines((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0]))
+    )
     write_front(tmp_path, front, "palpate optimise wanted.yaml")
     page = (tmp_path / "report.md").read_text()
     for name, *values_told in (
@@ -209,15 +213,15 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     ):
         (told,) = (line for line in page.splitlines() if line.startswith(f"* {name},"))
         check_values(told, *values_told)
-    control = json.loads((tmp_path / "front.json").read_text())["control"]
-    assert [control[name]["worst_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
+    control = json.loads((tmp_path / "front.json").read_text())["random_skins"]
+    assert [control[name]["p95_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
     picture = (tmp_path / "search.svg").read_text()
     check_values(picture, "chance", "H20 T2", 37)
-    alone = report(Front(SPEC, TRIED), find_influences(TRIED, SkinSpace.of(SPEC), 169), "")
+    alone = report(Front(SPEC, TRIED), compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "")
     assert not any(line.startswith(("* chance,", "* grid,")) for line in alone.splitlines())
 
 
-def spread_skins(error_deg: Callable[[int, float], float]) -> tuple[SkinSpace, list[TriedSkin]]:
+def spread_skins(error_deg: Callable[[int, float], float]) -> tuple[SkinSpace, list[SkinTrial]]:
     """Sixty skins all over a space, their errors by number and height."""
     space, tried = SkinSpace.of(SPEC.model_copy(update={"aspects": (1.0, 1.0)})), []
     for number in range(60):
@@ -227,44 +231,46 @@ def spread_skins(error_deg: Callable[[int, float], float]) -> tuple[SkinSpace, l
             for part, (name, (low, high)) in zip(share, space.ranges.items(), strict=True)
         }
         found = option(37, error_deg(number, place["height"]))
-        tried.append(TriedSkin(number, Proposal(space.skin(place), "m", 8.0, 0.5, None, (found,)), {"reach": -0.01}))
+        tried.append(
+            SkinTrial(number, SkinEvaluation(space.skin(place), "m", 8.0, 0.5, None, (found,)), {"reach": -0.01})
+        )
     return space, tried
 
 
 def test_what_matters_is_found_where_it_is_known() -> None:
     """Error by height alone, as a law says it: thickness and radius have no share."""
     space, tried = spread_skins(lambda _, height: 10 ** (height / 20 - 2))
-    found = find_influences(tried, space, 169)
+    found = compute_sobol_indices(tried, space, 169)
     assert found.explained > 0.98
     assert found.variables[0].name == "height"
-    assert found.variables[0].together == pytest.approx(1.0, abs=0.05)
-    assert all(abs(one.together) < 0.05 for one in found.variables[1:])
-    assert "height" in found.sentence
+    assert found.variables[0].total == pytest.approx(1.0, abs=0.05)
+    assert all(abs(one.total) < 0.05 for one in found.variables[1:])
+    assert "height" in found.summary
 
 
 def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
     """Errors by chance alone: their surface has indices like any other, and they mean nothing."""
     chance = np.random.default_rng(0).uniform(-1.5, -0.5, 60)
     space, tried = spread_skins(lambda number, _: 10 ** chance[number])
-    found = find_influences(tried, space, 169)
+    found = compute_sobol_indices(tried, space, 169)
     assert found.explained < 0.2
-    assert max(one.together for one in found.variables) > 0.15
-    assert not any(one.name in found.sentence for one in found.variables)
+    assert max(one.total for one in found.variables) > 0.15
+    assert not any(one.name in found.summary for one in found.variables)
 
 
 def test_skins_that_fall_short_of_the_depth_do_not_say_what_matters() -> None:
     space, tried = spread_skins(lambda number, height: 1.0 if number % 7 == 0 else 10 ** (height / 20 - 2))
-    assert find_influences(tried, space, 169).explained < 0.5
+    assert compute_sobol_indices(tried, space, 169).explained < 0.5
     short = [replace(one, violations={"reach": 0.2}) if one.number % 7 == 0 else one for one in tried]
-    assert find_influences(short, space, 169).explained > 0.98
+    assert compute_sobol_indices(short, space, 169).explained > 0.98
 
 
 def test_what_is_not_known_of_a_skin_is_told_as_such() -> None:
     # a skin that jumps was told as one of 3 degrees and 0.001 N, and the search went by the latter
     spec = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
-    jumps = Proposal(DomeSpec(), "zaid_2024_ecoflex_00_30", problem="8 of 16 presses jump to another state")
-    assert values(spec, jumps) == (math.inf, math.inf)
-    assert violations(spec, jumps)["made"] > 0
-    unread = Proposal(DomeSpec(), "zaid_2024_ecoflex_00_30", 8.0, 0.5)
-    assert values(spec, unread) == (math.inf, math.log10(0.5))
-    assert values(SPEC, skin(0, 20.0, 0.5, 0.3, 0.2).proposal)[0] == math.log10(0.2)
+    jumps = SkinEvaluation(DomeSpec(), "zaid_2024_ecoflex_00_30", problem="8 of 16 presses jump to another state")
+    assert objective_values(spec, jumps) == (math.inf, math.inf)
+    assert constraint_violations(spec, jumps)["made"] > 0
+    unread = SkinEvaluation(DomeSpec(), "zaid_2024_ecoflex_00_30", 8.0, 0.5)
+    assert objective_values(spec, unread) == (math.inf, math.log10(0.5))
+    assert objective_values(SPEC, skin(0, 20.0, 0.5, 0.3, 0.2).coarse)[0] == math.log10(0.2)

@@ -10,8 +10,8 @@ import pytest
 from errors import refused
 from palpate.core import stage_version
 from palpate.design import DomeSpec
-from palpate.optimise import Judged, Proposal, SearchPlan, SkinSpace, is_search, read_search, search_skins
-from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, values, violations
+from palpate.optimise import Evaluation, SearchPlan, SkinEvaluation, SkinSpace, is_search, read_search, search_skins
+from palpate.optimise.optimise_design import ASKED, JOURNAL, _Evaluator, constraint_violations, objective_values
 from palpate.optimise.space import Place
 from small_search import MATERIAL, SPEC, propose, write_search
 
@@ -22,40 +22,43 @@ pytest.importorskip("torch")
 def test_a_running_search_shows_what_was_tried_so_far(tmp_path: Path) -> None:
     front = write_search(tmp_path, finished=False)
     found = read_search(tmp_path)
-    assert (found.skins, found.finished, found.front) == (8, False, len(front.best))
+    assert (found.skins, found.finished, found.front) == (8, False, len(front.pareto))
     assert len(found.rows) == found.front + 8
     assert front.winner is not None
-    assert found.rows[found.winner]["skin"] == front.winner.tried.number
+    assert found.rows[found.winner]["skin"] == front.winner.trial.number
     assert {row["skin"] for row in found.rows[found.front :]} == set(range(8))
 
 
 def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Path) -> None:
     # the third jumped, and an earlier version told it as one of three degrees and 0.001 N
-    space, plan, journal = SkinSpace.of(SPEC), SearchPlan(8, 3, "random", objectives=2), tmp_path / JOURNAL
-    jumps = Proposal(DomeSpec(), MATERIAL, problem="8 of 16 presses jump to another state")
+    space, plan, journal = SkinSpace.of(SPEC), SearchPlan(8, 3, "random", n_objectives=2), tmp_path / JOURNAL
+    jumps = SkinEvaluation(DomeSpec(), MATERIAL, problem="8 of 16 presses jump to another state")
     drawn: list[Place] = []
 
-    def judge(places: Sequence[Place]) -> list[Judged]:
+    def judge(places: Sequence[Place]) -> list[Evaluation]:
         drawn.extend(places)
         found = [(0.477, -3.0, jumps) if place is drawn[2] else (-1.0, -0.5, propose(place)) for place in places]
         return [
-            Judged(
+            Evaluation(
                 (error, force),
-                violations(SPEC, one),
+                constraint_violations(SPEC, one),
                 {"proposal": one.to_data(), "version": stage_version("skin_evaluation")},
             )
             for error, force, one in found
         ]
 
     before = search_skins(space, judge, plan, journal)
-    again = _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal)
+    again = _Evaluator(SPEC, tmp_path, None, None, "").search(space, plan, journal)
     assert [one.place for one in again] == [one.place for one in before] == drawn
-    assert again[2].judged.values == (math.inf, math.inf)
-    assert all(one.judged.values == values(SPEC, Proposal.from_data(one.judged.note["proposal"])) for one in again)
+    assert again[2].evaluation.values == (math.inf, math.inf)
+    assert all(
+        one.evaluation.values == objective_values(SPEC, SkinEvaluation.from_data(one.evaluation.record["proposal"]))
+        for one in again
+    )
     (tmp_path / ASKED).write_text(SPEC.model_dump_json())
     assert read_search(tmp_path).skins == 8
     told = journal.read_bytes()
-    assert _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
+    assert _Evaluator(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
     assert journal.read_bytes().startswith(told), "a journal that says what is said now is not written anew"
     assert not list(tmp_path.glob("*.new*"))
 
@@ -76,7 +79,7 @@ def test_a_finished_search_shows_its_front_until_it_goes_on(tmp_path: Path) -> N
     assert found.finished
     assert list(found.rows[: found.front]) == written["front"]
     assert found.rows[found.winner] == written["winner"]
-    assert found.front == len(front.best) > 3
+    assert found.front == len(front.pareto) > 3
     written["skins"] = 4
     (tmp_path / "front.json").write_text(json.dumps(written))
     assert not read_search(tmp_path).finished
@@ -85,9 +88,9 @@ def test_a_finished_search_shows_its_front_until_it_goes_on(tmp_path: Path) -> N
 def test_a_design_has_the_parts_that_were_found(tmp_path: Path) -> None:
     front = write_search(tmp_path, finished=True)
     found = read_search(tmp_path)
-    for number, entry in enumerate(front.best):
+    for number, entry in enumerate(front.pareto):
         design = found.design(number)
-        assert (design.skin, design.material) == (entry.tried.known.skin, MATERIAL)
+        assert (design.skin, design.material) == (entry.trial.finest.skin, MATERIAL)
         assert design.markers == entry.option.markers
         assert design.camera == SPEC.cameras[0].camera.model_copy(update={"distance": 44.0})
     with refused("design-unknown", "999"):

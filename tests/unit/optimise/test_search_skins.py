@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.optimise import Judged, RequirementsSpec, SearchPlan, SkinSpace, search_skins
-from palpate.optimise.search_skins import Sampler, read_tried, rewrite_journal
+from palpate.optimise import Evaluation, RequirementsSpec, SearchPlan, SkinSpace, search_skins
+from palpate.optimise.search_skins import Sampler, read_trials, rewrite_journal
 from palpate.optimise.space import Place
 
 pytest.importorskip("optuna")
@@ -27,14 +27,15 @@ def error(place: Place) -> float:
     return LEAST + float(x @ x) + 0.3 * abs(float(x[0] * x[2])) + 0.3 * max(0.0, 2.0 - float(place["thickness"]))
 
 
-def judge(places: Sequence[Place]) -> list[Judged]:
+def judge(places: Sequence[Place]) -> list[Evaluation]:
     return [
-        Judged((float(np.log10(error(place))),), {"force": float(1.6 - place["thickness"])}, {}) for place in places
+        Evaluation((float(np.log10(error(place))),), {"force": float(1.6 - place["thickness"])}, {})
+        for place in places
     ]
 
 
 def least(tried) -> float:
-    return min(10 ** one.judged.values[0] for one in tried if one.judged.violations["force"] <= 0)
+    return min(10 ** one.evaluation.values[0] for one in tried if one.evaluation.violations["force"] <= 0)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -58,18 +59,20 @@ def test_skins_of_which_nothing_is_known_do_not_hide_how_the_others_differ(
     tmp_path: Path, told: float, better: bool
 ) -> None:
     # of real skins errors differ by a tenth, and one that jumped was once told as one of three degrees
-    def judge_some(places: Sequence[Place]) -> list[Judged]:
+    def judge_some(places: Sequence[Place]) -> list[Evaluation]:
         found = [(place["thickness"] < 1.3, one) for place, one in zip(places, judge(places), strict=True)]
         return [
-            Judged((told if jumps else 0.05 * one.values[0],), {**one.violations, "made": 1.0 if jumps else -1.0}, {})
+            Evaluation(
+                (told if jumps else 0.05 * one.values[0],), {**one.violations, "made": 1.0 if jumps else -1.0}, {}
+            )
             for jumps, one in found
         ]
 
     found = [
         min(
-            10 ** (one.judged.values[0] / 0.05)
+            10 ** (one.evaluation.values[0] / 0.05)
             for one in search_skins(SPACE, judge_some, SearchPlan(24, seed), tmp_path / str(seed))
-            if max(one.judged.violations.values()) <= 0
+            if max(one.evaluation.violations.values()) <= 0
         )
         for seed in range(2)
     ]
@@ -83,10 +86,10 @@ def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sam
     expected = search_skins(SPACE, judge, plan, whole)
     tried = search_skins(SPACE, judge, replace(plan, trials=12), cut)
     rewrite_journal(cut, SPACE, plan, tried)
-    assert read_tried(cut) == tried
+    assert read_trials(cut) == tried
     assert search_skins(SPACE, judge, plan, cut) == expected
     # and by other values, it goes on otherwise where it goes by them
-    other = [replace(one, judged=replace(one.judged, values=(one.place["aspect"],))) for one in tried]
+    other = [replace(one, evaluation=replace(one.evaluation, values=(one.place["aspect"],))) for one in tried]
     rewrite_journal(cut, SPACE, plan, other)
     found = search_skins(SPACE, judge, plan, cut)
     assert (found[12:] == expected[12:]) == (sampler == "random")
@@ -94,11 +97,11 @@ def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sam
 
 @pytest.mark.parametrize("known", [0, 1])
 def test_two_objectives_are_searched_where_hardly_anything_is_known(tmp_path: Path, known: int) -> None:
-    def judge_few(places: Sequence[Place]) -> list[Judged]:
+    def judge_few(places: Sequence[Place]) -> list[Evaluation]:
         first = [known and not calls for _ in places]
         calls.append(len(places))
         return [
-            Judged(
+            Evaluation(
                 (error(place), place["thickness"]) if one else (math.inf, math.inf),
                 {"made": -1.0 if one else 1.0},
                 {},
@@ -107,10 +110,10 @@ def test_two_objectives_are_searched_where_hardly_anything_is_known(tmp_path: Pa
         ]
 
     calls: list[int] = []
-    found = search_skins(SPACE, judge_few, SearchPlan(14, 1, objectives=2), tmp_path / "journal")
+    found = search_skins(SPACE, judge_few, SearchPlan(14, 1, n_objectives=2), tmp_path / "journal")
     assert calls == [4, 4, 4, 2]
     assert len({tuple(one.place.values()) for one in found}) > 10, "it goes on looking elsewhere"
-    assert read_tried(tmp_path / "journal", 2) == found
+    assert read_trials(tmp_path / "journal", 2) == found
 
 
 def test_whoever_watches_is_told_after_every_batch(tmp_path: Path) -> None:
@@ -127,11 +130,11 @@ class CutError(Exception):
 
 @pytest.mark.parametrize("when", [1, 2, 4])
 def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path, when: int) -> None:
-    plan = SearchPlan(18, seed=3, first=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
+    plan = SearchPlan(18, seed=3, initial=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
     whole = search_skins(SPACE, judge, plan, tmp_path / "whole")
     calls = []
 
-    def cut(places: Sequence[Place]) -> list[Judged]:
+    def cut(places: Sequence[Place]) -> list[Evaluation]:
         calls.append(list(places))
         if len(calls) == when + 1:
             raise CutError
@@ -141,13 +144,13 @@ def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path
         search_skins(SPACE, cut, plan, tmp_path / "cut")
     again = search_skins(SPACE, judge, plan, tmp_path / "cut")
     assert [one.place for one in again] == [one.place for one in whole]
-    assert whole[0].place == plan.first[0]
+    assert whole[0].place == plan.initial[0]
 
 
 def test_nothing_is_judged_twice_and_a_longer_search_goes_on(tmp_path: Path) -> None:
     judged = []
 
-    def count(places: Sequence[Place]) -> list[Judged]:
+    def count(places: Sequence[Place]) -> list[Evaluation]:
         judged.extend(places)
         return judge(places)
 

@@ -10,8 +10,8 @@ from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from errors import refused
 from palpate.markers import prepare_detector
-from palpate.recording import Correspondent, Fault, assign_images, number_dots
-from palpate.recording.sight import Sight
+from palpate.recording import MarkerMatcher, MatchFault, assign_images, number_markers
+from palpate.recording.sight import Detections
 
 STILL = np.zeros((4, 2))
 SHAPE = (420, 420)
@@ -26,17 +26,17 @@ def share_right(sensor: DrawnSensor, count: int, noise: float = 0.1, **motion: f
     """Share of dots with their own number, images that are believed, and images that are believed and wrong."""
     rest, heads = heads_of(sensor, count, **motion)
     rng = np.random.default_rng(0)
-    layout = number_dots(rest)
+    layout = number_markers(rest)
     own = np.argmin(np.linalg.norm(layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
-    correspondent, right, good, wrong = Correspondent(layout, SHAPE), [], 0, 0
+    correspondent, right, good, wrong = MarkerMatcher(layout, SHAPE), [], 0, 0
     for places in heads:
         dots = rng.permutation(places + rng.normal(0, noise, places.shape))
         found = correspondent.find(dots)
         correspondent.remember(dots, found)
         off = np.linalg.norm(layout.rest_px + found.moved_px - places[own], axis=1)
         right.append(((off < 3) & found.found).mean())
-        good += found.good
-        wrong += found.good and right[-1] < 0.9
+        good += found.accepted
+        wrong += found.accepted and right[-1] < 0.9
     return float(np.mean(right)), good, wrong
 
 
@@ -67,7 +67,7 @@ def test_dots_moved_by_less_than_two_fifths_of_a_spacing_are_found_at_once() -> 
 def test_numbers_do_not_depend_on_the_order_in_which_dots_come() -> None:
     rest, _ = heads_of(DrawnSensor(), 1)
     mixed = np.random.default_rng(1).permutation(rest)
-    np.testing.assert_array_equal(number_dots(rest).rest_px, number_dots(mixed).rest_px)
+    np.testing.assert_array_equal(number_markers(rest).rest_px, number_markers(mixed).rest_px)
 
 
 def test_white_on_black_and_black_on_white_are_told_apart_by_the_image() -> None:
@@ -81,13 +81,13 @@ def test_white_on_black_and_black_on_white_are_told_apart_by_the_image() -> None
 
 def test_dots_that_left_the_image_are_missing_and_the_others_stay_numbered() -> None:
     rest, heads = heads_of(DrawnSensor(), 12)
-    layout = number_dots(rest)
+    layout = number_markers(rest)
     own = np.argmin(np.linalg.norm(layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
-    correspondent = Correspondent(layout, SHAPE)
+    correspondent = MarkerMatcher(layout, SHAPE)
     for places in heads:
         seen = places[:, 0] < np.quantile(places[:, 0], 0.93)
         found = correspondent.find(places[seen])
-        if found.good:
+        if found.accepted:
             assert found.found[~seen[own]].sum() <= 3
             off = np.linalg.norm(layout.rest_px + found.moved_px - places[own], axis=1)
             assert (off[found.found] < 3).mean() > 0.97
@@ -95,21 +95,21 @@ def test_dots_that_left_the_image_are_missing_and_the_others_stay_numbered() -> 
 
 def test_dots_strewn_at_random_are_not_believed() -> None:
     rest, _ = heads_of(DrawnSensor(rings=6), 1)
-    correspondent = Correspondent(number_dots(rest), SHAPE)
+    correspondent = MarkerMatcher(number_markers(rest), SHAPE)
     strewn = np.random.default_rng(0).uniform(30, 390, (127, 2))
-    assert not correspondent.find(strewn).good
+    assert not correspondent.find(strewn).accepted
 
 
 def test_an_image_with_hardly_a_dot_is_said_to_have_none() -> None:
     rest, _ = heads_of(DrawnSensor(rings=6), 1)
-    assert Correspondent(number_dots(rest), SHAPE).find(rest[:20]).fault is Fault.NO_DOTS
+    assert MarkerMatcher(number_markers(rest), SHAPE).find(rest[:20]).fault is MatchFault.NO_DOTS
 
 
 def test_nearest_places_alone_lose_most_dots_of_a_sheared_sensor() -> None:
     rest, heads = heads_of(DrawnSensor(), 20)
-    layout = number_dots(rest)
+    layout = number_markers(rest)
     own = np.argmin(np.linalg.norm(layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
-    naive = Correspondent(layout, SHAPE, smooth=False)
+    naive = MarkerMatcher(layout, SHAPE, smooth=False)
     off = [np.linalg.norm(layout.rest_px + naive.find(h).moved_px - h[own], axis=1) for h in heads]
     assert np.mean(np.array(off) < 3) < 0.7
 
@@ -118,8 +118,8 @@ def test_the_dots_of_another_unit_of_the_make_are_found_by_the_layout_of_the_fir
     sensor = DrawnSensor()
     rest, _ = heads_of(sensor, 1)
     other, _ = heads_of(replace(another_unit(sensor), seed=3), 1)
-    found = Correspondent(number_dots(rest), SHAPE).find(other)
-    assert found.good
+    found = MarkerMatcher(number_markers(rest), SHAPE).find(other)
+    assert found.accepted
     assert found.found.mean() > 0.97
 
 
@@ -135,7 +135,7 @@ def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most
         alone = places[~fused & (rng.random(len(places)) > 0.02)]
         dots.append(np.vstack([alone, 0.5 * (places + places[apart.argmin(axis=1)])[fused][::2]]))
     count = len(dots)
-    sight = Sight(
+    sight = Detections(
         np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
     )
     found = assign_images(sight, count, SHAPE, True, lambda _: None)
@@ -154,7 +154,7 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
     rest, heads = heads_of(sensor, 120)
     dots = [rng.permutation(places + rng.normal(0, 0.1, places.shape)) for places in heads]
     count = len(dots)
-    sight = Sight(
+    sight = Detections(
         np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
     )
     found = assign_images(sight, count, SHAPE, True, lambda _: None)
@@ -167,4 +167,4 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
 
 def test_too_few_dots_at_rest_are_refused(tmp_path: Path) -> None:
     with refused("rest-markers-few", "3"):
-        number_dots(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]]))
+        number_markers(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]]))

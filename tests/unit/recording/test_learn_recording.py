@@ -23,20 +23,20 @@ from palpate.core import ArtefactStore, PalpateError
 from palpate.dataset import Normalisation
 from palpate.learn import Estimator, write_estimator
 from palpate.recording import (
-    Learnt,
+    PretrainedModel,
+    RecordingResult,
     RecordingSpec,
-    Start,
-    learn_recording,
     read_model,
     read_recording,
     recording_page,
     recording_report,
+    train_on_recording,
     write_model,
 )
-from palpate.recording.course import CourseSpec
-from palpate.recording.lesson import Lesson, Turning, fit_ridge_part
-from palpate.recording.make_parts import PartJob, make_parts
-from palpate.recording.train_part import train_picture_network
+from palpate.recording.course import TrainerSpec
+from palpate.recording.lesson import RotationAugmentation, TrainingSet, fit_ridge_part
+from palpate.recording.make_parts import TrainingJob, train_members
+from palpate.recording.train_part import train_image_network
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 150
@@ -47,8 +47,8 @@ def quiet(_: str) -> None:
     """Say nothing."""
 
 
-def learn(folder: Path, spec: RecordingSpec = FAST, start: Start | None = None) -> Learnt:
-    return learn_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), quiet, start)
+def learn(folder: Path, spec: RecordingSpec = FAST, start: PretrainedModel | None = None) -> RecordingResult:
+    return train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), quiet, start)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, DrawnTruth]:
 
 
 @pytest.fixture(scope="module")
-def learnt(drawn: tuple[Path, DrawnTruth]) -> Learnt:
+def learnt(drawn: tuple[Path, DrawnTruth]) -> RecordingResult:
     return learn(drawn[0])
 
 
@@ -75,7 +75,7 @@ def change_table(folder: Path, change: Callable[[list[list[str]]], list[list[str
     return folder
 
 
-def test_a_recording_is_learnt_far_better_than_by_the_mean(learnt: Learnt) -> None:
+def test_a_recording_is_learnt_far_better_than_by_the_mean(learnt: RecordingResult) -> None:
     best = next(score for score in learnt.scores if score.name == learnt.best)
     assert best.errors[0].rmse < 5.0
     assert best.errors[1].rmse < 5.0
@@ -84,7 +84,7 @@ def test_a_recording_is_learnt_far_better_than_by_the_mean(learnt: Learnt) -> No
 
 
 def test_most_correspondences_are_right_against_what_was_drawn(
-    learnt: Learnt, drawn: tuple[Path, DrawnTruth]
+    learnt: RecordingResult, drawn: tuple[Path, DrawnTruth]
 ) -> None:
     assigned, truth = learnt.seen.assigned, drawn[1]
     assert assigned is not None
@@ -95,13 +95,13 @@ def test_most_correspondences_are_right_against_what_was_drawn(
     assert right[truth.seen[:, own]].mean() > 0.98
 
 
-def test_presses_that_judge_teach_nothing(learnt: Learnt) -> None:
+def test_presses_that_judge_teach_nothing(learnt: RecordingResult) -> None:
     split, press = learnt.seen.split, learnt.seen.press
-    parts = [set(press[rows].tolist()) for rows in (split.teach, split.choose, split.judge)]
+    parts = [set(press[rows].tolist()) for rows in (split.train, split.validation, split.test)]
     assert sum(map(len, parts)) == len(set().union(*parts))
 
 
-def test_the_model_file_reads_images_as_in_the_training(learnt: Learnt, tmp_path: Path) -> None:
+def test_the_model_file_reads_images_as_in_the_training(learnt: RecordingResult, tmp_path: Path) -> None:
     write_model(tmp_path / "model.h5", learnt.model)
     model = read_model(tmp_path / "model.h5")
     seen = learnt.seen
@@ -111,7 +111,7 @@ def test_the_model_file_reads_images_as_in_the_training(learnt: Learnt, tmp_path
         np.testing.assert_allclose(model.read(image).pose, learnt.estimates[row], atol=0.05)
 
 
-def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(learnt: Learnt) -> None:
+def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(learnt: RecordingResult) -> None:
     data = recording_report(learnt)
     assert {"picture-ridge", "dots-ridge"} <= {one["name"] for one in data["estimators"]}
     assert data["made_by"]["palpate"]
@@ -120,9 +120,11 @@ def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(l
     json.dumps(data)
 
 
-def test_a_second_run_finds_every_stage_and_says_the_same(drawn: tuple[Path, DrawnTruth], learnt: Learnt) -> None:
+def test_a_second_run_finds_every_stage_and_says_the_same(
+    drawn: tuple[Path, DrawnTruth], learnt: RecordingResult
+) -> None:
     said: list[str] = []
-    again = learn_recording(read_recording(drawn[0]), FAST, ArtefactStore(drawn[0] / "store"), said.append)
+    again = train_on_recording(read_recording(drawn[0]), FAST, ArtefactStore(drawn[0] / "store"), said.append)
     np.testing.assert_array_equal(again.estimates, learnt.estimates)
     assert not any(text.startswith("dots: ") for text in said)
 
@@ -131,7 +133,7 @@ def test_without_an_image_at_rest_the_most_central_one_is_named(copied: Path) ->
     (copied / "images" / "rest.png").unlink()
     found = learn(copied)
     assert any(re.search(r"\brest\b", note) for note in found.seen.notes)
-    assert found.seen.good.mean() > 0.9
+    assert found.seen.accepted.mean() > 0.9
 
 
 def test_poses_of_another_run_are_told(copied: Path) -> None:
@@ -187,7 +189,7 @@ def test_images_without_dots_are_read_from_the_picture_and_told(copied: Path) ->
     found = learn(copied)
     assert any(re.search(r"\b150\b", note) for note in found.seen.notes)
     assert len({score.name for score in found.scores}) >= 3
-    assert 0.4 < found.seen.good.mean() < 0.6
+    assert 0.4 < found.seen.accepted.mean() < 0.6
     assert np.isfinite(found.estimates).all()
 
 
@@ -203,30 +205,30 @@ def test_grey_images_with_black_dots_are_learnt_alike(tmp_path: Path) -> None:
     draw_recording(tmp_path, draw_motions(80, 2, shear=2.0), SENSOR, threshold=False, dark=True)
     found = learn(tmp_path)
     assert found.seen.eye.dark
-    assert found.seen.good.mean() > 0.95
+    assert found.seen.accepted.mean() > 0.95
 
 
 def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> None:
     needs("torch")
-    from palpate.recording.course import Course, CourseSpec, load_torch
-    from palpate.recording.lesson import Lesson
+    from palpate.recording.course import Trainer, TrainerSpec, load_torch
+    from palpate.recording.lesson import TrainingSet
 
     torch, rng = load_torch(), np.random.default_rng(0)
     inputs = rng.normal(size=(60, 6)).astype(np.float32)
     targets = inputs[:, :2] ** 2
-    lesson = Lesson(inputs, targets, np.arange(60) < 45, np.arange(60) >= 45)
+    lesson = TrainingSet(inputs, targets, np.arange(60) < 45, np.arange(60) >= 45)
 
-    def course() -> Course:
+    def course() -> Trainer:
         torch.manual_seed(3)
         net = torch.nn.Sequential(torch.nn.Linear(6, 16), torch.nn.SiLU(), torch.nn.Linear(16, 2))
         data = torch.as_tensor(inputs), torch.as_tensor(targets)
-        return Course(net, lesson, *data, CourseSpec(8, noise=0.1), torch.Generator().manual_seed(4))
+        return Trainer(net, lesson, *data, TrainerSpec(8, noise=0.1), torch.Generator().manual_seed(4))
 
     whole = course().run()
     stopped = course()
     for _ in range(3):
         stopped._train()
-        stopped.best = min(stopped.best, stopped._judge())
+        stopped.best = min(stopped.best, stopped._validate())
         stopped.state = {key: value.clone() for key, value in stopped.net.state_dict().items()}
         stopped.epoch += 1
     stopped._keep(tmp_path / "kept.epochs")
@@ -242,7 +244,7 @@ def test_a_picture_network_in_the_file_says_what_the_trained_one_said(
     needs("onnxruntime")
     found = learn(drawn[0], RecordingSpec(estimators="picture", epochs=2, picture_px=48, threads=1))
     assert "picture-network" in {score.name for score in found.scores}
-    names = {part for use in (found.model.with_dots, found.model.without) if use for part in use.parts}
+    names = {part for use in (found.model.marker_ensemble, found.model.image_ensemble) if use for part in use.parts}
     assert names <= {"picture-ridge", "picture-network"}
 
 
@@ -256,15 +258,15 @@ def test_pose_alone_and_all_motions_are_learnt_from_pictures_and_both_are_report
 
 
 def test_a_linear_estimator_of_a_simulation_is_a_start(
-    drawn: tuple[Path, DrawnTruth], learnt: Learnt, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    drawn: tuple[Path, DrawnTruth], learnt: RecordingResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     needs("torch")
     needs("onnx")
     layout, assigned = learnt.model.layout, learnt.seen.assigned
     assert layout is not None
     assert assigned is not None
-    good = learnt.seen.good
-    part = fit_ridge_part("ridge", Lesson(learnt.seen.moved, learnt.seen.targets, good, good), False)
+    good = learnt.seen.accepted
+    part = fit_ridge_part("ridge", TrainingSet(learnt.seen.moved, learnt.seen.targets, good, good), False)
     rest, weight = layout.rest_px, part.arrays["weight"].astype(float)
     normal = Normalisation((210.0, 210.0), (100.0, 100.0))
     bias = part.arrays["bias"] - normal.apply(rest).reshape(-1) @ (100.0 * weight)
@@ -282,7 +284,7 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
 @pytest.mark.slow
 def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -> None:
     needs("torch")
-    from palpate.recording.adapt import carry_network
+    from palpate.recording.adapt import transfer_network
 
     sensor = replace(SENSOR, misprint=0.03)
     draw_recording(tmp_path / "a", draw_motions(150, 3, shear=1.0), sensor)
@@ -290,13 +292,13 @@ def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -
     first = learn(tmp_path / "a", RecordingSpec(estimators="dots"))
     network = first.model.parts["dots-network"]
     assert first.model.layout is not None
-    start = Start("a", first.model.layout, network, first.model.space.names)
+    start = PretrainedModel("a", first.model.layout, network, first.model.space.names)
     second = learn(tmp_path / "b", FAST, start)
     assert {"adapted-dots-network", "corrected-dots-network"} <= {score.name for score in second.scores}
     alone = min(score.errors[0].rmse for score in second.scores if score.name.endswith("ridge"))
     adapted = next(score for score in second.scores if score.name == "adapted-dots-network")
     assert adapted.errors[0].rmse < alone
-    assert carry_network(start, second.seen).predict(second.seen.moved).shape == (60, 3)
+    assert transfer_network(start, second.seen).predict(second.seen.moved).shape == (60, 3)
     assert any(point.estimator == "adapted" for point in second.curve)
 
 
@@ -321,7 +323,7 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
     rows = ["image,press,rx_deg,ry_deg,depth_mm"]
     rows += [f"image_{n:05d}.png,{n},{','.join(f'{x:.3f}' for x in drawn[1].motions[n, :3])}" for n in range(6)]
     (drawn[0] / "images" / "truth.csv").write_text("\n".join(rows) + "\n")
-    words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--least-depth", "0"]
+    words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--min-depth", "0"]
     with pytest.raises(SystemExit) as left:
         main(["accept", str(drawn[0] / "images" / "truth.csv"), "--model", str(out / "model.h5"), *words])
     assert left.value.code == 0
@@ -335,9 +337,9 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
     places, rows = rng.uniform(16, 48, (300, 2)), np.arange(64)
     across, down = (np.exp(-(((rows - places[:, k, None]) / 2.5) ** 2)) for k in (0, 1))
     pictures = (255 * down[:, :, None] * across[:, None, :]).astype(np.uint8)
-    lesson = Lesson(pictures, places, np.arange(300) < 240, np.arange(300) >= 240)
+    lesson = TrainingSet(pictures, places, np.arange(300) < 240, np.arange(300) >= 240)
     said: list[str] = []
-    part = train_picture_network("picture-network", lesson, 2, CourseSpec(8), tmp_path / "kept", said.append)
+    part = train_image_network("picture-network", lesson, 2, TrainerSpec(8), tmp_path / "kept", said.append)
     least = min(float(text.split("error ")[1].split()[0]) for text in said)
     assert lesson.error(part.predict(pictures[240:])) == pytest.approx(least, abs=2e-4)
     assert least < 0.1
@@ -345,16 +347,18 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
 
 @pytest.mark.parametrize(("taught", "passes"), [(1460, 160), (2920, 85), (20_000, 60)])
 def test_turned_pictures_are_passed_over_longer_but_not_for_hours(taught: int, passes: int) -> None:
-    lesson = Lesson(np.zeros((taught, 1, 1)), np.zeros((taught, 3)), np.ones(taught, bool), np.zeros(taught, bool))
-    assert PartJob("picture-network-turned", lesson, 3, 60, 0).passes == passes
-    assert PartJob("picture-network", lesson, 3, 60, 0).passes == 60
+    lesson = TrainingSet(
+        np.zeros((taught, 1, 1)), np.zeros((taught, 3)), np.ones(taught, bool), np.zeros(taught, bool)
+    )
+    assert TrainingJob("picture-network-turned", lesson, 3, 60, 0).passes == passes
+    assert TrainingJob("picture-network", lesson, 3, 60, 0).passes == 60
 
 
-def _turned_job(sense: int = 1, aside_px: float = 0.0, asked: int = 3) -> PartJob:
+def _turned_job(sense: int = 1, aside_px: float = 0.0, asked: int = 3) -> TrainingJob:
     rng, teach = np.random.default_rng(0), np.arange(60) < 45
-    turning = Turning(rng.normal(size=(9, 2)) + aside_px, np.zeros((9, 2)), sense)
-    lesson = Lesson(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning)
-    return PartJob("picture-network-turned", lesson, asked, 2, 0)
+    turning = RotationAugmentation(rng.normal(size=(9, 2)) + aside_px, np.zeros((9, 2)), sense)
+    lesson = TrainingSet(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning)
+    return TrainingJob("picture-network-turned", lesson, asked, 2, 0)
 
 
 def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn() -> None:
@@ -364,16 +368,16 @@ def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn()
 
 
 def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
-    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], asked=asked) for asked in (2, 3)]
-    made = [next(iter(make_parts([job], 1, store, quiet))).part for job in jobs]
-    assert [part.predict(jobs[0].lesson.inputs).shape[1] for part in made] == [2, 3]
+    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], n_outputs=asked) for asked in (2, 3)]
+    made = [next(iter(train_members([job], 1, store, quiet))).part for job in jobs]
+    assert [part.predict(jobs[0].training_set.inputs).shape[1] for part in made] == [2, 3]
 
 
-def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
+def _small_jobs(kind: type[TrainingJob] = TrainingJob) -> list[TrainingJob]:
     rng = np.random.default_rng(0)
     teach = np.arange(60) < 45
-    moved = Lesson(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 3)), teach, ~teach)
-    pictures = Lesson(rng.integers(0, 255, (60, 32, 32)).astype(np.uint8), moved.targets, teach, ~teach)
+    moved = TrainingSet(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 3)), teach, ~teach)
+    pictures = TrainingSet(rng.integers(0, 255, (60, 32, 32)).astype(np.uint8), moved.targets, teach, ~teach)
     lessons = {"dots-ridge": moved, "picture-network": pictures, "dots-network": moved}
     return [kind(name, lesson, 3, 2, 0) for name, lesson in lessons.items()]
 
@@ -397,7 +401,7 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
     said: list[str] = []
     stores = [ArtefactStore(tmp_path / f"{threads}") for threads in (1, 2)]
     alone, beside = (
-        {made.part.name: made.part for made in make_parts(_small_jobs(), threads, store, said.append)}
+        {made.part.name: made.part for made in train_members(_small_jobs(), threads, store, said.append)}
         for threads, store in zip((1, 2), stores, strict=True)
     )
     assert list(alone) == ["dots-ridge", "picture-network", "dots-network"]
@@ -410,24 +414,24 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
     assert not [path for store in stores for path in store.root.rglob("*.epochs*")]
 
 
-class _Dying(PartJob):
-    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+class _Dying(TrainingJob):
+    def train(self, threads: int, checkpoint: Path, report: object) -> NoReturn:
         os._exit(7)
 
 
-class _Refusing(PartJob):
-    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+class _Refusing(TrainingJob):
+    def train(self, threads: int, checkpoint: Path, report: object) -> NoReturn:
         raise PalpateError("The disk is full.", "Make room.", code="disk-full")
 
 
 def test_what_a_training_process_finds_is_told_as_if_it_were_found_here(tmp_path: Path) -> None:
     needs("torch")
     with refused("disk-full") as found:
-        list(make_parts(_small_jobs(_Refusing)[1:], 2, ArtefactStore(tmp_path), quiet))
+        list(train_members(_small_jobs(_Refusing)[1:], 2, ArtefactStore(tmp_path), quiet))
     assert found.value.remedy == "Make room."
 
 
 def test_a_training_process_that_dies_is_told_of(tmp_path: Path) -> None:
     needs("torch")
     with refused("training-process-died", "7"):
-        list(make_parts(_small_jobs(_Dying)[1:], 2, ArtefactStore(tmp_path), quiet))
+        list(train_members(_small_jobs(_Dying)[1:], 2, ArtefactStore(tmp_path), quiet))

@@ -12,7 +12,7 @@ import pytest
 
 from errors import check_values, refused
 from needs import needs
-from palpate.recording import Choice, Recording, read_recording, read_table
+from palpate.recording import ColumnMapping, Recording, read_recording, read_table
 
 COUNT = 24
 
@@ -37,7 +37,7 @@ def read(folder: Path, head: str, cells: list[list[object]], **choice: object) -
     write_csv(
         folder, f"image,{head}", [",".join([name, *map(str, row)]) for name, row in zip(names, cells, strict=True)]
     )
-    return read_recording(folder, Choice(**choice))  # type: ignore[arg-type]
+    return read_recording(folder, ColumnMapping(**choice))  # type: ignore[arg-type]
 
 
 def waves(*sizes: float) -> list[list[object]]:
@@ -147,7 +147,7 @@ def test_json_lines_with_nested_poses_are_read(tmp_path: Path) -> None:
         for name, row in zip(names, waves(9, 4, 4), strict=True)
     ]
     (tmp_path / "poses.jsonl").write_text("\n".join(map(json.dumps, rows)))
-    found = read_recording(tmp_path, Choice(lengths="mm"))
+    found = read_recording(tmp_path, ColumnMapping(lengths="mm"))
     assert [one.column for one in found.poses] == ["pose_rx_deg", "pose_xyz_0", "pose_xyz_1"]
 
 

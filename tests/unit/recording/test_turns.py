@@ -7,9 +7,9 @@ import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
-from palpate.recording.lesson import Lesson, Turning
-from palpate.recording.train_part import train_dots_network, train_turned_network
-from palpate.recording.turns import COUNT, Turns, find_sense, pattern_order, rotation
+from palpate.recording.lesson import RotationAugmentation, TrainingSet
+from palpate.recording.train_part import train_marker_network, train_rotated_network
+from palpate.recording.turns import COUNT, RotationOperators, find_rotation_sense, pattern_order, rotation
 
 SENSOR = DrawnSensor(rings=5)
 STILL = np.zeros((4, 2))
@@ -26,7 +26,7 @@ def drawn(count: int, seed: int, shear: float = 3.0, tilt: float = 18.0) -> tupl
 @pytest.mark.parametrize("pattern", ["hexagon", "square", "random"])
 def test_a_turned_field_is_the_field_of_the_turned_place(steps, pattern):
     rest = DrawnSensor(rings=7, pattern=pattern).pins() * 10.0
-    turns = Turns(rest)
+    turns = RotationOperators(rest)
 
     def field(places):
         x, y = (places - turns.middle).T / 100.0
@@ -42,17 +42,20 @@ def test_a_turned_field_is_the_field_of_the_turned_place(steps, pattern):
 
 
 def test_a_whole_turn_changes_nothing():
-    turns = Turns(SENSOR.pins())
+    turns = RotationOperators(SENSOR.pins())
     assert np.array_equal(turns.operator(COUNT), np.eye(2 * len(SENSOR.pins())))
 
 
 def test_the_recording_tells_in_which_sense_tilts_turn():
     rest, moved, poses = drawn(80, 1)
     tilt = poses[:, :2]
-    assert find_sense(rest, moved, tilt) == -find_sense(rest, moved, tilt * [1, -1]) != 0
-    assert find_sense(rest, moved[..., ::-1], tilt) == 0 or find_sense(rest[:, ::-1], moved[..., ::-1], tilt) == -1
+    assert find_rotation_sense(rest, moved, tilt) == -find_rotation_sense(rest, moved, tilt * [1, -1]) != 0
+    assert (
+        find_rotation_sense(rest, moved[..., ::-1], tilt) == 0
+        or find_rotation_sense(rest[:, ::-1], moved[..., ::-1], tilt) == -1
+    )
     shuffled = np.random.default_rng(0).permutation(tilt)
-    assert find_sense(rest, moved, shuffled) == 0
+    assert find_rotation_sense(rest, moved, shuffled) == 0
 
 
 def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_not():
@@ -61,15 +64,19 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
     rng = np.random.default_rng(3)
     moved = moved + rng.normal(0.0, 0.3, moved.shape)
     number = np.arange(400)
-    lesson = Lesson(moved, poses, number < 80, (number >= 80) & (number < 160), 0)
-    sense = find_sense(rest, moved[:80], poses[:80, :2])
+    lesson = TrainingSet(moved, poses, number < 80, (number >= 80) & (number < 160), 0)
+    sense = find_rotation_sense(rest, moved[:80], poses[:80, :2])
 
     def error(part):
         return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
 
-    plain = error(train_dots_network("plain", lesson))
+    plain = error(train_marker_network("plain", lesson))
     turned, wrong = (
-        error(train_turned_network("turned", replace(lesson, turning=Turning(rest, 0.0 * rest, one)), epochs=200))
+        error(
+            train_rotated_network(
+                "turned", replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one)), epochs=200
+            )
+        )
         for one in (sense, -sense)
     )
     assert turned < 0.75 * plain
@@ -105,12 +112,14 @@ def test_a_layout_that_leans_is_told_from_the_mean():
     rest, moved, poses = drawn(300, 4)
     lean = moved[np.argmax(np.hypot(*poses[:, :2].T))]
     base, number = (moved - lean).mean(axis=0), np.arange(300)
-    lesson = Lesson(moved - lean, poses, number < 80, (number >= 80) & (number < 140), 0)
+    lesson = TrainingSet(moved - lean, poses, number < 80, (number >= 80) & (number < 140), 0)
     places = rest + lean + base
     assert pattern_order(places) == 6 > pattern_order(rest + lean)
-    turning = Turning(places, base, find_sense(places, moved[:80] - lean - base, poses[:80, :2]))
-    part = train_turned_network("turned", replace(lesson, turning=turning), epochs=200)
-    plain = train_dots_network("plain", lesson)
+    turning = RotationAugmentation(
+        places, base, find_rotation_sense(places, moved[:80] - lean - base, poses[:80, :2])
+    )
+    part = train_rotated_network("turned", replace(lesson, rotation=turning), epochs=200)
+    plain = train_marker_network("plain", lesson)
 
     def error(one):
         return float(np.sqrt(np.mean((one.predict(lesson.inputs[140:]) - poses[140:])[:, :2] ** 2)))

@@ -8,7 +8,7 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.relaxation import ForceCurve, Moduli, Relaxation, hold_wall
+from palpate.relaxation import ForceCurve, Moduli, Relaxation, simulate_depth_hold
 from presses import solve_press
 
 SERIES = Relaxation((0.15, 0.15), (0.5, 5.0), Moduli.INSTANTANEOUS)
@@ -17,9 +17,9 @@ HOLDS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 
 def compare(contact, ramp, depth):
     """Force over the relaxed elastic force less 1, and distance of markers from the elastic press (mm, rms)."""
-    found = press_fading(SERIES, WallSpec(tilt_deg=5, depth=depth, image_step=0.25, contact=contact), ramp, HOLDS)
+    found = press_fading(SERIES, WallSpec(tilt_deg=5, depth=depth, depth_step=0.25, contact=contact), ramp, HOLDS)
     curve = ForceCurve(found.elastic.depth, found.elastic.force)
-    course = hold_wall(SERIES, curve, np.append(0.0, found.time), np.append(0.0, found.depth))
+    course = simulate_depth_hold(SERIES, curve, np.append(0.0, found.time), np.append(0.0, found.depth))
     dots = place_markers(build_skin(DomeSpec(height=20, thickness=2)), MarkerSpec(count=91)).positions
     still = found.elastic.positions(dots)
     last = len(found.elastic.depth) - 1
@@ -57,7 +57,7 @@ def test_a_bulk_that_does_not_relax_hardly_moves_the_markers():
     """K/mu 4000 for 2000, as if half of the stress were lost; K/mu 20 is the control that must move them."""
     skin = build_skin(DomeSpec(height=20, thickness=2))
     mesh, dots = mesh_skin(skin, MeshSpec()), place_markers(skin, MarkerSpec(count=91)).positions
-    wall = WallSpec(tilt_deg=5, depth=8, image_step=0.8, contact="frictionless")
+    wall = WallSpec(tilt_deg=5, depth=8, depth_step=0.8, contact="frictionless")
     silicone = get_material("zaid_2024_ecoflex_00_30")
     presses = {ratio: solve_press(mesh, silicone.with_bulk_ratio(ratio), wall) for ratio in (2000, 4000, 20)}
     places = {ratio: press.positions(dots)[-1] for ratio, press in presses.items()}

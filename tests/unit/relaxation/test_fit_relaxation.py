@@ -49,7 +49,7 @@ def ramped(g, time, rate_time):
 def greatest_miss(fit, g, first, last):
     """Greatest difference of the series from the true curve over the times measured, the scale of both free."""
     t = np.geomspace(first, last, 200)
-    ratio = fit.relaxation.left(t) / g(t)
+    ratio = fit.relaxation.relaxation_function(t) / g(t)
     return (ratio.max() - ratio.min()) / (ratio.max() + ratio.min())
 
 
@@ -77,7 +77,7 @@ def test_a_ramp_is_fitted_as_a_ramp(g, measured):
     strain = 0.1 * np.minimum(time / 2, 1) * (1 + 0.001 * rng.normal(size=len(time))) if measured else None
     test = RelaxationTest("ramp", time, stress, strain)
     test.check()
-    assert test.came == pytest.approx((0.0, 2.0), abs=0.2)
+    assert test.ramp_times == pytest.approx((0.0, 2.0), abs=0.2)
     assert greatest_miss(fit_relaxation([test]), g, 2.0, 300.0) < 0.01
     held = time > 2
     step = fit_relaxation([RelaxationTest("step", time[held] - 2, stress[held])])
@@ -94,10 +94,12 @@ def test_a_bench_that_waits_before_it_strains_is_fitted_alike(measured):
     prompt = RelaxationTest("prompt", time, stress, strain if measured else None)
     waited = RelaxationTest("waited", late, waits[0], waits[1] if measured else None)
     waited.check()
-    assert waited.came == pytest.approx((-50.0, -48.0))
+    assert waited.ramp_times == pytest.approx((-50.0, -48.0))
     ours, theirs = fit_relaxation([waited]), fit_relaxation([prompt])
     assert (ours.first, ours.last) == pytest.approx((theirs.first, theirs.last))
-    assert ours.relaxation.left(time) == pytest.approx(theirs.relaxation.left(time), rel=1e-6)
+    assert ours.relaxation.relaxation_function(time) == pytest.approx(
+        theirs.relaxation.relaxation_function(time), rel=1e-6
+    )
     drawn, plain = (draw_relaxation([each], ours).axes[0].lines[0] for each in (waited, prompt))
     assert drawn.get_xydata() == pytest.approx(plain.get_xydata(), rel=1e-6)
 
@@ -115,7 +117,7 @@ def test_measured_stresses_are_drawn_on_the_curve_of_their_series():
         fit = fit_relaxation([test])
         at, seen = draw_relaxation([test], fit).axes[0].lines[0].get_xydata().T
         late = at > 20 * 2.0  # a ramp is a step by then
-        assert seen[late] == pytest.approx(fit.relaxation.left(at[late]), rel=0.01)
+        assert seen[late] == pytest.approx(fit.relaxation.relaxation_function(at[late]), rel=0.01)
 
 
 def test_the_intervals_cover_a_series_that_was_drawn():
@@ -161,7 +163,7 @@ def test_a_measured_relaxation_is_met_within_a_per_cent():
     fit, one = fit_relaxation([test]), fit_relaxation([test], terms=1)
     assert fit.greatest < 0.0025
     assert one.greatest > 0.04
-    off = fit.relaxation.left(test.time) / test.stress
+    off = fit.relaxation.relaxation_function(test.time) / test.stress
     assert off.max() / off.min() - 1 < 0.01  # every row as measured
     assert draw_relaxation([test], fit).axes[0].get_xscale() == "log"
 

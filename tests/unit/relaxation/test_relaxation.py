@@ -11,9 +11,9 @@ SERIES = Relaxation((0.1, 0.05, 0.2), (0.02, 1.0, 30.0), Moduli.INSTANTANEOUS)
 
 
 def test_what_is_left_is_all_at_first_and_the_end_at_last():
-    assert SERIES.left(0.0) == 1.0
-    assert SERIES.left([1e6])[0] == pytest.approx(0.65)
-    assert SERIES.end == pytest.approx(0.65)
+    assert SERIES.relaxation_function(0.0) == 1.0
+    assert SERIES.relaxation_function([1e6])[0] == pytest.approx(0.65)
+    assert SERIES.long_term_share == pytest.approx(0.65)
 
 
 def test_moduli_say_at_which_time_the_constants_hold():
@@ -54,7 +54,9 @@ def test_a_history_of_straight_pieces_is_its_convolution():
         for a, b, low, high in zip(time[:k], time[1 : k + 1], elastic[:k], elastic[1 : k + 1], strict=True):
             points = [b - share * (b - a) for share in (1e-4, 1e-3, 1e-2, 0.1)]
             rate = (high - low) / (b - a)
-            part = quad(lambda s, end=time[k]: float(SERIES.left(end - s)), a, b, points=points, limit=200)
+            part = quad(
+                lambda s, end=time[k]: float(SERIES.relaxation_function(end - s)), a, b, points=points, limit=200
+            )
             exact += rate * part[0]
         assert found[k] == pytest.approx(exact, abs=1e-7)
 
@@ -63,7 +65,7 @@ def test_a_step_is_followed_at_any_rate_alike():
     coarse = relax_history(SERIES, np.array([0.0, 50.0]), np.array([3.0, 3.0]))
     fine = relax_history(SERIES, np.linspace(0, 50, 501), np.full(501, 3.0))
     assert coarse[-1] == pytest.approx(fine[-1], rel=1e-12)
-    assert coarse[-1] == pytest.approx(3 * float(SERIES.left(50.0)), rel=1e-12)
+    assert coarse[-1] == pytest.approx(3 * float(SERIES.relaxation_function(50.0)), rel=1e-12)
 
 
 def test_vectors_relax_component_by_component():
@@ -75,14 +77,14 @@ def test_vectors_relax_component_by_component():
 
 def test_the_value_foreseen_is_the_one_that_comes():
     history = StressHistory(SERIES)
-    history.follow(0.0, 1.0)
-    history.follow(0.7, 2.0)
+    history.update(0.0, 1.0)
+    history.update(0.7, 2.0)
     a, b = history.affine(1.9)
-    assert float(a) + b * 5.0 == pytest.approx(float(history.follow(1.9, 5.0)), rel=1e-12)
+    assert float(a) + b * 5.0 == pytest.approx(float(history.update(1.9, 5.0)), rel=1e-12)
 
 
 def test_time_that_goes_back_is_refused():
     history = StressHistory(SERIES)
-    history.follow(2.0, 1.0)
+    history.update(2.0, 1.0)
     with refused("time-goes-back", "2", "1"):
-        history.follow(1.0, 1.0)
+        history.update(1.0, 1.0)

@@ -14,7 +14,7 @@ import pytest
 
 import palpate.camera
 from errors import check_values
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source
 from palpate.core import PalpateError
@@ -202,13 +202,13 @@ def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
     import cv2
 
     skin = build_skin(DOME)
-    walls = [WallSpec(tilt_deg=tilt, depth=4.0, image_step=0.5) for tilt in (0.0, 3.0, 6.0, 9.0)]
+    walls = [WallSpec(tilt_deg=tilt, depth=4.0, depth_step=0.5) for tilt in (0.0, 3.0, 6.0, 9.0)]
     mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     presses = [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
     write_twin(tmp_path / "twin.h5", build_twin(presses))
-    scene = set_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=1.0))
+    scene = build_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=1.0))
     (tmp_path / "images").mkdir()
-    for number, image in enumerate([scene.at_rest(), list(scene.through(presses[1]))[6]]):
+    for number, image in enumerate([scene.render_rest(), list(scene.render_press(presses[1]))[6]]):
         cv2.imwrite(str(tmp_path / "images" / f"{number}.png"), image)
     config = {"source": str(tmp_path / "images"), "twin": str(tmp_path / "twin.h5"), "markers": 37}
     camera = plugin.PalpateCamera(plugin.PalpateCameraConfig(**config))

@@ -10,7 +10,7 @@ import pytest
 
 from palpate.camera import Source
 from palpate.core import PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 from palpate.robot.read_source import GONE, THERE, SourceReader
 from palpate.sensor import Flag, Reading
 from palpate.viewer.live import Live
@@ -29,7 +29,7 @@ class Counts:
         bad = isinstance(image, PalpateError)
         pose = (np.nan if bad else 1.0,) * 3
         flags = (Flag.UNREADABLE,) if bad else ()
-        return Reading(self.count, pose, (np.inf,) * 3, not bad, 0, flags, 0.0, "", space=TILT_DEPTH)
+        return Reading(self.count, pose, (np.inf,) * 3, not bad, 0, flags, 0.0, "", space=TILT_SPACE)
 
 
 class Fails(Source):
@@ -59,7 +59,7 @@ def test_whatever_a_cameras_library_raises_the_camera_is_opened_again(error: Exc
             reader.stop()
 
     reader._publish = watch
-    thread = threading.Thread(target=reader.follow, args=(lambda: Fails(error), 0.01))
+    thread = threading.Thread(target=reader.run, args=(lambda: Fails(error), 0.01))
     thread.start()
     thread.join(10)
     assert not thread.is_alive()
@@ -71,7 +71,7 @@ def test_a_thread_that_ends_leaves_a_flagged_reading() -> None:
     rows: list[dict[str, Any]] = []
     reader = SourceReader(Counts(), rows.append)
     with pytest.raises(KeyboardInterrupt):
-        reader.follow(lambda: Fails(KeyboardInterrupt()))
+        reader.run(lambda: Fails(KeyboardInterrupt()))
     assert rows[-1]["camera"] == GONE
     assert rows[-1]["flags"]
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.core import FloatArray
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.robot import Placement, tilt_of
-from palpate.robot.placement import turn_between, turn_by
+from palpate.robot import Placement, tilt_from_normal
+from palpate.robot.placement import rotation_between, rotation_from_vector
 from presses import solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
@@ -23,15 +23,15 @@ TILT_DEG = 8.0
 
 @pytest.fixture(scope="module")
 def press() -> Press:
-    wall = WallSpec(tilt_deg=TILT_DEG, depth=3.0, image_step=1.5)
+    wall = WallSpec(tilt_deg=TILT_DEG, depth=3.0, depth_step=1.5)
     return solve_press(mesh_skin(SKIN, MeshSpec(cells=8)), MATERIAL, wall)
 
 
 def motion(press: Press, azimuth_deg: float, camera: CameraSpec) -> FloatArray:
     """Where the image of a press differs from that at rest: column and row from the middle of the dome, px."""
-    scene = set_scene(SKIN, place_markers(SKIN, MARKERS), Deviation(), camera, RenderSpec())
-    turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
-    images = [image.astype(float) for image in scene.through(turned)]
+    scene = build_scene(SKIN, place_markers(SKIN, MARKERS), Deviation(), camera, RenderSpec())
+    turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
+    images = [image.astype(float) for image in scene.render_press(turned)]
     changed = np.abs(images[-1] - images[0])
     rows, columns = np.indices(changed.shape)
     where = np.array([np.sum(columns * changed), np.sum(rows * changed)]) / changed.sum()
@@ -45,8 +45,8 @@ def test_a_known_press_moves_the_dots_where_the_drawing_says(press: Press) -> No
     assert abs(about_x[0]) < 0.3 * abs(about_x[1])
     assert about_y[0] > 3.0
     assert abs(about_y[1]) < 0.3 * abs(about_y[0])
-    assert press.wall.radial == TILT_DEG
-    touched_first = SKIN.touch(wall_normal(np.radians(TILT_DEG), 0.0))
+    assert press.obstacle.radial == TILT_DEG
+    touched_first = SKIN.support_point(wall_normal(np.radians(TILT_DEG), 0.0))
     assert touched_first[1] < 0 < touched_first[2]
     assert (press.force[-1] @ wall_normal(np.radians(TILT_DEG), 0.0)) > 0, "the dome pushes along the normal"
     deepest = press.positions(SKIN.inner_point(np.zeros(1), np.zeros(1)))[:, 0, 2]
@@ -73,9 +73,13 @@ def test_a_flange_turned_one_way_reads_the_wall_turned_the_other() -> None:
     """The sensor's axes along the flange's: turned by +5 degrees about its x before a square wall, rx is -5."""
     normal = np.array([0.0, 0.0, 1.0])
     for vector, tilt in (([5.0, 0, 0], [-5.0, 0]), ([0, 5.0, 0], [0, -5.0]), ([0, 0, 5.0], [0, 0])):
-        base_from_sensor = Placement(turn_by(np.array(vector))) @ Placement(position=np.array([0, 0, 100.0]))
-        assert tilt_of(base_from_sensor.rotation.T @ normal) == pytest.approx(tilt, abs=1e-9)
+        base_from_sensor = Placement(rotation_from_vector(np.array(vector))) @ Placement(
+            position=np.array([0, 0, 100.0])
+        )
+        assert tilt_from_normal(base_from_sensor.rotation.T @ normal) == pytest.approx(tilt, abs=1e-9)
     read = wall_normal(*np.radians([3.0, -2.0]))
-    turned = turn_between(normal, read)
-    assert tilt_of(turned.T @ read) == pytest.approx([0.0, 0.0], abs=1e-9), "turned to what was read, it is square"
-    assert tilt_of(turned[:, 2]) == pytest.approx([3.0, -2.0])
+    turned = rotation_between(normal, read)
+    assert tilt_from_normal(turned.T @ read) == pytest.approx([0.0, 0.0], abs=1e-9), (
+        "turned to what was read, it is square"
+    )
+    assert tilt_from_normal(turned[:, 2]) == pytest.approx([3.0, -2.0])

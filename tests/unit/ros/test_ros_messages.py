@@ -6,14 +6,14 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.robot import TOPICS, RosSensor, RosSpec, read_open_spec
+from palpate.robot import TOPICS, RosSensor, RosSpec, parse_launch_spec
 from palpate.ros import Message, build_message, header_of, pose_message, pose_with_covariance
 from palpate.twin import TWIN_DERIVATIVES, write_twin
 from presses import build_twin, solve_press
@@ -25,7 +25,7 @@ LEANING = Deviation(offset_x=0.2, offset_y=-0.1)
 
 
 def press(tilt_deg: float, azimuth_deg: float = 0.0) -> Press:
-    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5)
+    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5)
     return solve_press(mesh_skin(SKIN, MeshSpec(cells=6)), MATERIAL, wall, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
@@ -34,8 +34,8 @@ def folder(tmp_path_factory):
     """A twin, and images of a unit at rest, then under a wall of 4° at 30°: 3 mm and 4 mm deep, cut off, 4 mm."""
     folder = tmp_path_factory.mktemp("sensor")
     write_twin(folder / "twin.h5", build_twin([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)]))
-    scene = set_scene(SKIN, LAYOUT, LEANING, CameraSpec(), RenderSpec(noise=1.0))
-    images = [scene.at_rest(), *(list(scene.through(PRESSED))[k] for k in (6, 8, 8, 8))]
+    scene = build_scene(SKIN, LAYOUT, LEANING, CameraSpec(), RenderSpec(noise=1.0))
+    images = [scene.render_rest(), *(list(scene.render_press(PRESSED))[k] for k in (6, 8, 8, 8))]
     (folder / "images").mkdir()
     for number, image in enumerate(images):
         cv2.imwrite(str(folder / "images" / f"{number}.png"), image)
@@ -48,7 +48,7 @@ PRESSED = press(4.0, 30.0)
 
 def spec_of(folder, **values):
     chosen = {"twin": str(folder / "twin.h5"), "source": str(folder / "images"), "markers": 37} | values
-    return read_open_spec(RosSpec, chosen)
+    return parse_launch_spec(RosSpec, chosen)
 
 
 @pytest.fixture(scope="module")

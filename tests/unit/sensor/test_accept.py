@@ -10,11 +10,18 @@ import pytest
 
 from errors import check_refusal, refused
 from palpate.bench import Deviation
-from palpate.bench.bench import presses_of
-from palpate.bench.photograph import set_scene
+from palpate.bench.bench import solve_unit_presses
+from palpate.bench.photograph import build_scene
 from palpate.cli import main
 from palpate.core import generator
-from palpate.sensor import AcceptSpec, Truth, accept_unit, read_readings, read_truth, write_acceptance
+from palpate.sensor import (
+    AcceptanceSpec,
+    GroundTruth,
+    accept_unit,
+    read_ground_truth,
+    read_readings,
+    write_acceptance,
+)
 from small_chain import small_bench, write_small_model
 
 COLUMNS = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
@@ -28,7 +35,9 @@ def recorded(presses=8, error=0.2, offset=0.7):
     press = np.repeat(np.arange(presses), len(depth))
     noise = np.column_stack([error * rng.normal(size=(len(poses), 2)), 0.02 * rng.normal(size=len(poses))])
     estimates = poses - np.array([0.0, 0.0, offset]) + noise
-    truth = Truth(("r",), tuple(str(k + 1) for k in range(len(poses))), press, poses, np.full(len(poses), np.nan))
+    truth = GroundTruth(
+        ("r",), tuple(str(k + 1) for k in range(len(poses))), press, poses, np.full(len(poses), np.nan)
+    )
     return truth, estimates
 
 
@@ -46,14 +55,14 @@ def test_a_good_unit_passes_and_a_bad_one_says_what_failed():
 
 def test_where_doubt_must_not_pass_the_interval_is_judged():
     truth, estimates = recorded(error=0.5)
-    limit = AcceptSpec(max_deg=5.0)
+    limit = AcceptanceSpec(max_deg=5.0)
     assert accept_unit(truth, estimates, None, limit).passed
     assert not accept_unit(truth, estimates, None, limit.model_copy(update={"guard": True})).passed
 
 
 def test_without_a_zero_the_robots_touch_point_is_in_the_depth():
     truth, estimates = recorded()
-    found = accept_unit(truth, estimates, None, AcceptSpec(zero=False))
+    found = accept_unit(truth, estimates, None, AcceptanceSpec(zero=False))
     assert found.scores[2].errors.bias == pytest.approx(-0.7, abs=0.02)
     assert [check.what for check in found.checks if not check.passed] == ["depth RMSE"]
 
@@ -73,7 +82,7 @@ def test_images_without_a_pose_count_against_the_unit():
     estimates[25] = np.nan
     found = accept_unit(truth, estimates)
     assert [check.what for check in found.checks if not check.passed] == ["images without a pose"]
-    assert accept_unit(truth, estimates, None, AcceptSpec(without_pose=0.05)).passed
+    assert accept_unit(truth, estimates, None, AcceptanceSpec(without_pose=0.05)).passed
 
 
 def test_too_few_or_too_shallow_presses_are_refused():
@@ -109,23 +118,23 @@ def write_truth(path, rows, columns=COLUMNS):
 )
 def test_a_table_that_is_no_truth_is_refused_with_its_line(tmp_path, rows, columns, says):
     with refused(*says):
-        read_truth(write_truth(tmp_path / "t.csv", rows, columns))
+        read_ground_truth(write_truth(tmp_path / "t.csv", rows, columns))
 
 
 def test_a_truth_that_is_not_there_or_no_text_is_refused(tmp_path):
     with refused("file-unreadable", "none.csv"):
-        read_truth(tmp_path / "none.csv")
+        read_ground_truth(tmp_path / "none.csv")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00" * 40)
     with refused("file-unreadable", "b.csv"):
-        read_truth(tmp_path / "b.csv")
+        read_ground_truth(tmp_path / "b.csv")
 
 
 def test_every_image_needs_a_reading(tmp_path):
-    truth = read_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3], ["2", "1", 1, 2, ""]]))
+    truth = read_ground_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3], ["2", "1", 1, 2, ""]]))
     (tmp_path / "r.jsonl").write_text('{"image": 1, "rx_deg": 1.0, "ry_deg": 2.0, "depth_mm": null, "flags": "x"}\n')
     with refused("readings-missing", "1"):
         read_readings(tmp_path / "r.jsonl", truth)
-    only = read_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3]]))
+    only = read_ground_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3]]))
     poses, flagged = read_readings(tmp_path / "r.jsonl", only)
     assert poses[0, :2].tolist() == [1.0, 2.0]
     assert np.isnan(poses[0, 2])
@@ -137,17 +146,17 @@ def recording(tmp_path_factory):
     """Images of a small virtual unit with their truth, and its model."""
     folder = tmp_path_factory.mktemp("recording")
     bench = small_bench(folder / "bench", write_small_model(folder / "m.onnx"))
-    scene = set_scene(bench.nominal, bench.layout, Deviation(), bench.camera, bench.spec.render)
+    scene = build_scene(bench.nominal, bench.layout, Deviation(), bench.camera, bench.spec.render)
     rows = [["rest.png", "rest", "", "", ""]]
-    cv2.imwrite(str(folder / "rest.png"), scene.at_rest())
-    for press in presses_of(bench, Deviation()):
+    cv2.imwrite(str(folder / "rest.png"), scene.render_rest())
+    for press in solve_unit_presses(bench, Deviation()):
         for turn in (30.0, 200.0):
-            turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": turn}))
-            for depth, image in zip(press.depth, scene.through(turned), strict=True):
+            turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": turn}))
+            for depth, image in zip(press.depth, scene.render_press(turned), strict=True):
                 cv2.imwrite(str(folder / f"{len(rows)}.png"), image)
                 angle = np.radians(turn)
-                pose = press.wall.tilt_deg * np.array([np.cos(angle), np.sin(angle)])
-                rows.append([f"{len(rows)}.png", f"{press.wall.tilt_deg} {turn}", *pose, depth + 1.0])
+                pose = press.obstacle.tilt_deg * np.array([np.cos(angle), np.sin(angle)])
+                rows.append([f"{len(rows)}.png", f"{press.obstacle.tilt_deg} {turn}", *pose, depth + 1.0])
     write_truth(folder / "truth.csv", rows)
     return folder
 
@@ -160,7 +169,7 @@ def run(*words):
 
 def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
     words = ["accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
-    words += ["--least-depth", "2", "--depth-rmse", "0.3"]
+    words += ["--min-depth", "2", "--depth-rmse", "0.3"]
     assert run(*words, "--out", tmp_path / "r", "--name", "U1", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown["passed"]

@@ -8,12 +8,20 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.bench import SimulatedSource, draw_touches
+from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
-from palpate.design import OFFSET_DEPTH, TILT_DEPTH, DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import OFFSET_SPACE, TILT_SPACE, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, WallSpec
-from palpate.learn import TrainSpec, calibrate, evaluate, find_limits, open_predictor, train, write_estimator
+from palpate.learn import (
+    TrainingSpec,
+    calibrate_interval,
+    compute_error_bounds,
+    evaluate,
+    open_predictor,
+    train,
+    write_estimator,
+)
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, check_model, open_sensor, run_sensor, write_readings
@@ -28,7 +36,7 @@ MESH = mesh_skin(DOME, MeshSpec(cells=6, core=4))
 
 def press(offset, azimuth_deg=0.0, mesh=MESH):
     ball = BallSpec(
-        radius=10, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5, contact="frictionless"
+        radius=10, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5, contact="frictionless"
     )
     return solve_press(mesh, SILICONE, ball)
 
@@ -46,21 +54,21 @@ def dataset(presses):
 @pytest.fixture(scope="module")
 def predictor(dataset, tmp_path_factory):
     needs("torch")
-    estimator = train(dataset, TrainSpec(width=32, epochs=150, repeats=1))
+    estimator = train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
     errors = evaluate(estimator, dataset)
     assert list(errors.by_axis) == ["offset", "x", "y", "depth"]
     assert errors.by_tilt == ()
     assert errors.pooled.rmse < 0.2
     path = tmp_path_factory.mktemp("ball") / "ball.onnx"
-    write_estimator(path, calibrate(estimator, dataset))
+    write_estimator(path, calibrate_interval(estimator, dataset))
     return open_predictor(path)
 
 
 def test_places_of_a_ball_fill_the_disc_that_was_pressed(dataset, tmp_path):
-    assert dataset.space == OFFSET_DEPTH
+    assert dataset.space == OFFSET_SPACE
     assert 3.8 < np.hypot(*dataset.poses[:, :2].T).max() <= 4.0
     write_dataset(tmp_path / "ball.h5", dataset)
-    assert read_dataset(tmp_path / "ball.h5").space == OFFSET_DEPTH
+    assert read_dataset(tmp_path / "ball.h5").space == OFFSET_SPACE
 
 
 @pytest.mark.parametrize(("azimuth_deg", "share"), [(90.0, 0.002), (150.0, 0.02)])
@@ -78,14 +86,14 @@ def test_markers_of_a_ball_beside_the_axis_follow_it_to_every_azimuth(presses, a
 
 
 def test_limits_of_a_ball_are_of_its_place(dataset, presses):
-    limits = find_limits(build_field(presses, LAYOUT), build_camera(), dataset.spec)
+    limits = compute_error_bounds(build_field(presses, LAYOUT), build_camera(), dataset.spec)
     assert all(0.0 < limit.least_squares_deg < 0.5 for limit in limits)
 
 
 def test_a_simulated_sensor_reads_where_a_ball_presses(predictor, presses, tmp_path):
-    assert predictor.space == OFFSET_DEPTH
+    assert predictor.space == OFFSET_SPACE
     unit = Unit(DOME, LAYOUT)
-    source = SimulatedSource(unit, draw_touches(presses[1:2], seed=3))
+    source = SimulatedSource(unit, sample_presses(presses[1:2], seed=3))
     images = source.images()
     sensor = open_sensor([next(images)], unit, predictor)
     seen, truths = [], []
@@ -106,11 +114,11 @@ def test_a_simulated_sensor_reads_where_a_ball_presses(predictor, presses, tmp_p
 
 def test_a_model_of_a_ball_is_refused_where_tilts_are_asked_for(predictor):
     with refused("model-outputs-differ", "x_mm, y_mm, depth_mm", "rx_deg, ry_deg, depth_mm"):
-        check_model(predictor, Unit(DOME, LAYOUT), TILT_DEPTH)
+        check_model(predictor, Unit(DOME, LAYOUT), TILT_SPACE)
 
 
 def test_presses_of_a_ball_and_of_a_wall_are_not_mixed(presses):
-    wall = solve_press(MESH, SILICONE, WallSpec(depth=1.0, image_step=0.5, contact="frictionless"))
+    wall = solve_press(MESH, SILICONE, WallSpec(depth=1.0, depth_step=0.5, contact="frictionless"))
     with refused("presses-obstacles-differ"):
         generate_dataset([wall, *presses], LAYOUT, build_camera(), DatasetSpec(n_presses=20))
 

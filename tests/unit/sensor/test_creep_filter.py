@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.sensor.creep_filter import FRAME_S, CreepFilter, _ahead
+from palpate.sensor.creep_filter import FRAME_S, DriftFilter, _ahead
 
 NOISE_PX, PACE_PX_S, SECONDS = 0.01, 2e-3, 120.0
 
@@ -11,12 +11,12 @@ NOISE_PX, PACE_PX_S, SECONDS = 0.01, 2e-3, 120.0
 def follow(rate_hz: float, pace_px_s: float, seed: int = 0) -> tuple[float, float]:
     """What is followed at the end (px), and the pace (px/s), of a drift in one way."""
     rng, step = np.random.default_rng(seed), 1.0 / rate_hz
-    follows = CreepFilter(np.array([[NOISE_PX**2]]), np.eye(1))
-    creep = follows.begin()
+    follows = DriftFilter(np.array([[NOISE_PX**2]]), np.eye(1))
+    creep = follows.initial()
     for time in np.arange(step, SECONDS + 0.5 * step, step):
         told = np.array([pace_px_s * time + NOISE_PX * rng.normal()])
-        creep = follows.follow(creep, told, step)
-    return float(follows.moved(creep)[0]), abs(float(creep.mean[0, 1]))
+        creep = follows.update(creep, told, step)
+    return float(follows.motion(creep)[0]), abs(float(creep.mean[0, 1]))
 
 
 @pytest.mark.parametrize("rate_hz", [5.0, 20.0, 60.0])
@@ -30,8 +30,8 @@ def test_a_drift_a_second_is_followed_alike_at_every_rate(rate_hz: float) -> Non
 
 def test_many_short_steps_are_one_long_one() -> None:
     """What is known of a time to come does not depend on how it is cut into steps."""
-    follows = CreepFilter(np.array([[NOISE_PX**2]]), np.eye(1))
-    creep = follows.follow(follows.begin(), np.array([0.02]), 1.0)
+    follows = DriftFilter(np.array([[NOISE_PX**2]]), np.eye(1))
+    creep = follows.update(follows.initial(), np.array([0.02]), 1.0)
     once, often = _ahead(creep, 2.0), creep
     for _ in range(8):
         often = _ahead(often, 0.25)
@@ -40,8 +40,8 @@ def test_many_short_steps_are_one_long_one() -> None:
 
 
 def test_without_a_clock_twenty_images_make_a_second() -> None:
-    follows = CreepFilter(np.array([[NOISE_PX**2]]), np.eye(1))
+    follows = DriftFilter(np.array([[NOISE_PX**2]]), np.eye(1))
     told = np.array([0.01])
-    one, other = (follows.follow(follows.begin(), told, *step) for step in ((), (FRAME_S,)))
+    one, other = (follows.update(follows.initial(), told, *step) for step in ((), (FRAME_S,)))
     assert np.array_equal(one.mean, other.mean)
     assert pytest.approx(0.05) == FRAME_S

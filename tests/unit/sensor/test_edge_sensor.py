@@ -13,14 +13,21 @@ from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
 from palpate.fea.edge import EdgeSpec
-from palpate.learn import TrainSpec, calibrate, find_limits, open_predictor, train, write_estimator
+from palpate.learn import (
+    TrainingSpec,
+    calibrate_interval,
+    compute_error_bounds,
+    open_predictor,
+    train,
+    write_estimator,
+)
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor, run_sensor, write_readings
 from palpate.twin import build_field
 from presses import solve_press
 
-LINES = PoseSpace.of_lines()
+LINES = PoseSpace.for_lines()
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
@@ -28,7 +35,7 @@ MESH = mesh_skin(DOME, MeshSpec(cells=6, core=4))
 
 
 def press(offset, azimuth_deg=0.0, mesh=MESH):
-    edge = EdgeSpec(radius=3, opening_deg=120, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5)
+    edge = EdgeSpec(radius=3, opening_deg=120, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5)
     return solve_press(mesh, SILICONE, edge.model_copy(update={"contact": "frictionless"}))
 
 
@@ -45,7 +52,7 @@ def dataset(presses):
 @pytest.fixture(scope="module")
 def estimator(dataset):
     needs("torch")
-    return train(dataset, TrainSpec(width=32, epochs=150, repeats=1))
+    return train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
 
 
 def test_lines_are_spread_evenly_by_offset_and_angle(dataset, tmp_path):
@@ -74,7 +81,7 @@ def test_images_are_those_of_an_edge_pressed_at_its_pose(presses, offset, azimut
 
 
 def test_offset_and_angle_are_learnt_where_the_place_alone_does_not_tell_them(dataset, estimator):
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     deep = held.poses[:, 2] > 2
     found, true = estimator.predict(held.images_px[deep]), held.poses[deep]
     offset, angle = LINES.line_error(found, true).T
@@ -90,12 +97,12 @@ def test_offset_and_angle_are_learnt_where_the_place_alone_does_not_tell_them(da
 
 def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator, presses, tmp_path):
     path = tmp_path / "edge.onnx"
-    write_estimator(path, calibrate(estimator, dataset))
+    write_estimator(path, calibrate_interval(estimator, dataset))
     predictor = open_predictor(path)
     assert predictor.space == LINES
     unit = Unit(DOME, LAYOUT)
     for touched, offset, azimuth_deg in ((presses[1], 2.0, 150.0), (presses[0], 0.0, 70.0)):
-        wall = touched.wall.model_copy(update={"azimuth_deg": azimuth_deg})
+        wall = touched.obstacle.model_copy(update={"azimuth_deg": azimuth_deg})
         source = SimulatedSource(unit, [replace(touched, wall=wall)])
         images = source.images()
         sensor = open_sensor([next(images)], unit, predictor)
@@ -115,4 +122,4 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
 
 def test_no_limit_is_told_of_an_edge(dataset, presses):
     with refused("limit-obstacle-level"):
-        find_limits(build_field(presses, LAYOUT), build_camera(), dataset.spec)
+        compute_error_bounds(build_field(presses, LAYOUT), build_camera(), dataset.spec)

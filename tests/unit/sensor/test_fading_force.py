@@ -11,7 +11,7 @@ from palpate.built import Force
 from palpate.material import get_material
 from palpate.relaxation import Moduli, Relaxation
 from palpate.sensor import Reading, Sensor
-from palpate.sensor.fading_force import FadingForce
+from palpate.sensor.fading_force import ForceRelaxation
 from palpate.sensor.reader import ReaderState
 from palpate.twin import twin_relaxation
 from palpate.twin.twin_file import material_text
@@ -27,11 +27,11 @@ def reading(vector=ELASTIC, touching=True):
 
 
 def test_a_touch_that_stays_bears_what_the_modulus_of_its_time_says():
-    fading = FadingForce(SERIES)
-    fading.follow(reading([0, 0, 0], touching=False), 99.999)
+    fading = ForceRelaxation(SERIES)
+    fading.update(reading([0, 0, 0], touching=False), 99.999)
     for number in range(3001):
         now = 100.0 + number * 0.01
-        found = fading.follow(reading(), now)
+        found = fading.update(reading(), now)
         if number in (10, 3000):
             exact = float(SERIES.modulus(now - 99.9995))  # it came within the millisecond before
             assert found.force.vector == pytest.approx(exact * ELASTIC, rel=1e-3)
@@ -42,38 +42,38 @@ def test_a_touch_that_stays_bears_what_the_modulus_of_its_time_says():
 
 
 def test_the_rate_of_readings_does_not_matter_and_lost_ones_are_passed_over():
-    dense, sparse = FadingForce(SERIES), FadingForce(SERIES)
+    dense, sparse = ForceRelaxation(SERIES), ForceRelaxation(SERIES)
     lost = replace(reading(), force=None)
     for number in range(201):
         now = number * 0.1
         size = min(now / 5, 1.0)
-        last = dense.follow(reading(size * ELASTIC), now)
+        last = dense.update(reading(size * ELASTIC), now)
         if number in (0, 50, 200):
-            other = sparse.follow(reading(size * ELASTIC), now)
+            other = sparse.update(reading(size * ELASTIC), now)
         else:
-            assert sparse.follow(lost, now) is lost
+            assert sparse.update(lost, now) is lost
     assert other.force.vector == pytest.approx(last.force.vector, rel=1e-9)
 
 
 def test_a_skin_let_go_of_pulls_nothing_and_recovers():
-    fading = FadingForce(Relaxation((0.6,), (2.0,), Moduli.INSTANTANEOUS))
-    fading.follow(reading(), 0.0)
-    fading.follow(reading(), 20.0)
-    eased = fading.follow(reading(0.3 * ELASTIC), 20.01)
-    assert eased.force.pressing.value == 0.0
+    fading = ForceRelaxation(Relaxation((0.6,), (2.0,), Moduli.INSTANTANEOUS))
+    fading.update(reading(), 0.0)
+    fading.update(reading(), 20.0)
+    eased = fading.update(reading(0.3 * ELASTIC), 20.01)
+    assert eased.force.normal_force.value == 0.0
     untouched = reading([0, 0, 0], touching=False)
-    assert fading.follow(untouched, 20.02) is untouched
+    assert fading.update(untouched, 20.02) is untouched
     for now in (30.0, 60.0):
-        fading.follow(untouched, now)
-    again = fading.follow(reading(), 60.001)
+        fading.update(untouched, now)
+    again = fading.update(reading(), 60.001)
     assert again.force.vector == pytest.approx(ELASTIC, rel=1e-3)
 
 
 def test_a_clock_that_starts_anew_begins_a_new_history():
-    fading = FadingForce(SERIES)
-    fading.follow(reading(), 500.0)
-    fading.follow(reading(), 600.0)
-    fresh = fading.follow(reading(), 3.0)
+    fading = ForceRelaxation(SERIES)
+    fading.update(reading(), 500.0)
+    fading.update(reading(), 600.0)
+    fresh = fading.update(reading(), 3.0)
     assert fresh.force.vector == pytest.approx(SERIES.scale * ELASTIC)
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.sensor import InspectSpec, Unit, inspect_unit
+from palpate.sensor import InspectionSpec, Unit, inspect_unit
 
 SEATED = CameraSpec(offset_x=0.3, offset_y=-0.2, distance=48.7, tilt_x_deg=0.6, tilt_y_deg=-0.4, roll_deg=12.0)
 SPOILED = RenderSpec(vignetting=0.3, unevenness=0.2, blur_px=0.7, noise=2.0, dirt=5, rim=True)
@@ -25,7 +25,7 @@ def printed(unit, error):
 
 def photograph(unit, places, camera=SEATED, light=SPOILED):
     normals = (places - [0, 0, unit.skin.center_z]) / unit.skin.radius
-    return render(build_camera(camera), dot_edges(places, normals, unit.layout.diameter), light)
+    return render(build_camera(camera), flat_marker_outlines(places, normals, unit.layout.diameter), light)
 
 
 def unit_of(height, count):
@@ -67,7 +67,7 @@ def test_a_dot_out_of_place_and_one_not_printed_are_named():
     error = np.zeros((91, 2))
     error[40] = 0.35, -0.2
     places = np.delete(printed(unit, error), 12, axis=0)
-    inspection = inspect_unit([photograph(unit, places)], unit, InspectSpec(tolerance=0.15))
+    inspection = inspect_unit([photograph(unit, places)], unit, InspectionSpec(tolerance=0.15))
     assert list(inspection.missing) == [12]
     assert list(inspection.outside) == [40]
     assert inspection.error[40] == pytest.approx(error[40], abs=0.03)

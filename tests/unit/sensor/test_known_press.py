@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import generator
 from palpate.design import MarkerSpec, build_skin, place_markers
-from palpate.markers import build_pattern, name_by_press, name_markers
-from palpate.sensor import KnownPress, Unit
-from palpate.sensor.known_press import ask_press
-from palpate.sensor.sensor import read_rest
+from palpate.markers import assign_markers, build_pattern, disambiguate_by_press
+from palpate.sensor import ReferencePress, Unit
+from palpate.sensor.known_press import disambiguate
+from palpate.sensor.sensor import analyse_rest
 from small_chain import DOME, MARKERS, MATERIAL, solve
 
 BUILT = build_skin(DOME)
@@ -25,11 +25,11 @@ def steep():
 
 
 def turned(press, azimuth_deg):
-    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    return replace(press, wall=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
 def unit_of(count):
-    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), marked=False)
+    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), has_orientation_mark=False)
 
 
 def mounted(rng):
@@ -64,9 +64,9 @@ def ask(unit, press, simulated, rng, mirror=False):
     camera, points = mounted(rng), press.positions(unit.layout.positions)
     rest, truth = seen_dots(camera, points[0], rng, mirror)
     pressed, _ = seen_dots(camera, points[-2], rng, mirror)
-    naming = name_markers(rest, build_pattern(unit.layout.positions, build_camera().project))
+    naming = assign_markers(rest, build_pattern(unit.layout.positions, build_camera().project))
     assert naming.ambiguous
-    return ask_press(naming, pressed, simulated.positions(unit.layout.positions)[-1], unit), truth
+    return disambiguate(naming, pressed, simulated.positions(unit.layout.positions)[-1], unit), truth
 
 
 @pytest.mark.parametrize("count", [37, 91, 169])
@@ -98,12 +98,12 @@ def test_a_straight_press_tells_nothing():
 def test_another_press_than_was_given_is_refused(steep):
     unit, camera = unit_of(37), build_camera()
     points = steep[0].positions(unit.layout.positions)
-    naming = name_markers(camera.project(points[0]), build_pattern(unit.layout.positions, camera.project))
+    naming = assign_markers(camera.project(points[0]), build_pattern(unit.layout.positions, camera.project))
     for dots in (camera.project(points[0]), np.empty((0, 2))):
         with refused("calibration-press-unexplained"):
-            ask_press(naming, dots, points[-1], unit)
+            disambiguate(naming, dots, points[-1], unit)
     with refused("calibration-press-too-light", "0.00"):
-        name_by_press(naming, np.zeros((12, 37, 2)), camera.project(points[-1]), 20.0)
+        disambiguate_by_press(naming, np.zeros((12, 37, 2)), camera.project(points[-1]), 20.0)
 
 
 def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
@@ -112,20 +112,22 @@ def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
 
     def photograph(points):
         normals = (layout.positions - [0, 0, BUILT.center_z]) / BUILT.radius
-        return render(camera, dot_edges(points, normals, layout.diameter), RenderSpec(noise=2.0, blur_px=0.7))
+        return render(
+            camera, flat_marker_outlines(points, normals, layout.diameter), RenderSpec(noise=2.0, blur_px=0.7)
+        )
 
     rest, pressed = photograph(layout.positions), photograph(turned(solve(8.0), 15.0).positions(layout.positions)[-1])
     with refused("orientation-mark-unseen", "12"):
-        read_rest([rest], unit)
+        analyse_rest([rest], unit)
     slanted = (8.0 * np.cos(np.radians(15.0)), 8.0 * np.sin(np.radians(15.0)), 5.0)
-    found = read_rest([rest], unit, known=KnownPress.simulate(pressed, slanted, unit, MATERIAL))
+    found = analyse_rest([rest], unit, reference_press=ReferencePress.simulate(pressed, slanted, unit, MATERIAL))
     assert found.registration.camera.spec.roll_deg == pytest.approx(70.0, abs=0.2)
     along = photograph(turned(solve(8.0), 0.0).positions(layout.positions)[-1])
-    known = KnownPress.simulate(along, (8.0, 0.0, 5.0), unit, MATERIAL)
+    known = ReferencePress.simulate(along, (8.0, 0.0, 5.0), unit, MATERIAL)
     with refused("assignment-ambiguous", "2"):
-        read_rest([rest], unit, known=known)
+        analyse_rest([rest], unit, reference_press=known)
 
 
 def test_a_press_without_depth_is_refused():
     with refused("press-depth-not-positive", "0"):
-        KnownPress.simulate(np.zeros((9, 9)), (5.0, 0.0, 0.0), unit_of(37), MATERIAL)
+        ReferencePress.simulate(np.zeros((9, 9)), (5.0, 0.0, 0.0), unit_of(37), MATERIAL)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from palpate.bench import DEGRADED, set_scene
-from palpate.built import ToleranceSpec, draw_deviation
+from palpate.bench import DEGRADED, build_scene
+from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Unit
-from palpate.sensor.sensor import read_rest
+from palpate.sensor.sensor import analyse_rest
 
 FLAT = EllipsoidSpec(height=19.2, thickness=1.2, aspect=0.6, taper=0.8)
 WIDE_GAP = (4.128, 7.179, 10.217, 16.231, 20.658, 29.144, 31.809)
@@ -28,9 +28,9 @@ def test_numbers_are_told_of_every_unit(rings, distance):
     camera = CameraSpec(distance=distance)
     unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
     for number in range(1, 6):
-        deviation = draw_deviation(tolerance, 0, number)
-        scene = set_scene(skin, layout, deviation, camera, DEGRADED)
-        naming = read_rest([scene.at_rest()], unit, None, None, True).naming
+        deviation = sample_deviation(tolerance, 0, number)
+        scene = build_scene(skin, layout, deviation, camera, DEGRADED)
+        naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
         assert not naming.ambiguous
         there = np.flatnonzero(scene.printed)
         centres = scene.camera.project(scene.edges[:-1].mean(axis=1))
@@ -47,8 +47,8 @@ def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
     """Two rings beyond 27 px without a dot, where neighbours are 10 px apart: in one of 20 units they were masked."""
     skin, tolerance, camera = build_skin(FLAT), ToleranceSpec(), CameraSpec(distance=30.0)
     layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
-    scene = set_scene(skin, layout, draw_deviation(tolerance, 0, 8), camera, DEGRADED)
+    scene = build_scene(skin, layout, sample_deviation(tolerance, 0, 8), camera, DEGRADED)
     unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
-    naming = read_rest([scene.at_rest()], unit, None, None, True).naming
+    naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
     assert not naming.ambiguous
     assert naming.found.sum() >= scene.printed.sum() - 1

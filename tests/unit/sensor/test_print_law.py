@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from palpate.core import generator
-from palpate.markers import name_markers
+from palpate.markers import assign_markers
 from palpate.sensor import Unit, draw_inspection, inspect_unit, register_dome
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "markers"))
@@ -19,24 +19,24 @@ from bent_prints import bent, design_of, draw, judge
 def test_the_radii_of_a_bent_print_are_found_and_explain_its_image(count, kept):
     drawn = bent(count, generator(3, "law", count), scale=1.6, mark=False, missing=0.0, kept=kept)
     design = design_of(count, 1.6)
-    naming = judge(name_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
+    naming = judge(assign_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
     found = register_dome(naming, design.layout, design.skin, design.camera)
-    relative = found.law.growth / found.law.growth.mean() - drawn["law"] / drawn["law"].mean()
+    relative = found.distortion.growth / found.distortion.growth.mean() - drawn["law"] / drawn["law"].mean()
     assert np.abs(relative).max() < 0.03  # the common growth is shared with the camera's distance
-    off = found.camera.project(found.law.positions) - drawn["smooth"]
+    off = found.camera.project(found.distortion.positions) - drawn["smooth"]
     assert np.sqrt((off**2).sum(axis=1).mean()) < 0.45
-    assert found.law.rms_px < 0.2 * found.rms_px
+    assert found.distortion.rms_px < 0.2 * found.rms_px
 
 
 def test_an_inspection_of_a_bent_print_reports_the_rings_and_draws_them():
     rng = generator(4, "inspection")
     drawn = bent(91, rng, scale=1.6, mark=False, missing=0.0)
     design = design_of(91, 1.6)
-    unit = Unit(design.skin, design.layout, nominal=design.camera, marked=False)
+    unit = Unit(design.skin, design.layout, nominal=design.camera, has_orientation_mark=False)
     inspection = inspect_unit([draw(drawn["dots"], drawn["shape"], rng, scale=1.6)], unit)
-    assert inspection.law is not None
-    assert inspection.law.rms_px < 1.0
-    axis, law = draw_inspection(inspection).axes[0], inspection.law
+    assert inspection.distortion is not None
+    assert inspection.distortion.rms_px < 1.0
+    axis, law = draw_inspection(inspection).axes[0], inspection.distortion
     members = [law.rings.members(number) for number in range(1, len(law.rings) + 1)]
     rings = [law.positions[np.append(ring, ring[0]), :2] for ring in members]
     lines = [next(line for line in axis.lines if np.array_equal(line.get_xydata(), ring)) for ring in rings]
@@ -46,4 +46,7 @@ def test_an_inspection_of_a_bent_print_reports_the_rings_and_draws_them():
 def test_an_even_print_has_no_law():
     design = design_of(91)
     pixels = design.pattern.expected_px + generator(5, "even").normal(0, 0.1, (91, 2))
-    assert register_dome(name_markers(pixels, design.pattern), design.layout, design.skin, design.camera).law is None
+    assert (
+        register_dome(assign_markers(pixels, design.pattern), design.layout, design.skin, design.camera).distortion
+        is None
+    )

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from palpate.recording import RecordedModel
-from palpate.recording.model import Choosing, PoseReading
+from palpate.recording.model import EnsembleWeights, PoseReading
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
 
@@ -13,12 +13,12 @@ WIDTH = np.array([0.3, 0.2])
 FAULT = "no dots"
 
 
-def model(reads_dots: bool) -> RecordedModel:
+def model(reads_markers: bool) -> RecordedModel:
     """A model of poses from -1 to 1 that reads by dots as well, or by pictures alone."""
-    by = Choosing(("picture-ridge",), np.ones((1, 2)), WIDTH)
+    by = EnsembleWeights(("picture-ridge",), np.ones((1, 2)), WIDTH)
     outputs = (("rx", "deg", "rx"), ("ry", "deg", "ry"))
     about = {"range": [[-1.0, -1.0], [1.0, 1.0]]}
-    dots = Choosing(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_dots else None
+    dots = EnsembleWeights(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_markers else None
     return RecordedModel(None, None, (), {}, dots, by, np.full(2, np.inf), outputs, about)
 
 
@@ -31,12 +31,12 @@ def test_an_image_that_breaks_a_library_is_flagged(monkeypatch: pytest.MonkeyPat
     assert RecordedSensor(model(False)).read(np.zeros((4, 4))).flags == (Flag.UNREADABLE,)
 
 
-@pytest.mark.parametrize("reads_dots", [False, True])
+@pytest.mark.parametrize("reads_markers", [False, True])
 @pytest.mark.parametrize(("pose", "outside"), [((1.2, 0.0), False), ((1.4, 0.0), True), ((0.0, -1.25), True)])
 def test_a_pose_by_picture_is_outside_where_its_own_interval_is(
-    monkeypatch: pytest.MonkeyPatch, reads_dots: bool, pose: tuple[float, float], outside: bool
+    monkeypatch: pytest.MonkeyPatch, reads_markers: bool, pose: tuple[float, float], outside: bool
 ) -> None:
     reading = PoseReading(np.array(pose), WIDTH, 0, FAULT, None, np.zeros((0, 2)))
     monkeypatch.setattr(RecordedModel, "read", lambda self, image: reading)
-    flags = RecordedSensor(model(reads_dots)).read(np.zeros((4, 4))).flags
-    assert (Flag.OUTSIDE in flags) is outside
+    flags = RecordedSensor(model(reads_markers)).read(np.zeros((4, 4))).flags
+    assert (Flag.OUT_OF_DISTRIBUTION in flags) is outside

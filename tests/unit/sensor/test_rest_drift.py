@@ -8,13 +8,13 @@ import pytest
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import Flag, RigSpec, Unit
-from palpate.sensor.reader import Estimate, TwinReader
-from palpate.sensor.rest_drift import RestMotion
+from palpate.sensor import Flag, SensorSpec, Unit
+from palpate.sensor.reader import PoseEstimate, TwinEstimator
+from palpate.sensor.rest_drift import RestDrift
 from palpate.twin import TWIN_DERIVATIVES, Twin
 from presses import build_twin, solve_press
 
@@ -27,7 +27,7 @@ PRESSED = np.array([4.0, -3.0, 4.0])
 
 
 def press(tilt_deg: float) -> Press:
-    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, image_step=0.6)
+    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, depth_step=0.6)
     mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
 
@@ -49,16 +49,16 @@ class Drawn:
 
     def dots(self, pose: np.ndarray | None = None, noise: float = NOISE) -> np.ndarray:
         printed = self.layout.positions
-        points = printed if pose is None else self.twin.print_dots(printed).move(pose, 0.0).positions
+        points = printed if pose is None else self.twin.with_markers(printed).evaluate(pose, 0.0).positions
         shown = build_camera(self.camera).project(points) + self.aside_px
         return shown + noise * self.rng.normal(size=shown.shape)
 
     def open(self, images: int = 20, **chosen: float) -> "Following":
         rest = np.mean([self.dots() for _ in range(images)], axis=0)
         numbers = np.arange(len(rest))
-        naming = Naming(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+        naming = MarkerAssignment(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
         unit = Unit(DOME, self.layout, nominal=self.camera)
-        return Following(TwinReader(self.twin, unit, naming, RigSpec(noise_px=NOISE, **chosen)))
+        return Following(TwinEstimator(self.twin, unit, naming, SensorSpec(noise_px=NOISE, **chosen)))
 
     def drift(self, way: str, share: float) -> None:
         """Move camera or silicone by a share of half a pixel or so."""
@@ -78,20 +78,20 @@ def moved(**changes: float) -> CameraSpec:
 class Following:
     """A reader with its state after the last image."""
 
-    def __init__(self, reader: TwinReader) -> None:
+    def __init__(self, reader: TwinEstimator) -> None:
         self.reader, self.state = reader, reader.begin()
 
     @property
-    def rest(self) -> RestMotion:
+    def rest(self) -> RestDrift:
         return self.state.rest.motion
 
-    def read(self, sighting: Sighting) -> Estimate:
-        estimate, self.state = self.reader.read(sighting, self.state)
+    def read(self, sighting: TrackedMarkers) -> PoseEstimate:
+        estimate, self.state = self.reader.estimate(sighting, self.state)
         return estimate
 
 
-def read(reader: Following, dots: np.ndarray) -> Estimate:
-    return reader.read(Sighting(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
+def read(reader: Following, dots: np.ndarray) -> PoseEstimate:
+    return reader.read(TrackedMarkers(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
 
 
 def read_pressed(reader: Following, unit: Drawn) -> np.ndarray:
@@ -105,14 +105,14 @@ def test_a_slow_drift_is_followed_and_poses_stay_right(twin: Twin, way: str) -> 
     before = read_pressed(reader, unit)
     for number in range(1000):
         unit.drift(way, number / 1000)
-        assert Flag.MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
+        assert Flag.CAMERA_MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
     assert reader.rest.rms_px == pytest.approx(0.5, abs=0.2)
     off = read_pressed(reader, unit) - before
     assert np.abs(off[:2]).max() < 0.02
     assert abs(off[2]) < 0.02
     assert np.abs(read_pressed(forgetful, unit) - before).max() > 0.02
     read(forgetful, unit.dots())
-    assert Flag.MOVED in read(forgetful, unit.dots()).flags
+    assert Flag.CAMERA_MOVED in read(forgetful, unit.dots()).flags
 
 
 @pytest.mark.parametrize("depth", [0.05, 0.15, 0.4])
@@ -129,11 +129,11 @@ def test_a_knock_of_the_camera_is_said_at_once_and_until_it_is_undone(twin: Twin
     reader = unit.open()
     assert read(reader, unit.dots()).flags == ()
     unit.aside_px = 0.6, -0.3
-    assert Flag.MOVED in read(reader, unit.dots()).flags
-    assert Flag.MOVED in read(reader, unit.dots(PRESSED)).flags
+    assert Flag.CAMERA_MOVED in read(reader, unit.dots()).flags
+    assert Flag.CAMERA_MOVED in read(reader, unit.dots(PRESSED)).flags
     assert reader.rest.rms_px < 0.02
     unit.aside_px = 0.0, 0.0
-    assert Flag.MOVED not in read(reader, unit.dots()).flags
+    assert Flag.CAMERA_MOVED not in read(reader, unit.dots()).flags
 
 
 def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
@@ -141,7 +141,7 @@ def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
     reader, flags = unit.open(follow_px=0.2), []
     for number in range(450):
         unit.aside_px = 1e-3 * number, 0.0
-        flags.append(Flag.MOVED in read(reader, unit.dots()).flags)
+        flags.append(Flag.CAMERA_MOVED in read(reader, unit.dots()).flags)
     assert not any(flags[:100])
     assert flags[-1]
     assert reader.rest.rms_px <= 0.2
@@ -164,7 +164,7 @@ def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
     for _ in range(60):
         dots, found = unit.dots(), unit.rng.random(len(LAYOUT)) > 0.1
         dots[~found] += 5.0
-        reader.read(Sighting(dots, found, np.arange(len(dots)), False))
+        reader.read(TrackedMarkers(dots, found, np.arange(len(dots)), False))
     assert reader.rest.rms_px < 0.03
 
 
@@ -173,11 +173,13 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
     unit = Drawn(twin, moved(distance=30.0), FEW, rng=np.random.default_rng(seed))
     watchful = unit.open(images=1)
     still = Following(
-        TwinReader(
+        TwinEstimator(
             twin,
             Unit(DOME, FEW, nominal=unit.camera),
-            Naming(np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0),
-            RigSpec(noise_px=NOISE, follow_px=0.0),
+            MarkerAssignment(
+                np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0
+            ),
+            SensorSpec(noise_px=NOISE, follow_px=0.0),
         )
     )
     for touch in range(16):
@@ -186,6 +188,6 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
             pose = np.array([11.0 * np.cos(azimuth), 11.0 * np.sin(azimuth), depth])
             dots = unit.dots(pose if depth else None)
             seen, control = read(watchful, dots), read(still, dots)
-            assert Flag.MOVED not in (*seen.flags, *control.flags)
+            assert Flag.CAMERA_MOVED not in (*seen.flags, *control.flags)
             if depth:
                 assert np.abs(seen.pose[:2] - control.pose[:2]).max() < 0.02

@@ -6,7 +6,7 @@ import pytest
 from errors import refused
 from palpate.core import generator
 from palpate.learn import measure_errors
-from palpate.sensor import find_zero, score_readings
+from palpate.sensor import find_depth_zero, score_readings
 
 
 def readings(presses=12, images=8, shared=0.3, own=0.1):
@@ -61,8 +61,8 @@ def test_the_zero_is_found_whatever_the_robot_believes():
     estimated = depth + 0.02 * generator(0, "zero").normal(size=len(depth))
     estimated[:3] += 0.8  # below the trained range a model may say anything
     estimated[7] = np.nan
-    zero = find_zero(estimated, depth + 1.0)
+    zero = find_depth_zero(estimated, depth + 1.0)
     assert zero.offset == pytest.approx(1.0, abs=0.02)
     assert zero.spread < 0.03
     with refused("depth-zero-unknown"):
-        find_zero(estimated[:4], depth[:4])
+        find_depth_zero(estimated[:4], depth[:4])

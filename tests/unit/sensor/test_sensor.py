@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import PalpateError, generator
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH, DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import TILT_SPACE, DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
-from palpate.markers import DetectSpec, build_pattern, name_markers
+from palpate.markers import DetectSpec, assign_markers, build_pattern
 from palpate.sensor import (
     Flag,
-    RigSpec,
+    SensorSpec,
     Unit,
     describe_reading,
     open_sensor,
@@ -23,7 +23,7 @@ from palpate.sensor import (
     run_sensor,
     write_readings,
 )
-from palpate.sensor.sensor import read_rest
+from palpate.sensor.sensor import analyse_rest
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))
@@ -47,7 +47,9 @@ def photograph(pose, camera_spec=None, seed=0, **spoiled):
     points = pressed(np.vstack([LAYOUT.positions, MARK]), pose)
     normals = (np.vstack([LAYOUT.positions, MARK]) - [0, 0, DOME.center_z]) / DOME.radius
     return render(
-        build_camera(camera_spec), dot_edges(points, normals, LAYOUT.diameter), RenderSpec(seed=seed, **spoiled)
+        build_camera(camera_spec),
+        flat_marker_outlines(points, normals, LAYOUT.diameter),
+        RenderSpec(seed=seed, **spoiled),
     )
 
 
@@ -152,7 +154,7 @@ def test_register_dome_shows_a_misprinted_dot():
     camera = build_camera(MOVED)
     pixels = camera.project(np.vstack([LAYOUT.positions, MARK]))
     pixels[40] += [1.5, -1.0]
-    naming = name_markers(pixels, build_pattern(LAYOUT.positions, build_camera().project, MARK))
+    naming = assign_markers(pixels, build_pattern(LAYOUT.positions, build_camera().project, MARK))
     errors = np.linalg.norm(register_dome(naming, LAYOUT, DOME).reprojection_residual_px, axis=1)
     assert errors.argmax() == 40
     assert errors[40] == pytest.approx(1.8, abs=0.2)
@@ -168,7 +170,7 @@ def test_the_lens_is_refined_as_far_as_an_image_at_rest_knows_it(printed, known)
     points = np.vstack([layout.positions, place_orientation_mark(DOME, layout)])
     projected = build_camera(MOVED.model_copy(update=lens)).project
     pixels = projected(points + printed * np.pad(rng.uniform(-1, 1, (170, 2)), ((0, 0), (0, 1))))
-    naming = name_markers(
+    naming = assign_markers(
         pixels + rng.normal(0, 0.05, (170, 2)),
         build_pattern(layout.positions, build_camera().project, place_orientation_mark(DOME, layout)),
     )
@@ -189,7 +191,7 @@ def test_a_lens_that_the_image_cannot_tell_stays_as_calibrated():
     layout = place_markers(DOME, MarkerSpec(count=7))
     mark = place_orientation_mark(DOME, layout)
     pixels = build_camera().project(np.vstack([layout.positions, mark])) + generator(1, "few").normal(0, 0.3, (8, 2))
-    naming = name_markers(pixels, build_pattern(layout.positions, build_camera().project, mark))
+    naming = assign_markers(pixels, build_pattern(layout.positions, build_camera().project, mark))
     found = register_dome(naming, layout, DOME, refine_lens=True).camera.spec
     assert found.fx_px == pytest.approx(CameraSpec().fx_px, rel=0.02)
     assert found.cx_px == pytest.approx(CameraSpec().cx_px, abs=5.0)
@@ -228,10 +230,10 @@ def test_without_images_or_dots_there_is_no_sensor(predictor):
 def test_a_hidden_mark_is_not_guessed(predictor):
     points = LAYOUT.positions
     normals = (points - [0, 0, DOME.center_z]) / DOME.radius
-    image = render(build_camera(), dot_edges(points, normals, LAYOUT.diameter))
+    image = render(build_camera(), flat_marker_outlines(points, normals, LAYOUT.diameter))
     with refused("orientation-mark-unseen", "12"):
         open_sensor([image], Unit(DOME, LAYOUT), predictor)
-    assert open_sensor([image], Unit(DOME, LAYOUT, marked=False), predictor).naming.ambiguous
+    assert open_sensor([image], Unit(DOME, LAYOUT, has_orientation_mark=False), predictor).assignment.ambiguous
 
 
 def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
@@ -258,21 +260,21 @@ def test_several_rest_images_are_averaged(predictor):
     images = [photograph((0, 0, 0), seed=k, noise=6.0, blur_px=0.7) for k in range(8)]
     true = build_camera().project(LAYOUT.positions)
     alone = open_sensor(images[:1], Unit(DOME, LAYOUT), predictor)
-    together = open_sensor(images, Unit(DOME, LAYOUT), predictor, RigSpec(), DetectSpec(polarity="dark"))
-    error = [np.std(sensor.naming.positions_px - true) for sensor in (alone, together)]
+    together = open_sensor(images, Unit(DOME, LAYOUT), predictor, SensorSpec(), DetectSpec(polarity="dark"))
+    error = [np.std(sensor.assignment.positions_px - true) for sensor in (alone, together)]
     assert error[1] < error[0]
 
 
 def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
     class Outside:
-        markers, level, space = 91, 0.9, TILT_DEPTH
+        markers, level, space = 91, 0.9, TILT_SPACE
 
         def predict(self, images_px):
             return Prediction(np.zeros((1, 3)), np.ones((1, 3)), np.ones(1, bool))
 
     sensor = open_sensor([photograph((0, 0, 0))], Unit(DOME, LAYOUT), Outside())
     assert sensor.read(photograph((0, 0, 0))).flags == ()
-    assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUTSIDE,)
+    assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUT_OF_DISTRIBUTION,)
     assert predictor.level is None
 
 
@@ -303,11 +305,14 @@ def test_dots_before_a_bright_toothed_rim_are_named(count, teeth):
     printed = np.vstack([layout.positions, place_orientation_mark(DOME, layout)])
     normals, camera = DOME.normal(printed), build_camera()
     truth, middle = camera.project(printed), (camera.spec.cx_px, camera.spec.cy_px)
-    edges, outermost = dot_edges(printed, normals, layout.diameter), np.linalg.norm(truth - middle, axis=1).max()
+    edges, outermost = (
+        flat_marker_outlines(printed, normals, layout.diameter),
+        np.linalg.norm(truth - middle, axis=1).max(),
+    )
     for seed in range(4):
         image = render(camera, edges, RenderSpec(seed=seed, noise=2.0, blur_px=0.8, vignetting=0.3))
         image = toothed_rim(image, middle, outermost + 6.0 + 2.0 * seed, 4.0 + 3.0 * seed, 90.0, teeth, seed)
-        naming = read_rest([image], Unit(DOME, layout, nominal=CameraSpec())).naming
+        naming = analyse_rest([image], Unit(DOME, layout, nominal=CameraSpec())).naming
         assert naming.found.all()
         assert not naming.ambiguous
         assert np.linalg.norm(naming.positions_px - truth[:-1], axis=1).max() < 0.5

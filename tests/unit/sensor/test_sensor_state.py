@@ -10,13 +10,13 @@ from palpate.built import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import Flag, RigSpec, Sensor, Unit
+from palpate.sensor import Flag, Sensor, SensorSpec, Unit
 from palpate.sensor.creep_filter import FRAME_S
-from palpate.sensor.reader import Estimate, ReaderState, TwinReader
+from palpate.sensor.reader import PoseEstimate, ReaderState, TwinEstimator
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
@@ -26,7 +26,7 @@ NOISE = 0.02
 
 
 def press(tilt_deg: float) -> Press:
-    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, image_step=0.6)
+    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, depth_step=0.6)
     mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
 
@@ -48,42 +48,42 @@ class Dots:
 
 def images(twin: Twin) -> list[np.ndarray]:
     """A camera that drifts for a while, then a touch that goes down and comes back."""
-    rng, moved = np.random.default_rng(3), twin.print_dots(LAYOUT.positions)
+    rng, moved = np.random.default_rng(3), twin.with_markers(LAYOUT.positions)
     depths = [0.0] * 40 + [1.0, 1.9, 2.8, 3.7, 2.8, 1.0] + [0.0] * 5
-    points = [moved.move(np.array([3.0, -2.0, z]), 0.0).positions if z else LAYOUT.positions for z in depths]
+    points = [moved.evaluate(np.array([3.0, -2.0, z]), 0.0).positions if z else LAYOUT.positions for z in depths]
     shown = [CAMERA.project(each) + np.array([0.002 * min(k, 40), 0.0]) for k, each in enumerate(points)]
     return [each + NOISE * rng.normal(size=each.shape) for each in shown]
 
 
 def opened(twin: Twin, misfit: float) -> Sensor:
     rest = CAMERA.project(LAYOUT.positions)
-    naming = Naming(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+    naming = MarkerAssignment(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
     unit = Unit(DOME, LAYOUT, nominal=CameraSpec())
-    spec = RigSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
-    return Sensor(unit, TwinReader(twin, unit, naming, spec), spec, Dots(rest), naming, None)
+    spec = SensorSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
+    return Sensor(unit, TwinEstimator(twin, unit, naming, spec), spec, Dots(rest), naming, None)
 
 
 def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every image counts as a misfit; the second reading has other dots, and is made to fit worse."""
     offered, control = opened(twin, 1e-6), opened(twin, 1e-6)
-    foresee, read, tried = TwinReader.foresee, TwinReader.read, []
+    foresee, read, tried = TwinEstimator.predict_markers, TwinEstimator.estimate, []
 
-    def without_some(reader: TwinReader, estimate: Estimate) -> np.ndarray | None:
-        if reader is control.reader:
+    def without_some(reader: TwinEstimator, estimate: PoseEstimate) -> np.ndarray | None:
+        if reader is control.estimator:
             return None
         foreseen = foresee(reader, estimate)
         foreseen[np.nansum((foreseen - seen) ** 2, axis=1).argsort()[:5]] += 1000.0
         tried.append(foreseen)
         return foreseen
 
-    def worse(*given: object, **words: object) -> tuple[Estimate, ReaderState]:
+    def worse(*given: object, **words: object) -> tuple[PoseEstimate, ReaderState]:
         estimate, state = read(*given, **words)
         if len(given) > 3:
             estimate = estimate._replace(fit=replace(estimate.fit, misfit=np.inf))
         return estimate, state
 
-    monkeypatch.setattr(TwinReader, "foresee", without_some)
-    monkeypatch.setattr(TwinReader, "read", worse)
+    monkeypatch.setattr(TwinEstimator, "predict_markers", without_some)
+    monkeypatch.setattr(TwinEstimator, "estimate", worse)
     for seen in images(twin):
         first, second = offered.read(seen), control.read(seen)
         assert first.pose == second.pose
@@ -136,10 +136,10 @@ def test_a_clock_tells_how_fast_the_camera_drifts(twin: Twin) -> None:
 
 def test_a_second_fit_of_one_image_keeps_the_motion_of_the_touch(twin: Twin) -> None:
     """Drift is taken out again where the touch has moved far: the wall still goes on from image to image."""
-    reader = opened(twin, 5.0).reader
+    reader = opened(twin, 5.0).estimator
     state = reader.begin()
     for dots in images(twin)[:44]:
         everything = np.ones(len(dots), bool)
-        _, state = reader.read(Sighting(dots, everything, np.arange(len(dots)), False), state)
+        _, state = reader.estimate(TrackedMarkers(dots, everything, np.arange(len(dots)), False), state)
     assert state.rest.motion.rms_px > 0.03
     assert state.fit.flat.motion[2] == pytest.approx(0.9, abs=0.05)

@@ -20,9 +20,9 @@ from palpate.simulator import (
     AssetSpec,
     SensorAsset,
     build_asset,
+    compute_mass_properties,
     export_asset,
     skin_surface,
-    weigh,
 )
 from presses import solve_press
 
@@ -34,7 +34,7 @@ LEANING = CameraSpec(offset_x=1.0, offset_y=-2.0, tilt_x_deg=4.0, tilt_y_deg=-3.
 
 
 def straight(tilt_deg: float = 0.0, depth: float = 4.0, **wall: float) -> Press:
-    spec = WallSpec(tilt_deg=tilt_deg, depth=depth, image_step=0.5, **wall)
+    spec = WallSpec(tilt_deg=tilt_deg, depth=depth, depth_step=0.5, **wall)
     return solve_press(mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=8)), ECOFLEX, spec)
 
 
@@ -71,7 +71,7 @@ def hemispherical_shell() -> tuple[float, float, np.ndarray]:
 
 def test_a_hemispherical_shell_weighs_what_its_closed_form_says() -> None:
     mass, centre, moments = hemispherical_shell()
-    body = weigh(build_skin(DomeSpec()), DENSITY)
+    body = compute_mass_properties(build_skin(DomeSpec()), DENSITY)
     assert body.mass_kg == pytest.approx(mass, rel=1e-6)
     assert body.centre_mm == pytest.approx([0.0, 0.0, 1e3 * centre], abs=1e-5)
     assert body.inertia == pytest.approx(np.diag(moments), rel=1e-6)
@@ -84,7 +84,7 @@ def test_the_surface_encloses_what_the_mesh_weighs(spec: DomeSpec | EllipsoidSpe
     skin = build_skin(spec)
     surface = skin_surface(skin)
     assert surface.is_watertight
-    assert surface.volume * 1e-9 * DENSITY == pytest.approx(weigh(skin, DENSITY).mass_kg, rel=2e-3)
+    assert surface.volume * 1e-9 * DENSITY == pytest.approx(compute_mass_properties(skin, DENSITY).mass_kg, rel=2e-3)
     far = np.abs(skin.distance(surface.points) - np.repeat([skin.thickness, 0.0], len(surface.points) // 2))
     assert far.max() < 1e-6
 
@@ -255,7 +255,7 @@ def test_a_folder_that_is_there_is_left_alone(asset: SensorAsset, tmp_path: Path
 def test_a_gel_inside_is_weighed_too() -> None:
     """Half a ball and its wall, by the volumes of balls."""
     skin = DomeSpec(height=20, thickness=1).build()
-    both = weigh(skin, 1000.0, filled=True)
+    both = compute_mass_properties(skin, 1000.0, filled=True)
     assert both.mass_kg == pytest.approx(1e-6 * 2 / 3 * np.pi * 21.0**3, rel=1e-5)
     assert both.centre_mm[2] == pytest.approx(3 / 8 * 21.0, rel=1e-5)
-    assert weigh(skin, 1000.0).mass_kg < 0.2 * both.mass_kg
+    assert compute_mass_properties(skin, 1000.0).mass_kg < 0.2 * both.mass_kg

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.study import Observer, Silence
-from palpate.study.schedule import do_tasks
-from palpate.study.task import Task, find_made
+from palpate.study import NullObserver, Observer
+from palpate.study.schedule import run_task_graph
+from palpate.study.task import Task, find_artefact
 from palpate.study.worker import TaskOutcome
 from palpate.study.worker_pool import LocalWorkers
 
@@ -37,7 +37,7 @@ class Sum(Task):
         return Recipe(kind="sum", spec=[self.label, self.number], inputs=inputs)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return self.after
 
     @property
@@ -48,7 +48,7 @@ class Sum(Task):
         log(store, self.label)
         time.sleep(self.lasts)
         self._fail(store)
-        total = self.number + sum(float(find_made(store, task).read_text()) for task in self.after)
+        total = self.number + sum(float(find_artefact(store, task).read_text()) for task in self.after)
         store.write(self.recipe, lambda path: write_text(path, str(total)))
 
     def _fail(self, store: ArtefactStore) -> None:
@@ -84,7 +84,7 @@ def write_text(path: Path, text: str) -> None:
 
 def read(store: ArtefactStore, task: Task) -> float:
     """The number in a finished artefact."""
-    return float(find_made(store, task).read_text())
+    return float(find_artefact(store, task).read_text())
 
 
 def do(
@@ -97,4 +97,4 @@ def do(
 ) -> dict[str, TaskOutcome]:
     """Do tasks on processes of this machine."""
     with LocalWorkers(store, workers) as crew:
-        return do_tasks(tasks, made, crew, observer or Silence(), limit_s)
+        return run_task_graph(tasks, made, crew, observer or NullObserver(), limit_s)

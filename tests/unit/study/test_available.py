@@ -36,4 +36,4 @@ def test_no_more_workers_than_fit_into_cores_and_memory(
 ) -> None:
     monkeypatch.setattr(available, "available_cores", lambda: 8)
     monkeypatch.setattr(available, "available_memory", lambda: memory)
-    assert available.fitting_workers() == workers
+    assert available.default_workers() == workers

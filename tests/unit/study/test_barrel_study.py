@@ -18,7 +18,7 @@ BARREL = {
         "base_radius": 32.804,
         "markers": [{"rows": 4, "around": 8, "pitch": 30}],
     },
-    "side_wall": {"depth": 3, "image_step": 0.5, "contact": 0.6},
+    "side_wall": {"depth": 3, "depth_step": 0.5, "contact": 0.6},
     "tilts_deg": [88, 92],
 }
 
@@ -26,8 +26,8 @@ BARREL = {
 def test_the_preset_presses_its_side_at_every_tilt_and_looks_for_no_other_state() -> None:
     plan = plan_study(read_study("barrel"))
     presses = [task for task in plan.tasks() if isinstance(task, PressTask)]
-    assert [press.wall.radial for press in presses] == list(read_study("barrel").tilts_deg)
-    assert all(press.wall.sideways and press.wall.friction == 0.6 for press in presses)
+    assert [press.obstacle.radial for press in presses] == list(read_study("barrel").tilts_deg)
+    assert all(press.obstacle.sideways and press.obstacle.friction == 0.6 for press in presses)
     assert [task.recipe.kind for task in plan.tasks()].count("press") == len(presses)
     assert plan.designs[0].dataset.markers.count == 256
     assert presses[0].name == "press barrel 50 H260 B32.804 T3.361 tilt 85° friction 0.6"
@@ -46,9 +46,9 @@ def test_a_study_without_a_wall_at_the_side_is_written_as_before() -> None:
 
 def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
     varied = {**BARREL, "dataset": {"randomise": {"frictions": [0.3]}}}
-    groups = plan_study(Study.model_validate(varied)).designs[0].dataset.relatives
-    assert [press.wall.friction for group in groups for press in group] == [0.3, 0.3]
-    assert all(press.wall.sideways for group in groups for press in group)
+    groups = plan_study(Study.model_validate(varied)).designs[0].dataset.perturbed_presses
+    assert [press.obstacle.friction for group in groups for press in group] == [0.3, 0.3]
+    assert all(press.obstacle.sideways for group in groups for press in group)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from palpate.core import ArtefactStore
-from palpate.grid import evaluate_grid, first_metric
+from palpate.grid import default_metric, evaluate_grid
 from palpate.study import Study, run_twins
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
@@ -17,7 +17,7 @@ STUDY = Study.model_validate(
         "designs": {"markers": [7, 37]},
         "mesh": {"cells": 8},
         "wall": {"contact": "frictionless", "depth": 3.2},
-        "built": {"known": 3, "tolerance": {"thickness": 0.1}},
+        "built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}},
     }
 )
 
@@ -31,17 +31,17 @@ def test_built_units_are_foreseen_without_training(folder: Path) -> None:
     few, many = run_twins(STUDY, folder, workers=1)
     assert few.problem == many.problem == ""
     assert few.twin == many.twin
-    assert [figure.known for figure in many.figures] == [0, 3]
-    assert many.figures[1].rmse_deg < many.figures[0].rmse_deg < few.figures[0].rmse_deg
-    assert many.figures[0].rmse_deg < many.figures[0].worst_deg < 2.0
+    assert [figure.calibration_presses for figure in many.accuracies] == [0, 3]
+    assert many.accuracies[1].rmse_deg < many.accuracies[0].rmse_deg < few.accuracies[0].rmse_deg
+    assert many.accuracies[0].rmse_deg < many.accuracies[0].p95_deg < 2.0
 
 
 def test_they_are_the_first_columns_and_the_first_picture_of_the_grid(folder: Path) -> None:
     found = run_twins(STUDY, folder, workers=1)
     grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
-    assert [row["built_rmse_deg"] for row in grid.designs] == [design.figures[0].rmse_deg for design in found]
-    assert grid.columns.index("known_worst_deg") < grid.columns.index("rmse_deg")
-    assert first_metric(grid) == "built_rmse_deg"
+    assert [row["built_rmse_deg"] for row in grid.designs] == [design.accuracies[0].rmse_deg for design in found]
+    assert grid.columns.index("calibrated_p95_deg") < grid.columns.index("rmse_deg")
+    assert default_metric(grid) == "built_rmse_deg"
 
 
 def test_a_study_that_does_not_ask_has_no_such_columns() -> None:
@@ -58,4 +58,4 @@ def test_other_tolerances_are_other_figures_of_the_same_twin() -> None:
 
 def _wider():
     assert STUDY.built is not None
-    return STUDY.built.model_copy(update={"tolerance": STUDY.built.tolerance.model_copy(update={"pad": 0.5})})
+    return STUDY.built.model_copy(update={"tolerance": STUDY.built.tolerance.model_copy(update={"print_shift": 0.5})})

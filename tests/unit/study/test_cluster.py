@@ -13,9 +13,9 @@ from small_task import Sum, do, read, starts
 from errors import check_values, refused
 from needs import needs
 from palpate.core import ArtefactStore
-from palpate.study import Silence, check_place
+from palpate.study import NullObserver, check_cluster_address
 from palpate.study.cluster import ClusterWorkers
-from palpate.study.schedule import do_tasks
+from palpate.study.schedule import run_task_graph
 
 
 @pytest.fixture
@@ -34,12 +34,12 @@ def tree(lasts: float) -> list[Sum]:
 )
 def test_check_place_refuses_what_is_no_cluster(where: str) -> None:
     with refused("cluster-malformed", "local:N"):
-        check_place(where)
+        check_cluster_address(where)
 
 
 @pytest.mark.parametrize("where", ["local:1", "local:1024", "tcp://10.0.0.1:8786", "tls://head.example:8786"])
 def test_check_place_lets_the_two_forms_pass(where: str) -> None:
-    check_place(where)
+    check_cluster_address(where)
 
 
 def test_without_the_library_it_is_said_what_to_install(
@@ -58,7 +58,7 @@ def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, 
         assert crew.size == 2
         killer = threading.Thread(target=_kill_one, args=(crew, store))
         killer.start()
-        outcomes = do_tasks([*tasks, bad], [], crew, Silence())
+        outcomes = run_task_graph([*tasks, bad], [], crew, NullObserver())
         killer.join()
     assert [outcomes[task.recipe.key].reason for task in tasks] == [""] * 9
     assert outcomes[bad.recipe.key].reason == "KeyError: 'tilt'"
@@ -85,7 +85,7 @@ def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
     needs("distributed")
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
     with ClusterWorkers(store, "local:1") as crew:
-        outcomes = do_tasks([hung, good], [], crew, Silence(), limit_s=20.0)
+        outcomes = run_task_graph([hung, good], [], crew, NullObserver(), limit_s=20.0)
     check_values(outcomes[hung.recipe.key].reason, "20 s")
     assert "hang_here" in outcomes[hung.recipe.key].trace
     assert outcomes[good.recipe.key].reason == ""

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from palpate.camera import Calibration, read_calibration, write_calibration
 from palpate.camera.lens import make_lens
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.core.store import find_fault
+from palpate.core.store import find_corruption
 from palpate.dataset import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
 from palpate.design import DomeSpec, build_skin, read_points
 from palpate.fea import read_press
-from palpate.learn import calibrate, fit_ridge, open_predictor, read_estimator, write_estimator
-from palpate.material import get_material, read_bench, read_material, write_material
+from palpate.learn import calibrate_interval, fit_ridge, open_predictor, read_estimator, write_estimator
+from palpate.material import get_material, read_material, read_test_file, write_material
 from palpate.study import read_study
 
 SOURCE = Path(__file__).parents[3] / "src" / "palpate"
@@ -103,8 +103,8 @@ def test_material_tables(tmp_path: Path, changes: list[tuple[int, int, bytes]]) 
     rows = "".join(f"{0.1 * i:.2f},{0.02 * i:.4f}\n" for i in range(20))
     good = f"Strain (mm/mm),Stress (MPa)\n{rows}".encode()
     (tmp_path / "tension.csv").write_bytes(good)
-    assert read_bench(tmp_path / "tension.csv")
-    take_or_refuse(read_bench, tmp_path / "tension.csv", damage(good, changes))
+    assert read_test_file(tmp_path / "tension.csv")
+    take_or_refuse(read_test_file, tmp_path / "tension.csv", damage(good, changes))
 
 
 @given(changes=CHANGES)
@@ -123,7 +123,7 @@ def test_manifests(tmp_path: Path, changes: list[tuple[int, int, bytes]]) -> Non
     path = ArtefactStore(tmp_path).write(recipe, lambda path: path.write_text("force") and None)
     manifest = path.with_suffix(".manifest.json")
     manifest.write_bytes(damage(manifest.read_bytes(), changes))
-    assert isinstance(find_fault(path), str)
+    assert isinstance(find_corruption(path), str)
 
 
 @given(changes=CHANGES)
@@ -146,7 +146,7 @@ def test_presses(tmp_path: Path, changes: list[tuple[int, int, bytes]]) -> None:
 @pytest.fixture(scope="module")
 def model(dataset: Dataset, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("model") / "good.onnx"
-    write_estimator(path, calibrate(fit_ridge(dataset), dataset))
+    write_estimator(path, calibrate_interval(fit_ridge(dataset), dataset))
     return path.read_bytes()
 
 

@@ -15,9 +15,9 @@ from small_task import Sum, do, read, starts
 
 from errors import check_values
 from palpate.core import ArtefactStore, Recipe
-from palpate.study import Silence
-from palpate.study.schedule import do_tasks
-from palpate.study.worker import TaskEnd, TaskOutcome, perform
+from palpate.study import NullObserver
+from palpate.study.schedule import run_task_graph
+from palpate.study.worker import TaskOutcome, TaskStatus, run_task
 from palpate.study.worker_pool import WORKER_DIED, LocalWorkers
 
 
@@ -56,9 +56,11 @@ def test_a_hung_task_is_stopped_with_the_place_where_it_stood(store: ArtefactSto
     hung = Sum("hung", 1.0, fault="hung", seconds=9)
     good = [Sum(f"good {i}", 1.0) for i in range(2)]
     with LocalWorkers(store, 2) as crew:
-        do_tasks([Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], crew, Silence())  # both are awake now
+        run_task_graph(
+            [Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], crew, NullObserver()
+        )  # both are awake now
         started = time.monotonic()
-        outcomes = do_tasks([hung, *good], [], crew, Silence(), limit_s=4.0)
+        outcomes = run_task_graph([hung, *good], [], crew, NullObserver(), limit_s=4.0)
         assert time.monotonic() - started < 10
     late, *others = reasons(outcomes, hung, *good)
     check_values(late, "4 s")
@@ -112,7 +114,7 @@ def test_two_runs_at_once_make_nothing_twice(store: ArtefactStore) -> None:
     assert [starts(store, task.label) for task in [*tasks, last]] == [1] * 7
     assert all(reasons(outcomes, *tasks, last) == [""] * 7 for outcomes in both)
     made = [how.ended for outcomes in both for how in outcomes.values()]
-    assert (made.count(TaskEnd.MADE), made.count(TaskEnd.FOUND)) == (7, 7)
+    assert (made.count(TaskStatus.MADE), made.count(TaskStatus.FOUND)) == (7, 7)
     assert read(store, last) == 115.0
     assert not list(store.root.rglob("*.lock"))
 
@@ -121,7 +123,7 @@ def test_the_lease_of_a_killed_process_is_free_again(store: ArtefactStore) -> No
     task = Sum("killed", 1.0, fault="killed", seconds=9)
     do([task], [], store, 1)
     assert list(store.root.rglob("*.lock")), "a killed process cannot clear its lock away"
-    assert perform(Sum("killed", 1.0), store).ended is TaskEnd.MADE
+    assert run_task(Sum("killed", 1.0), store).ended is TaskStatus.MADE
     assert not list(store.root.rglob("*.lock"))
 
 
@@ -208,7 +210,7 @@ def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) ->
 def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
     started = time.monotonic()
     with LocalWorkers(store, 1) as crew:
-        crew.give(Sum("hung", 1.0, fault="hung"))
+        crew.submit(Sum("hung", 1.0, fault="hung"))
         while not (store.root / "starts.log").exists():
             crew.wait(0.1)
             assert time.monotonic() - started < 60
@@ -218,17 +220,21 @@ def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
 
 def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: ArtefactStore) -> None:
     with LocalWorkers(store, 1) as crew:
-        do_tasks([Sum("first", 1.0)], [], crew, Silence())
+        run_task_graph([Sum("first", 1.0)], [], crew, NullObserver())
         (worker,) = multiprocessing.active_children()
         worker.kill()
         worker.join()
         second = Sum("second", 2.0)
-        assert reasons(do_tasks([second], [], crew, Silence()), second) == [""]
+        assert reasons(run_task_graph([second], [], crew, NullObserver()), second) == [""]
 
 
 def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i)) for i in range(3)]
     do(tasks[:2], [], store, 1)
     with LocalWorkers(store, 1) as crew:
-        outcomes = do_tasks(tasks, [], crew, Silence())
-    assert [outcomes[task.recipe.key].ended for task in tasks] == [TaskEnd.FOUND, TaskEnd.FOUND, TaskEnd.MADE]
+        outcomes = run_task_graph(tasks, [], crew, NullObserver())
+    assert [outcomes[task.recipe.key].ended for task in tasks] == [
+        TaskStatus.FOUND,
+        TaskStatus.FOUND,
+        TaskStatus.MADE,
+    ]

@@ -7,12 +7,12 @@ import numpy as np
 from errors import refused
 from palpate.core import ArtefactStore
 from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
-from palpate.learn import DepthLimit, calibrate, fit_ridge, write_estimator
+from palpate.learn import ErrorBound, calibrate_interval, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs
 from palpate.study.plan import Plan, plan_study
-from palpate.study.task import LearningTask
-from palpate.study.worker import perform
+from palpate.study.task import EvaluationTask
+from palpate.study.worker import run_task
 
 
 def make_dataset(markers: int = 7, presses: int = 200) -> Dataset:
@@ -36,16 +36,16 @@ def make_dataset(markers: int = 7, presses: int = 200) -> Dataset:
     )
 
 
-def prepare(store: ArtefactStore, floor_deg: float) -> LearningTask:
+def prepare(store: ArtefactStore, floor_deg: float) -> EvaluationTask:
     """A learning task whose inputs lie in the store, judged against a floor of this height."""
     study = Study.model_validate({"name": "a", "tilts_deg": [0], "designs": {"markers": [7]}})
     (task,) = plan_study(study).designs
     dataset = make_dataset()
-    estimator = calibrate(fit_ridge(dataset), dataset)
-    limit = DepthLimit(4.0, 48, 1.0, 2 * floor_deg, 0.1, floor_deg, 0.001, floor_deg, 0.001)
+    estimator = calibrate_interval(fit_ridge(dataset), dataset)
+    limit = ErrorBound(4.0, 48, 1.0, 2 * floor_deg, 0.1, floor_deg, 0.001, floor_deg, 0.001)
     store.write(task.dataset.recipe, lambda path: write_dataset(path, dataset))
     store.write(task.estimator.recipe, lambda path: write_estimator(path, estimator), ".onnx")
-    store.write(task.limit.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
+    store.write(task.bound.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
     return task
 
 
@@ -60,7 +60,7 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
     (design,) = collect_designs(Plan((task,)), store, {}, seed=0)
     assert design.clean is not None
     assert design.clean.rmse_deg < 0.1
-    assert design.limits[0].floor_deg == 0.01
+    assert design.bounds[0].floor_deg == 0.01
     assert design.coverage is not None
     assert (design.coverage.level, design.coverage.presses) == (0.9, 50)
     assert 0.8 < design.coverage.angle < 1.0
@@ -80,7 +80,7 @@ def test_an_estimator_better_than_any_can_be_is_refused_as_leakage(tmp_path: Pat
 def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=3.0)
-    (design,) = collect_designs(Plan((task,)), store, {task.recipe.key: perform(task, store)}, seed=0)
+    (design,) = collect_designs(Plan((task,)), store, {task.recipe.key: run_task(task, store)}, seed=0)
     assert design.failure.startswith("Leakage")
     assert design.clean is design.jittered is None
-    assert design.limits[0].least_squares_deg == 6.0
+    assert design.bounds[0].least_squares_deg == 6.0

@@ -6,7 +6,7 @@ from errors import refused
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
-from palpate.study.study import BuiltSpec, MaterialSpec
+from palpate.study.study import AsBuiltSpec, MaterialSpec
 from palpate.study.task import PressTask
 from palpate.study.worker import TaskOutcome
 
@@ -31,7 +31,7 @@ def test_first_shares_its_presses_between_layouts() -> None:
 
 
 def test_limits_need_presses_and_nothing_else() -> None:
-    kinds = [task.recipe.kind for task in plan_study(read_study("first")).limit_tasks()]
+    kinds = [task.recipe.kind for task in plan_study(read_study("first")).bound_tasks()]
     assert {kind: kinds.count(kind) for kind in kinds} == {"press": 14, "limit": 8}
 
 
@@ -43,7 +43,7 @@ def test_paper_needs_84_presses_for_48_designs() -> None:
 def test_every_task_comes_after_those_it_needs() -> None:
     seen: set[str] = set()
     for task in plan_study(read_study("first")).tasks():
-        assert {need.recipe.key for need in task.needs} <= seen
+        assert {need.recipe.key for need in task.dependencies} <= seen
         seen.add(task.recipe.key)
 
 
@@ -114,9 +114,9 @@ def test_inverted_states_do_not_wait_for_the_trainings(preset: str) -> None:
     """One may take as long as five trainings: begun last, it would keep the whole study waiting."""
     study = Study.model_validate({"name": "a", "learning": {"preset": preset}})
     schedule, kinds = Schedule(plan_study(study).tasks(), []), []
-    while (task := schedule.take()) is not None:
+    while (task := schedule.next_task()) is not None:
         kinds.append(task.recipe.kind)
-        list(schedule.close(task, TaskOutcome("", "", 0.0)))
+        list(schedule.complete(task, TaskOutcome("", "", 0.0)))
     assert kinds.index("estimator") > max(at for at, kind in enumerate(kinds) if kind == "inverted")
 
 
@@ -137,7 +137,7 @@ def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_
     designs = {"skin": pad, "heights": [3.5], "thicknesses": [0.5], "base_radius": 10.4}
     study = Study.model_validate({"name": "a", "tilts_deg": [0, 2], "designs": designs})
     presses = plan_study(study).designs[0].dataset.presses
-    assert [(task.wall.tilt_deg, task.wall.azimuth_deg, task.mesh.whole) for task in presses] == [
+    assert [(task.obstacle.tilt_deg, task.obstacle.azimuth_deg, task.mesh.whole) for task in presses] == [
         (0.0, 0.0, False),
         (2.0, 0.0, False),
         (2.0, 30.0, True),
@@ -150,7 +150,7 @@ def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_
     with refused("forces-need-revolution"):
         plan_study(study.model_copy(update={"forces": True}))
     with refused("twin-needs-revolution"):
-        plan_study(study.model_copy(update={"built": BuiltSpec()}))
+        plan_study(study.model_copy(update={"built": AsBuiltSpec()}))
 
 
 def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None:

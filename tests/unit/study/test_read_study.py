@@ -69,7 +69,7 @@ def test_first_is_eight_designs_of_fourteen_presses() -> None:
     assert [(dome.height, dome.thickness) for dome in study.designs.skins()] == [(20, 2), (20, 3)]
     assert [layout.count for layout in study.designs.markers] == [7, 37, 91, 169]
     assert study.tilts_deg == (0, 2, 4, 6, 8, 10, 12)
-    assert (study.wall.contact, study.wall.depth, study.wall.image_step) == ("no-slip", 8, 0.8)
+    assert (study.wall.contact, study.wall.depth, study.wall.depth_step) == ("no-slip", 8, 0.8)
 
 
 def test_paper_is_its_whole_grid() -> None:

@@ -5,13 +5,13 @@ from small_task import Sum, do, read
 
 from errors import check_values
 from palpate.core import ArtefactStore
-from palpate.study import Silence
+from palpate.study import NullObserver
 from palpate.study.schedule import Schedule, time_limit
 from palpate.study.task import Task
 from palpate.study.worker import TaskOutcome
 
 
-class Diary(Silence):
+class Diary(NullObserver):
     """Keeps the order of starts."""
 
     def __init__(self) -> None:
@@ -82,9 +82,9 @@ def test_of_many_tasks_each_is_taken_once_and_the_longest_ways_first() -> None:
     tasks: list[Task] = [*openers, *(Sum(f"end {i}", 1.0, after=(openers[i % 1000],)) for i in range(3000))]
     schedule = Schedule(tasks, [])
     taken = []
-    while (task := schedule.take()) is not None:
+    while (task := schedule.next_task()) is not None:
         taken.append(task.name)
-        assert [how.reason for _, how in schedule.close(task, TaskOutcome("", "", 0.0))] == [""]
+        assert [how.reason for _, how in schedule.complete(task, TaskOutcome("", "", 0.0))] == [""]
     assert len(taken) == 4000
     assert taken[0] == "opener 999"
     assert taken[1:4] == ["opener 998", "opener 997", "opener 996"]

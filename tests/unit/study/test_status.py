@@ -25,17 +25,17 @@ def out(tmp_path: Path) -> Path:
 
 def test_find_status_counts_what_is_made_broken_and_left(out: Path) -> None:
     kinds = find_status(STUDY, out).kinds
-    assert (kinds["press"].made, kinds["press"].of, kinds["press"].quarantined) == (1, 2, 1)
-    assert (kinds["dataset"].made, kinds["dataset"].of) == (1, 2)
-    assert (kinds["learning"].made, kinds["learning"].of) == (0, 2)
-    assert kinds["press"].left_s == 5.0
-    assert kinds["estimator"].left_s == 80.0
+    assert (kinds["press"].made, kinds["press"].total, kinds["press"].quarantined) == (1, 2, 1)
+    assert (kinds["dataset"].made, kinds["dataset"].total) == (1, 2)
+    assert (kinds["learning"].made, kinds["learning"].total) == (0, 2)
+    assert kinds["press"].remaining_s == 5.0
+    assert kinds["estimator"].remaining_s == 80.0
     assert find_status(STUDY, out).failures == ()
 
 
 def test_find_status_names_what_is_at_work(out: Path) -> None:
     store = ArtefactStore(out / "store")
-    press = next(task for task in plan_study(STUDY).tasks() if not store.holds(task.recipe, task.suffix))
+    press = next(task for task in plan_study(STUDY).tasks() if not store.has(task.recipe, task.suffix))
     with store.lease(press.recipe):
         assert find_status(STUDY, out).kinds["press"].working == 1
     assert find_status(STUDY, out).kinds["press"].working == 0

@@ -10,14 +10,14 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.built import ToleranceSpec, learn_rest, model_unit
+from palpate.built import ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera
 from palpate.camera.lens import Lens
 from palpate.design import build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, BatchTwin, PrintedTwin, Twin
+from palpate.twin import TWIN_DERIVATIVES, BatchTwin, MarkerTwin, Twin
 from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
@@ -31,7 +31,7 @@ LEANING = {"tilt_x_deg": 3.0, "roll_deg": 12.0, "offset_x": 0.7}
 def twin() -> Twin:
     mesh, solver = mesh_skin(SKIN, MeshSpec(cells=4)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     walls = [
-        WallSpec(tilt_deg=tilt, depth=2.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=2.0, depth_step=0.5, contact=contact)
         for contact in ("no-slip", 1.5, 0.7, 0.4)
         for tilt in (0.0, 4.0, 8.0, 12.0)
     ]
@@ -39,8 +39,8 @@ def twin() -> Twin:
 
 
 @pytest.fixture(scope="module")
-def dots(twin: Twin) -> PrintedTwin:
-    return twin.print_dots(LAYOUT.positions)
+def dots(twin: Twin) -> MarkerTwin:
+    return twin.with_markers(LAYOUT.positions)
 
 
 def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -53,8 +53,8 @@ def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
     return poses, slips
 
 
-def one_by_one(dots: PrintedTwin, camera: Camera, poses: np.ndarray, slips: np.ndarray) -> np.ndarray:
-    return np.array([camera.project(dots.move(*each).positions) for each in zip(poses, slips, strict=True)])
+def one_by_one(dots: MarkerTwin, camera: Camera, poses: np.ndarray, slips: np.ndarray) -> np.ndarray:
+    return np.array([camera.project(dots.evaluate(*each).positions) for each in zip(poses, slips, strict=True)])
 
 
 @pytest.mark.parametrize(
@@ -66,23 +66,23 @@ def one_by_one(dots: PrintedTwin, camera: Camera, poses: np.ndarray, slips: np.n
         CameraSpec(window=WindowSpec(thickness=3.0), **LEANING),
     ],
 )
-def test_pixels_are_those_of_the_kernels(dots: PrintedTwin, spec: CameraSpec) -> None:
+def test_pixels_are_those_of_the_kernels(dots: MarkerTwin, spec: CameraSpec) -> None:
     camera, (poses, slips) = build_camera(spec), draw(300)
     found = BatchTwin(dots, camera).pixels(poses, slips).numpy()
     assert found == pytest.approx(one_by_one(dots, camera, poses, slips), abs=1e-9)
 
 
-def test_forces_and_positions_are_those_of_the_kernels(dots: PrintedTwin) -> None:
+def test_forces_and_positions_are_those_of_the_kernels(dots: MarkerTwin) -> None:
     poses, slips = draw(300)
     batch = BatchTwin(dots, build_camera())
-    moved = [dots.move(*each) for each in zip(poses, slips, strict=True)]
+    moved = [dots.evaluate(*each) for each in zip(poses, slips, strict=True)]
     assert batch.forces(poses, slips).numpy() == pytest.approx(np.array([each.force for each in moved]), abs=1e-12)
     assert batch.positions(poses, slips).numpy() == pytest.approx(
         np.array([each.positions for each in moved]), abs=1e-11
     )
 
 
-def test_pieces_join_without_a_seam(dots: PrintedTwin, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pieces_join_without_a_seam(dots: MarkerTwin, monkeypatch: pytest.MonkeyPatch) -> None:
     poses, slips = draw(25)
     batch = BatchTwin(dots, build_camera())
     whole = batch.pixels(poses, slips)
@@ -94,29 +94,29 @@ def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:
     """Dots where the rest image shows them, centres of their traces, and a thicker wall."""
     rest = build_camera(CameraSpec(offset_x=0.2, tilt_y_deg=0.4)).project(LAYOUT.positions)
     rest[5] = np.nan
-    belief = learn_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
+    belief = infer_from_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
     mean = belief.mean.copy()
     mean[-1] = 0.05
-    model = model_unit(twin, LAYOUT, replace(belief, mean=mean), ToleranceSpec())
+    model = build_unit_model(twin, LAYOUT, replace(belief, mean=mean), ToleranceSpec())
     poses, slips = draw(40)
     found = BatchTwin(model.outlines, model.camera, 6, 0.05).pixels(poses, slips).numpy()
-    looked = np.array([model.look(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
+    looked = np.array([model.predict(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
     assert np.flatnonzero(np.isnan(looked[0, :, 0])).tolist() == [5]
-    assert found[:, model.seen] == pytest.approx(looked[:, model.seen], abs=1e-9)
+    assert found[:, model.visible] == pytest.approx(looked[:, model.visible], abs=1e-9)
     plain = BatchTwin(model.outlines, model.camera, 6).pixels(poses, slips).numpy()
-    assert np.abs(plain - found)[:, model.seen].max() > 1e-3
+    assert np.abs(plain - found)[:, model.visible].max() > 1e-3
 
 
-def test_torch_differentiates_through_the_twin(dots: PrintedTwin) -> None:
+def test_torch_differentiates_through_the_twin(dots: MarkerTwin) -> None:
     pose, slip = torch.tensor([[3.0, -2.0, 1.7]], dtype=torch.float64), torch.tensor([0.8], dtype=torch.float64)
     batch = BatchTwin(dots, build_camera())
     by_pose, by_slip = torch.autograd.functional.jacobian(batch.positions, (pose, slip))
-    moved = dots.move(pose[0].numpy(), 0.8)
-    assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.by[..., :3], abs=1e-9)
-    assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.by[..., 3], abs=1e-9)
+    moved = dots.evaluate(pose[0].numpy(), 0.8)
+    assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.jacobian[..., :3], abs=1e-9)
+    assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.jacobian[..., 3], abs=1e-9)
 
 
-def test_torch_differentiates_through_the_window(dots: PrintedTwin) -> None:
+def test_torch_differentiates_through_the_window(dots: MarkerTwin) -> None:
     batch = BatchTwin(dots, build_camera(CameraSpec(window=WindowSpec(thickness=3.0), **LEANING)))
     pose, slip = torch.tensor([[3.0, -2.0, 1.7]], dtype=torch.float64), torch.tensor([0.8], dtype=torch.float64)
     by_depth = torch.autograd.functional.jacobian(lambda pose: batch.pixels(pose, slip), pose)[0, :, :, 0, 2]
@@ -125,7 +125,7 @@ def test_torch_differentiates_through_the_window(dots: PrintedTwin) -> None:
     assert by_depth.numpy() == pytest.approx(differences.numpy(), abs=1e-5)
 
 
-def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: PrintedTwin) -> None:
+def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: MarkerTwin) -> None:
     camera, (poses, slips) = build_camera(), draw(300)
     found = BatchTwin(dots, camera, dtype="float32").pixels(poses, slips)
     assert found.dtype == torch.float32
@@ -137,7 +137,7 @@ class Mirror(Lens):
     """A lens that no batch knows."""
 
     name: ClassVar[str] = "mirror"
-    limit = float("inf")
+    max_radius = float("inf")
 
     def distort(self, points: np.ndarray) -> np.ndarray:
         return -points
@@ -148,7 +148,7 @@ class Mirror(Lens):
         return self
 
 
-def test_a_lens_that_the_batch_does_not_know_is_refused(dots: PrintedTwin) -> None:
+def test_a_lens_that_the_batch_does_not_know_is_refused(dots: MarkerTwin) -> None:
     with refused("lens-not-in-batch", "mirror"):
         BatchTwin(dots, replace(build_camera(), lens=Mirror()))
 

@@ -13,12 +13,12 @@ from palpate.design import MarkerSpec, place_markers, rotation_vector
 from palpate.design.barrel import BarrelSpec
 from palpate.fea import Press, SolverSpec
 from palpate.fea.side_wall import SideWallSpec
-from palpate.learn import find_limits
+from palpate.learn import compute_error_bounds
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.study import read_study
 from palpate.twin import MarkerField, build_field, build_force_field, build_twin
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from presses import solve_press
 
 SKIN = BarrelSpec().build()
@@ -27,7 +27,7 @@ TILTS = (87.0, 88.5, 90.0, 91.5, 93.0)
 
 
 def press(tilt_deg: float, depth: float = 3.0) -> Press:
-    wall = SideWallSpec(tilt_deg=tilt_deg, depth=depth, image_step=1.0, contact="frictionless")
+    wall = SideWallSpec(tilt_deg=tilt_deg, depth=depth, depth_step=1.0, contact="frictionless")
     mesh = mesh_skin(SKIN, MeshSpec(cells=10, core=2))
     silicone = get_material("neo-hooke:0.02176").with_bulk_ratio(9.667)
     return solve_press(mesh, silicone, wall, SolverSpec(tolerance=1e-6))
@@ -51,7 +51,7 @@ def camera() -> Camera:
 def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azimuth(field: MarkerField) -> None:
     tilt, azimuth = 89.3, 40.0
     solved = press(tilt)
-    solved = replace(solved, wall=solved.wall.model_copy(update={"azimuth_deg": azimuth}))
+    solved = replace(solved, obstacle=solved.obstacle.model_copy(update={"azimuth_deg": azimuth}))
     rx, ry = rotation_vector(np.array([tilt]), np.radians(azimuth)).T
     for image in range(3):
         truth = solved.positions(LAYOUT.positions)[image + 1]
@@ -64,7 +64,7 @@ def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azim
 
 
 def test_fields_of_the_side_have_a_least_tilt_and_no_answer_below_it(field: MarkerField) -> None:
-    assert (field.least, field.offset) == (87.0, 93.0)
+    assert (field.min_tilt_deg, field.max_offset) == (87.0, 93.0)
     branch, reason = field.labels(np.array([86.0, 87.0, 90.2, 94.0]), 0)
     assert list(branch) == ["", "flat", "flat", ""]
     assert (reason[0], reason[3]) == ("below the solved tilts", "beyond the solved tilts")
@@ -85,7 +85,7 @@ def test_poses_of_a_dataset_fill_the_ring_of_tilts_evenly(presses: list[Press], 
 
 
 def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera) -> None:
-    limits = find_limits(field, camera, DatasetSpec(dropped_images=1, jitter_px=1.0))
+    limits = compute_error_bounds(field, camera, DatasetSpec(dropped_images=1, jitter_px=1.0))
     assert [limit.depth_mm for limit in limits] == [2.0, 3.0]
     assert all(limit.share == 1.0 and limit.poses > 30 for limit in limits)
     assert limits[1].least_squares_deg < limits[0].least_squares_deg < 10.0
@@ -93,11 +93,11 @@ def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera
 
 
 def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: list[Press]) -> None:
-    drawn = gather_presses(presses)
+    drawn = build_pressed_skin(presses)
     motion = drawn.at(90.75)
     assert motion.depths_mm.tolist() == pytest.approx([0.0, 1.0, 2.0, 3.0])
     assert motion.way == pytest.approx(motion.normal)
-    assert motion.touch @ motion.normal == pytest.approx(SKIN.touch(motion.normal) @ motion.normal)
+    assert motion.touch @ motion.normal == pytest.approx(SKIN.support_point(motion.normal) @ motion.normal)
     ahead = LAYOUT.positions[:, 0] >= 0
     surface = locate_inner(drawn.mesh, LAYOUT.positions[ahead]).interpolate(motion.displacement)
     seen = drawn.markers(LAYOUT, motion, 0.0)[:, ahead] - LAYOUT.positions[ahead]
@@ -113,7 +113,7 @@ def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: lis
 
 
 def test_the_press_drawn_at_one_end_is_the_mirror_image_of_that_at_the_other(presses: list[Press]) -> None:
-    drawn = gather_presses(presses)
+    drawn = build_pressed_skin(presses)
     one, other = drawn.at(88.0), drawn.at(92.0)
     _, across = cKDTree(drawn.nodes).query([0.0, 0.0, 260.0] + drawn.nodes * [1.0, 1.0, -1.0])
     assert other.displacement == pytest.approx(one.displacement[:, across] * [1.0, 1.0, -1.0], abs=2e-3)

@@ -9,8 +9,8 @@ import pytest
 
 from errors import refused
 from palpate.design import (
-    OFFSET_DEPTH,
-    TILT_DEPTH,
+    OFFSET_SPACE,
+    TILT_SPACE,
     MarkerSpec,
     Symmetry,
     place_markers,
@@ -19,7 +19,7 @@ from palpate.design import (
 )
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import WallSpec
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study.study import MaterialSpec
 from palpate.twin import MarkerField, build_field, build_force_field
@@ -35,7 +35,7 @@ STEP, DEPTH = 0.1, 1.0
 def moved_by(points: np.ndarray, tilt_deg: float, azimuth_deg: float, depth: float) -> np.ndarray:
     """Displacement (m, 3) of points under a wall: alike in both mirrors, and smooth in where the wall is."""
     normal = wall_normal(*rotation_vector(np.radians(tilt_deg), np.radians(azimuth_deg)))
-    wall = PAD.touch_height(normal[None])[0] - depth
+    wall = PAD.support_height(normal[None])[0] - depth
     x, y = points[:, 0] / 10, points[:, 1] / 10
     deep = PAD.outer_height - wall + 10 * (x * normal[0] + y * normal[1]) / normal[2]
     across = 0.1 * x * deep * (1 + y**2) + 0.3 * normal[0] * deep
@@ -49,7 +49,7 @@ class PadPress:
     azimuth_deg: float = 0.0
     reached: float = DEPTH
     symmetry: Symmetry = Symmetry.MIRRORED
-    ended: Ended = Ended.DEPTH_REACHED
+    ended: EndReason = EndReason.DEPTH_REACHED
     depth: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -59,7 +59,7 @@ class PadPress:
         skin = PAD if self.symmetry is Symmetry.MIRRORED else SimpleNamespace(name="odd", symmetry=self.symmetry)
         self.mesh = SimpleNamespace(skin=skin)
         self.wall = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=DEPTH, pose_space=TILT_DEPTH
+            radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=DEPTH, pose_space=TILT_SPACE
         )
 
     def moved(self, points: np.ndarray, by: str = "") -> np.ndarray:
@@ -128,7 +128,7 @@ def test_what_needs_one_press_for_all_azimuths_is_refused() -> None:
     with refused("forces-need-revolution"):
         build_force_field(pressed())
     ball = PadPress(0.0)
-    ball.wall.pose_space = OFFSET_DEPTH
+    ball.wall.pose_space = OFFSET_SPACE
     with refused("azimuths-need-flat-wall"):
         build_field([ball], LAYOUT)
 
@@ -139,13 +139,15 @@ def test_a_mirrored_press_is_the_press_of_the_mirrored_wall_and_half_a_press_the
 
     def press(azimuth: float, *, whole: bool = True) -> object:
         mesh = mesh_skin(PAD, MeshSpec(filled=True, cells=6, core=1, whole=whole))
-        return solve_press(mesh, material, WallSpec(tilt_deg=2, azimuth_deg=azimuth, depth=0.3, image_step=0.1))
+        return solve_press(mesh, material, WallSpec(tilt_deg=2, azimuth_deg=azimuth, depth=0.3, depth_step=0.1))
 
     here, there, points = press(30.0), press(150.0), LAYOUT.positions
-    mirrored = here.moved(points * [1, -1, 1]) * [1, -1, 1]
-    assert mirrored == pytest.approx(there.moved(points), abs=2e-4)
+    mirrored = here.displacement_at(points * [1, -1, 1]) * [1, -1, 1]
+    assert mirrored == pytest.approx(there.displacement_at(points), abs=2e-4)
     assert here.force * [1, -1, 1] == pytest.approx(there.force, abs=2e-3 * np.abs(here.force).max())
-    assert press(0.0, whole=False).moved(points) == pytest.approx(press(0.0).moved(points), abs=5e-4)
+    assert press(0.0, whole=False).displacement_at(points) == pytest.approx(
+        press(0.0).displacement_at(points), abs=5e-4
+    )
     with refused("mesh-whole-needed", "30"):
         press(30.0, whole=False)
     with refused("derivative-missing"):

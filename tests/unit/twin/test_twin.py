@@ -14,7 +14,7 @@ from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, Twin, measure_off, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, measure_interpolation_error, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
 from presses import build_twin, solve_press
 
@@ -29,7 +29,7 @@ FRICTIONS = ("no-slip", 1.2, 0.6, 0.3)
 
 def press(tilt: float, contact: str | float, thickness: float = 2.0, **wall: float) -> Press:
     skin = build_skin(SKIN.model_copy(update={"thickness": thickness}))
-    spec = WallSpec(tilt_deg=tilt, contact=contact, depth=3.2, image_step=0.4, **wall)
+    spec = WallSpec(tilt_deg=tilt, contact=contact, depth=3.2, depth_step=0.4, **wall)
     return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
@@ -58,15 +58,15 @@ def pixels_apart(found: np.ndarray, press: Press, image: int) -> float:
 def test_a_press_in_another_direction_and_friction_is_foreseen(twin: Twin) -> None:
     """Tilt, direction and friction between those that were pressed; four tilts and frictions instead of seven."""
     seen = press(6.0, 0.9, azimuth_deg=77.0)
-    dots = twin.print_dots(LAYOUT.positions)
+    dots = twin.with_markers(LAYOUT.positions)
     for image in (4, 8):
-        motion = dots.move(at(6.0, 77.0, float(seen.depth[image])), 1 / 0.9)
+        motion = dots.evaluate(at(6.0, 77.0, float(seen.depth[image])), 1 / 0.9)
         assert pixels_apart(motion.positions, seen, image) < 0.03
         assert motion.force == pytest.approx(seen.force[image], abs=0.02 * seen.force[image, 2])
 
 
 def test_without_depth_nothing_moves(twin: Twin) -> None:
-    motion = twin.print_dots(LAYOUT.positions).move(at(5.0, 30.0, 0.0), 0.5)
+    motion = twin.with_markers(LAYOUT.positions).evaluate(at(5.0, 30.0, 0.0), 0.5)
     assert motion.positions == pytest.approx(LAYOUT.positions, abs=2e-3)
     assert np.abs(motion.force).max() < 1e-3
 
@@ -76,20 +76,20 @@ def test_a_turned_wall_turns_everything(twin: Twin, azimuth_deg: float) -> None:
     """The dots of a print that is turned along move as those of the other, turned; so does the force."""
     angle = np.radians(azimuth_deg)
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-    here = twin.print_dots(LAYOUT.positions).move(at(7.0, 20.0, 2.0), 0.8)
-    there = twin.print_dots(LAYOUT.positions @ turn.T).move(at(7.0, 20.0 + azimuth_deg, 2.0), 0.8)
+    here = twin.with_markers(LAYOUT.positions).evaluate(at(7.0, 20.0, 2.0), 0.8)
+    there = twin.with_markers(LAYOUT.positions @ turn.T).evaluate(at(7.0, 20.0 + azimuth_deg, 2.0), 0.8)
     assert there.positions == pytest.approx(here.positions @ turn.T, abs=1e-9)
     assert there.force == pytest.approx(turn @ here.force, abs=1e-12)
 
 
 def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
-    dots, pose, step = twin.print_dots(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
+    dots, pose, step = twin.with_markers(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
     drift = np.array([0.2, -0.3, 0.8])
-    motion = dots.move(pose, 0.7, 0.02, drift, 3.0)
+    motion = dots.evaluate(pose, 0.7, 0.02, drift, 3.0)
     for k in range(9):
         changes = np.eye(9)[k] * step
         high, low = (
-            dots.move(
+            dots.evaluate(
                 pose + side * changes[:3],
                 0.7 + side * changes[3],
                 0.02 + side * changes[4],
@@ -98,17 +98,17 @@ def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
             )
             for side in (1, -1)
         )
-        assert motion.by[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
-        assert motion.force_by[:, k] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
+        assert motion.jacobian[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
+        assert motion.force_jacobian[:, k] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
 
 
 def test_a_wall_that_is_not_flat_is_foreseen(twin: Twin) -> None:
     """Against whole presses under a ball of radius 250 mm, and under a bowl of the same."""
-    dots, pose = twin.print_dots(LAYOUT.positions), at(6.0, 0.0, 3.2)
+    dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 0.0, 3.2)
     for bend in (4.0, -4.0):
-        wall = WallSpec(tilt_deg=6.0, contact=0.9, depth=3.2, image_step=1.6, bend=bend)
+        wall = WallSpec(tilt_deg=6.0, contact=0.9, depth=3.2, depth_step=1.6, curvature=bend)
         seen = solve_press(mesh_skin(build_skin(SKIN), MeshSpec(cells=9)), ECOFLEX, wall)
-        told, blind = (dots.move(pose, 1 / 0.9, bend=each) for each in (bend, 0.0))
+        told, blind = (dots.evaluate(pose, 1 / 0.9, curvature=each) for each in (bend, 0.0))
         assert pixels_apart(told.positions, seen, -1) < 0.03
         assert pixels_apart(blind.positions, seen, -1) > 0.1
 
@@ -120,20 +120,25 @@ def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
     """
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     places = LAYOUT.positions
-    first, second = (twin.print_dots(dots).move(at(0.0, 0.0, 2.0), 0.5) for dots in (places, places @ quarter.T))
-    assert second.force_by[:, 1] == pytest.approx(quarter @ first.force_by[:, 0], abs=1e-6)
-    here, there = first.by[..., 0], second.by[..., 1]
+    first, second = (
+        twin.with_markers(dots).evaluate(at(0.0, 0.0, 2.0), 0.5) for dots in (places, places @ quarter.T)
+    )
+    assert second.force_jacobian[:, 1] == pytest.approx(quarter @ first.force_jacobian[:, 0], abs=1e-6)
+    here, there = first.jacobian[..., 0], second.jacobian[..., 1]
     assert np.linalg.norm(there - here @ quarter.T) < 0.25 * np.linalg.norm(here)
 
 
 def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
     """A whole model under a wall that does so all the way down, in another direction, tilt and friction."""
     skin, azimuth = build_skin(SKIN), np.radians(77.0)
-    wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=3.2, image_step=1.6)
-    mesh, drifting = mesh_skin(skin, MeshSpec(cells=9, whole=True)), {"drift": 0.06, "drift_across": -0.1}
+    wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=3.2, depth_step=1.6)
+    mesh, drifting = (
+        mesh_skin(skin, MeshSpec(cells=9, whole=True)),
+        {"lateral_rate": 0.06, "lateral_rate_across": -0.1},
+    )
     seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}))
-    dots, pose = twin.print_dots(LAYOUT.positions), at(6.0, 77.0, 3.2)
-    up, aside = 3.2 * wall.model_copy(update=drifting).drift, -3.2 * 0.1
+    dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 77.0, 3.2)
+    up, aside = 3.2 * wall.model_copy(update=drifting).lateral_rate, -3.2 * 0.1
     drift = np.array(
         [
             aside * np.cos(azimuth) - up * np.sin(azimuth),
@@ -141,7 +146,7 @@ def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
             3.2 * 0.3,
         ]
     )
-    told, blind = (dots.move(pose, 1 / 0.9, 0.0, each) for each in (drift, np.zeros(3)))
+    told, blind = (dots.evaluate(pose, 1 / 0.9, 0.0, each) for each in (drift, np.zeros(3)))
     assert pixels_apart(told.positions, seen, -1) < 0.05
     assert pixels_apart(blind.positions, seen, -1) > 0.5
     assert told.force == pytest.approx(seen.force[-1], abs=0.03 * seen.force[-1, 2])
@@ -151,8 +156,8 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
     write_twin(tmp_path / "dome.h5", twin)
     again = read_twin(tmp_path / "dome.h5")
     pose = at(3.0, 50.0, 1.7)
-    assert again.print_dots(LAYOUT.positions).move(pose, 0.4).positions == pytest.approx(
-        twin.print_dots(LAYOUT.positions).move(pose, 0.4).positions, abs=1e-12
+    assert again.with_markers(LAYOUT.positions).evaluate(pose, 0.4).positions == pytest.approx(
+        twin.with_markers(LAYOUT.positions).evaluate(pose, 0.4).positions, abs=1e-12
     )
     with h5py.File(tmp_path / "dome.h5", "r+") as file:
         drifts = file["drifts"][:]
@@ -169,11 +174,11 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
     with refused("presses-none"):
         build_twin([])
     with refused("presses-missing", "1", "8", "0.6"):
-        build_twin([each for each in presses if (each.wall.tilt_deg, each.wall.contact) != (8.0, 0.6)])
+        build_twin([each for each in presses if (each.obstacle.tilt_deg, each.obstacle.contact) != (8.0, 0.6)])
     with refused("derivative-missing", "thickness"):
         build_twin([replace(presses[0], derivatives={}), *presses[1:]])
     with refused("twin-few-tilts", "2", "0", "4"):
-        build_twin([each for each in presses if each.wall.tilt_deg <= 4.0])
+        build_twin([each for each in presses if each.obstacle.tilt_deg <= 4.0])
     with refused("presses-designs-differ"):
         build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
 
@@ -181,19 +186,19 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
 def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press], twin: Twin, tmp_path: Path) -> None:
     """Against the distance of dots, found here by themselves; a dome that is thicker is told apart."""
     check = press(6.0, 0.9, azimuth_deg=77.0)
-    found = measure_off(twin, [check])
-    dots = twin.print_dots(LAYOUT.positions)
+    found = measure_interpolation_error(twin, [check])
+    dots = twin.with_markers(LAYOUT.positions)
     apart = [
-        dots.move(at(6.0, 77.0, depth), 1 / 0.9).positions - check.positions(LAYOUT.positions)[image]
+        dots.evaluate(at(6.0, 77.0, depth), 1 / 0.9).positions - check.positions(LAYOUT.positions)[image]
         for image, depth in enumerate(check.depth)
         if depth > 0
     ]
     assert found == pytest.approx(np.sqrt(np.mean(np.sum(np.square(apart), axis=-1))), rel=0.4)
-    assert found < 0.01 < measure_off(twin, [press(6.0, 0.9, thickness=2.3)])
-    assert np.isnan(twin.off_mm)
-    assert np.isnan(measure_off(twin, []))
-    write_twin(tmp_path / "twin.h5", replace(twin, off_mm=found))
-    assert read_twin(tmp_path / "twin.h5").off_mm == found
+    assert found < 0.01 < measure_interpolation_error(twin, [press(6.0, 0.9, thickness=2.3)])
+    assert np.isnan(twin.interpolation_error_mm)
+    assert np.isnan(measure_interpolation_error(twin, []))
+    write_twin(tmp_path / "twin.h5", replace(twin, interpolation_error_mm=found))
+    assert read_twin(tmp_path / "twin.h5").interpolation_error_mm == found
 
 
 def test_presses_that_end_early_under_one_friction_leave_the_others_as_they_were(presses: list[Press]) -> None:
@@ -206,10 +211,10 @@ def test_presses_that_end_early_under_one_friction_leave_the_others_as_they_were
         cut.append(replace(one, branch=branch, displacement=wild))
     twin = build_twin([*presses[:4], *cut, *presses[8:]])
     seen = press(6.0, 0.9)
-    moved = twin.print_dots(LAYOUT.positions).move(at(6.0, 0.0, 3.2), 1 / 0.9)
+    moved = twin.with_markers(LAYOUT.positions).evaluate(at(6.0, 0.0, 3.2), 1 / 0.9)
     assert pixels_apart(moved.positions, seen, 8) < 0.06
     assert moved.force == pytest.approx(seen.force[8], abs=0.02 * seen.force[8, 2])
-    assert twin.reach(6.0, 1 / 1.2) == pytest.approx(1.6)
+    assert twin.max_depth(6.0, 1 / 1.2) == pytest.approx(1.6)
 
 
 def test_presses_that_jump_make_no_twin(presses: list[Press]) -> None:
@@ -226,17 +231,17 @@ def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
     places = LAYOUT.positions.copy()
     places[3] = np.nan
     with refused("markers-outside-skin", "1"):
-        twin.print_dots(places)
+        twin.with_markers(places)
 
 
 def test_a_thicker_wall_is_foreseen() -> None:
     """A whole press of a unit that is 0.1 mm thicker, of which nothing was in the twin; of one contact law only."""
     presses = [press(tilt, "frictionless") for tilt in TILTS]
-    dots, image = build_twin(presses).print_dots(LAYOUT.positions), 8
+    dots, image = build_twin(presses).with_markers(LAYOUT.positions), 8
     thick = press(4.0, "frictionless", thickness=2.1)
     pose = at(4.0, 0.0, float(thick.depth[image]))
-    told, blind = dots.move(pose, 1.0, 0.1), dots.move(pose, 1.0)
-    assert np.abs(told.by[..., 3]).max() < 1e-12  # there is no friction to depend on
+    told, blind = dots.evaluate(pose, 1.0, 0.1), dots.evaluate(pose, 1.0)
+    assert np.abs(told.jacobian[..., 3]).max() < 1e-12  # there is no friction to depend on
     seen = [CAMERA.project(each.positions(LAYOUT.positions)[image]) for each in (thick, presses[1])]
     expected, found = seen[0] - seen[1], CAMERA.project(told.positions) - CAMERA.project(blind.positions)
     assert np.linalg.norm(found - expected) < 0.1 * np.linalg.norm(expected)

@@ -40,13 +40,13 @@ def made_up_press(tilt_deg=0.0, reached=4.0, inverted_from=np.inf, mesh=MESH, mo
     return Press(
         mesh=mesh,
         material=get_material("zaid_2024_ecoflex_00_30"),
-        wall=WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0),
+        obstacle=WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0),
         solver=SolverSpec(),
         depth=depth,
         displacement=np.stack([move(mesh.nodes, tilt_deg, d) for d in depth]),
         force=force,
         **{name: np.zeros(n) for name in ("energy", "contact_energy", "dissipation", "work", "peak_stress")},
-        **{name: np.zeros(n) for name in ("contact_area", "apex_gap", "hold_tension")},
+        **{name: np.zeros(n) for name in ("contact_area", "apex_gap", "stabilisation_tension")},
         branch=np.where(depth >= inverted_from, "inverted", "flat"),
         negative_pivots=np.zeros(n, int),
         ended="depth reached" if reached == 4.0 else "the branch ended",
@@ -89,7 +89,7 @@ def depths():
     """Errors and limits by depth of the two designs that have them."""
     figures = ((0.8, 1.2, 1.0), (1.6, 0.7, 0.5))
     return tuple(
-        {"design": design, "depth_mm": depth, "rmse_jitter_deg": rmse, "limit_deg": limit}
+        {"design": design, "depth_mm": depth, "rmse_jitter_deg": rmse, "bound_deg": limit}
         for design in (0, 1)
         for depth, rmse, limit in figures
     )

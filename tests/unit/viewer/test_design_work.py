@@ -14,8 +14,8 @@ from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
 from palpate.viewer.job import Job
 from palpate.viewer.scene import describe_motion
-from palpate.viewer.sketch import Sketch, bounds_of, draw_sketch
-from palpate.viewer.specimen_cache import KEPT, SpecimenCache
+from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
+from palpate.viewer.specimen_cache import CACHE_SIZE, DesignCache
 
 
 def work_in_steps(count, report):
@@ -45,7 +45,7 @@ def die(report):
 
 def wait_for(errand, seconds=60):
     end = time.monotonic() + seconds
-    while not errand.look():
+    while not errand.poll():
         assert time.monotonic() < end
         time.sleep(0.02)
 
@@ -98,15 +98,15 @@ def test_a_worker_has_one_thread_and_goes_with_its_server(tmp_path, monkeypatch)
 def test_work_can_be_called_off():
     errand = Job(work_for_ever)
     while errand.share < 0.5:
-        errand.look()
+        errand.poll()
         time.sleep(0.02)
-    errand.call_off()
-    assert errand.look()
+    errand.cancel()
+    assert errand.poll()
     assert errand.fault == "Cancelled."
 
 
 def test_a_sketch_is_drawn_at_rest_with_its_wall():
-    drawn = draw_sketch(Sketch(wall=WallSpec(tilt_deg=5)))
+    drawn = build_preview(DesignDraft(obstacle=WallSpec(tilt_deg=5)))
     motion = drawn.specimen.pressed.at(5.0)
     assert motion.depths_mm.tolist() == [0.0]
     assert np.abs(motion.displacement).max() == 0
@@ -115,13 +115,13 @@ def test_a_sketch_is_drawn_at_rest_with_its_wall():
 
 
 def test_a_camera_that_is_too_near_is_found():
-    sketch = Sketch.model_validate({"camera": {"distance": 12}})
-    assert draw_sketch(sketch).findings[0].code == "markers-out-of-sight"
+    sketch = DesignDraft.model_validate({"camera": {"distance": 12}})
+    assert build_preview(sketch).findings[0].code == "markers-out-of-sight"
 
 
 def test_rings_beyond_the_dome_are_refused():
     with refused("markers-outside-skin"):
-        draw_sketch(Sketch(markers=MarkerSpec(ring_diameters=(90.0,))))
+        build_preview(DesignDraft(markers=MarkerSpec(ring_diameters=(90.0,))))
 
 
 def test_bounds_are_those_of_the_spec():
@@ -130,9 +130,9 @@ def test_bounds_are_those_of_the_spec():
 
 
 def test_the_shelf_keeps_the_last_designs():
-    shelf = SpecimenCache()
-    drawn = draw_sketch(Sketch())
-    names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
+    shelf = DesignCache()
+    drawn = build_preview(DesignDraft())
+    names = [shelf.put(drawn.design, drawn.specimen) for _ in range(CACHE_SIZE + 1)]
     assert shelf.find(names[-1])[0] is drawn.design
     with refused("design-expired"):
         shelf.find(names[0])

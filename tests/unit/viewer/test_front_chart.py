@@ -25,7 +25,7 @@ def test_every_design_is_one_point_and_the_winner_stands_out(tmp_path, column):
     assert len(series["tried"]) == 8
     for dots in series.values():
         for x, y, number in (dot["value"] for dot in dots):
-            assert (x, y) == (search.rows[number][column], search.rows[number]["worst_deg"])
+            assert (x, y) == (search.rows[number][column], search.rows[number]["p95_deg"])
     marked = [dot["value"][2] for dots in series.values() for dot in dots if "itemStyle" in dot]
     assert marked == [chosen]
     assert series["tried"][2]["itemStyle"]["color"] == FIRST
@@ -37,7 +37,7 @@ def test_a_design_is_named_by_what_it_is(tmp_path):
     words = [design_words(search, number).partition(": ")[2] for number in range(len(search.rows))]
     assert words[search.winner] == "winner"
     assert words.count("front") == search.front - 1
-    meets = [row["meets"] for row in search.rows[search.front :]]
+    meets = [row["feasible"] for row in search.rows[search.front :]]
     assert [word == "tried" for word in words[search.front :]] == meets
     assert False in meets, "one breaks a limit"
 

@@ -12,8 +12,8 @@ from fastapi import FastAPI, Request, WebSocket
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from palpate.viewer.guard import LARGEST_BODY, Door, Guard
-from palpate.viewer.server import ServeSpec, is_loopback, link_of, open_door, serve
+from palpate.viewer.guard import LARGEST_BODY, Guard, ServerAddress
+from palpate.viewer.server import ServeSpec, bind_server, is_loopback, page_url, serve
 
 TOKEN = "0123456789abcdef0123"
 
@@ -34,7 +34,7 @@ def client(token: str = "", host: str = "127.0.0.1") -> TestClient:
         await socket.accept()
         await socket.send_text("in")
 
-    return TestClient(Guard(app, Door(host, 8750, token)), base_url="http://127.0.0.1:8750")
+    return TestClient(Guard(app, ServerAddress(host, 8750, token)), base_url="http://127.0.0.1:8750")
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8750", "localhost:8750", "[::1]:8750", "LOCALHOST"])
@@ -112,15 +112,15 @@ def test_a_link_beyond_measure_is_refused():
 
 
 def test_another_address_makes_a_token():
-    door, listener = open_door(ServeSpec(host="0.0.0.0", port=0))
+    door, listener = bind_server(ServeSpec(host="0.0.0.0", port=0))
     listener.close()
     assert len(door.token) >= 32
-    assert door.token in link_of(door)
+    assert door.token in page_url(door)
 
 
 def test_what_is_sent_goes_out_at_once() -> None:
     """Not when the last packet is acknowledged, 40 ms later."""
-    door, listener = open_door(ServeSpec(port=0))
+    door, listener = bind_server(ServeSpec(port=0))
     with listener, socket.create_connection(("127.0.0.1", door.port)):
         visitor, _ = listener.accept()
         with visitor:
@@ -128,29 +128,29 @@ def test_what_is_sent_goes_out_at_once() -> None:
 
 
 def test_this_machines_address_needs_none():
-    door, listener = open_door(ServeSpec(port=0))
+    door, listener = bind_server(ServeSpec(port=0))
     listener.close()
     assert door.token == ""
-    assert link_of(door) == f"http://127.0.0.1:{door.port}/"
+    assert page_url(door) == f"http://127.0.0.1:{door.port}/"
 
 
 @pytest.mark.parametrize("token", ["short", "with spaces in it ok", "x" * 15])
 def test_a_token_that_is_none_is_refused(token):
     with refused("token-malformed"):
-        open_door(ServeSpec(port=0, token=token))
+        bind_server(ServeSpec(port=0, token=token))
 
 
 def test_a_second_viewer_at_the_same_port_is_refused():
-    door, listener = open_door(ServeSpec(port=0))
+    door, listener = bind_server(ServeSpec(port=0))
     with refused("port-unavailable"):
-        open_door(ServeSpec(port=door.port))
+        bind_server(ServeSpec(port=door.port))
     listener.close()
 
 
 @pytest.mark.parametrize("port", [-1, 70000])
 def test_a_port_that_is_none_is_refused(port):
     with refused("port-unavailable"):
-        open_door(ServeSpec(port=port))
+        bind_server(ServeSpec(port=port))
 
 
 @pytest.mark.parametrize(

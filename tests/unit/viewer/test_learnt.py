@@ -15,7 +15,7 @@ from fastapi.testclient import TestClient
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.camera import open_source
 from palpate.cli import main
-from palpate.viewer.learnt import error_columns, error_rows, is_learnt, read_learnt
+from palpate.viewer.learnt import error_columns, error_rows, is_trained_sensor, read_trained_sensor
 from palpate.viewer.live import open_recorded_live
 from palpate.viewer.live_page import list_figures
 from palpate.viewer.pages import build_app
@@ -33,8 +33,8 @@ def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_table_has_every_estimator_and_the_kept_one_first(learnt):
-    assert is_learnt(learnt)
-    found = read_learnt(learnt)
+    assert is_trained_sensor(learnt)
+    found = read_trained_sensor(learnt)
     rows, report = error_rows(found), json.loads((learnt / "report.json").read_text())
     assert rows[0][0] == report["best"]
     assert {row[0] for row in rows} == {one["name"] for one in report["estimators"]}
@@ -45,7 +45,7 @@ def test_the_table_has_every_estimator_and_the_kept_one_first(learnt):
 
 
 def test_images_are_read_from_the_first_on_and_dots_drawn_where_they_are(learnt):
-    found = read_learnt(learnt)
+    found = read_trained_sensor(learnt)
     live = open_recorded_live(found.model, open_source(str(learnt / "recording" / "images")))
     steps = [live.step() for _ in range(5)]
     live.close()
@@ -65,7 +65,7 @@ def test_an_image_of_another_size_is_refused(learnt, tmp_path):
     cv2 = pytest.importorskip("cv2")
     cv2.imwrite(str(tmp_path / "small.png"), np.zeros((100, 90), np.uint8))
     with refused("image-size-changed", "90", "100"):
-        open_recorded_live(read_learnt(learnt).model, open_source(str(tmp_path)))
+        open_recorded_live(read_trained_sensor(learnt).model, open_source(str(tmp_path)))
 
 
 def test_pages_and_pictures_are_served_and_no_other_file(learnt):
@@ -90,4 +90,4 @@ def test_a_damaged_report_is_named(learnt, tmp_path, text, code):
     (tmp_path / "model.h5").write_bytes((learnt / "model.h5").read_bytes())
     (tmp_path / "report.json").write_text(text)
     with refused(code, "report.json"):
-        read_learnt(tmp_path)
+        read_trained_sensor(tmp_path)

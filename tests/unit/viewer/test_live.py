@@ -14,15 +14,15 @@ from errors import check_values, refused
 pytest.importorskip("PIL")
 
 
-from palpate.bench import SimulatedSource, draw_touches
+from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
-from palpate.design import TILT_DEPTH, MarkerSpec, place_markers
+from palpate.design import TILT_SPACE, MarkerSpec, place_markers
 from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
-from palpate.viewer.live import LiveVerdict, judge, open_live, tilt_interval, to_grey
+from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
 
@@ -33,7 +33,7 @@ DESIGN = Design(0, rows()[1], MESH.skin, LAYOUT, build_camera(), ())
 class MadeUpPredictor:
     """Reads the mean shift of the markers as a pose."""
 
-    markers, level, space = 19, 0.9, TILT_DEPTH
+    markers, level, space = 19, 0.9, TILT_SPACE
 
     def predict(self, images_px):
         poses = np.tile([1.0, 2.0, 3.0], (len(images_px), 1))
@@ -61,7 +61,7 @@ class MadeUpSource(Source):
 @pytest.fixture
 def touches():
     presses = [made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)]
-    return SimulatedSource(Unit(MESH.skin, LAYOUT), draw_touches(presses, seed=1))
+    return SimulatedSource(Unit(MESH.skin, LAYOUT), sample_presses(presses, seed=1))
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
@@ -80,7 +80,7 @@ def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
     ],
 )
 def test_a_verdict_counts_the_interval(given, verdict):
-    assert judge(given, 2.0) is verdict
+    assert rate_reading(given, 2.0) is verdict
     assert draw_dial(given, 2.0, verdict).startswith("<svg")
 
 

@@ -14,7 +14,7 @@ from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import BallSpec
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.twin import build_field
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.shell import PARTS, build_shell
 
@@ -23,7 +23,7 @@ PAD = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, flat_radius=7.5, 
 
 @pytest.fixture(scope="module")
 def pressed():
-    return gather_presses([made_up_press(tilt) for tilt in (6.0, 0.0, 3.0)])
+    return build_pressed_skin([made_up_press(tilt) for tilt in (6.0, 0.0, 3.0)])
 
 
 @pytest.mark.parametrize("tilt", [0.0, 3.0, 6.0])
@@ -84,7 +84,7 @@ def test_the_surface_that_is_drawn_carries_its_markers(pressed):
 
 
 def test_nothing_is_interpolated_where_a_press_ended():
-    pressed = gather_presses([made_up_press(0.0), made_up_press(3.0, reached=2.0), made_up_press(6.0)])
+    pressed = build_pressed_skin([made_up_press(0.0), made_up_press(3.0, reached=2.0), made_up_press(6.0)])
     motion = pressed.at(2.0)
     assert motion.depths_mm[-1] == pytest.approx(1.6)
     assert motion.ended == "the branch ended"
@@ -92,13 +92,13 @@ def test_nothing_is_interpolated_where_a_press_ended():
 
 
 def test_the_end_of_a_press_alone_is_shown():
-    motion = gather_presses([made_up_press(3.0, reached=2.0)]).at(3.0)
+    motion = build_pressed_skin([made_up_press(3.0, reached=2.0)]).at(3.0)
     assert motion.depths_mm.tolist() == pytest.approx([0, 0.8, 1.6, 2.0])
     assert motion.displacement[-1] == pytest.approx(moved(MESH.nodes, 3.0, 2.0), abs=1e-5)
 
 
 def test_branches_are_not_mixed():
-    pressed = gather_presses([made_up_press(0.0), made_up_press(3.0), made_up_press(6.0, inverted_from=3.0)])
+    pressed = build_pressed_skin([made_up_press(0.0), made_up_press(3.0), made_up_press(6.0, inverted_from=3.0)])
     assert pressed.at(4.5).ended == "between the flat and the inverted branch"
     assert pressed.at(4.5).depths_mm[-1] == pytest.approx(2.4)
     assert pressed.at(6.0).branch[-1] == "inverted"
@@ -113,7 +113,7 @@ def test_a_tilt_that_was_not_pressed_is_refused(pressed, tilt):
 
 def test_presses_that_do_not_belong_together_are_refused():
     with refused("presses-none"):
-        gather_presses([])
+        build_pressed_skin([])
 
 
 def test_the_shell_is_closed_and_lies_on_the_two_spheres():
@@ -137,7 +137,7 @@ def test_the_shell_is_closed_and_lies_on_the_two_spheres():
 def pad_moved(points, tilt_deg, azimuth_deg, depth):
     """Displacement (n, 3) mm under a wall: by how far each point would lie beyond it, less towards the base."""
     normal = wall_normal(*rotation_vector(np.radians(tilt_deg), np.radians(azimuth_deg)))
-    height = PAD.touch_height(normal[None])[0] - depth - points[:, :2] @ normal[:2] / normal[2]
+    height = PAD.support_height(normal[None])[0] - depth - points[:, :2] @ normal[:2] / normal[2]
     deep = (4.0 - height) * points[:, 2] / 4.0
     return np.column_stack([0.02 * points[:, 0] * deep, 0.01 * points[:, 1] * deep, -0.5 * deep])
 
@@ -150,7 +150,7 @@ def pad():
             tilt, mesh=mesh, azimuth_deg=azimuth, move=lambda points, tilt, d: pad_moved(points, tilt, azimuth, d)
         )
 
-    return gather_presses([press(0.0, 0.0), *(press(t, a) for t in (1.0, 2.0) for a in (0.0, 45.0, 90.0))])
+    return build_pressed_skin([press(0.0, 0.0), *(press(t, a) for t in (1.0, 2.0) for a in (0.0, 45.0, 90.0))])
 
 
 @pytest.mark.parametrize("pose", [(2.0, 0.0), (1.0, 45.0), (2.0, 90.0), (1.5, 20.0), (1.2, 200.0), (0.7, 305.0)])
@@ -190,4 +190,4 @@ def test_the_shell_of_a_whole_filled_pad_is_its_wall_alone_and_closed():
 def test_presses_by_a_ball_are_not_drawn_as_those_of_a_wall() -> None:
     press = SimpleNamespace(mesh=MESH, wall=BallSpec())
     with refused("obstacle-not-drawn", "ball", "5", "0"):
-        gather_presses([press])
+        build_pressed_skin([press])

@@ -13,11 +13,11 @@ from fastapi import FastAPI
 from made_up_presses import write_results
 from starlette.testclient import TestClient
 
-from palpate.viewer.library import Library
+from palpate.viewer.library import DesignLibrary
 from palpate.viewer.message import read_message
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.specimen_cache import DesignCache
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def browser(tmp_path_factory):
     app = FastAPI()
     answer_errors(app)
     folder = write_results(tmp_path_factory.mktemp("results"))
-    app.include_router(make_routes(SpecimenCache(Library(read_results(folder)))))
+    app.include_router(make_routes(DesignCache(DesignLibrary(read_results(folder)))))
     return TestClient(app)
 
 

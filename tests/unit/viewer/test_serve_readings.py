@@ -22,7 +22,7 @@ import cv2
 import uvicorn
 from starlette.testclient import TestClient
 
-from palpate.bench import set_scene
+from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source
 from palpate.core import PalpateError
@@ -32,7 +32,7 @@ from palpate.robot import Broadcast
 from palpate.sensor import Sensor, Unit, open_sensor
 from palpate.viewer import Feed, ServeSpec, build_readings_app, follow_readings
 from palpate.viewer.guard import Guard
-from palpate.viewer.server import link_of, open_door
+from palpate.viewer.server import bind_server, page_url
 from small_chain import DOME, MARKERS, write_small_model
 
 TOKEN = "0123456789abcdef"
@@ -42,8 +42,8 @@ IMAGES = 12
 
 def rest_image() -> np.ndarray:
     skin = build_skin(DOME)
-    scene = set_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=2.0))
-    return scene.at_rest()
+    scene = build_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=2.0))
+    return scene.render_rest()
 
 
 @pytest.fixture(scope="module")
@@ -82,12 +82,12 @@ class Unplugged(Source):
 @pytest.fixture
 def served(sensor: Sensor) -> Iterator[str]:
     Unplugged.opened = 0
-    door, listener = open_door(ServeSpec(port=0, token=TOKEN))
+    door, listener = bind_server(ServeSpec(port=0, token=TOKEN))
     app = Guard(build_readings_app(sensor, Feed(Unplugged, retry_s=0.3)), door)
     server = uvicorn.Server(uvicorn.Config(app, log_level="warning", lifespan="on", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
-    yield link_of(door, "reading")
+    yield page_url(door, "reading")
     server.should_exit = True
     thread.join(10)
     listener.close()

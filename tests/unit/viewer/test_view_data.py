@@ -10,12 +10,20 @@ from made_up_presses import MESH, depths, made_up_press, rows
 from palpate.camera import build_camera
 from palpate.design import MarkerSpec, place_markers
 from palpate.grid import SpecificationGrid
-from palpate.viewer.charts import LIGHT, Chosen, heat_chart, line_chart, pareto_front, scatter_chart
+from palpate.viewer.charts import LIGHT, Selection, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
-from palpate.viewer.gather_presses import gather_presses
-from palpate.viewer.link import Coloured, View, first_view, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.gather_presses import build_pressed_skin
+from palpate.viewer.link import (
+    ColourQuantity,
+    View,
+    first_view,
+    numeric_columns,
+    read_link,
+    selected_rows,
+    write_link,
+)
 from palpate.viewer.results import Design
-from palpate.viewer.words import cell_words, column_label, jitter_words
+from palpate.viewer.words import column_label, format_cell, jitter_words
 
 GRID = SpecificationGrid(rows(), depths())
 
@@ -31,7 +39,7 @@ def test_a_link_restores_the_view():
         depth=3.25,
         tilt=4.5,
         azimuth=210.0,
-        colour=Coloured.STRESS,
+        colour=ColourQuantity.STRESS,
         cut=False,
         trails=False,
     )
@@ -76,12 +84,12 @@ def test_columns_of_text_are_no_metric():
 
 
 def test_an_empty_question_keeps_every_design():
-    assert kept_rows(GRID, "  ") == {0, 1, 2}
-    assert kept_rows(GRID, "rmse_deg < 0.3") == {1}
+    assert selected_rows(GRID, "  ") == {0, 1, 2}
+    assert selected_rows(GRID, "rmse_deg < 0.3") == {1}
 
 
 def test_every_design_has_a_cell_that_names_its_row():
-    options = heat_chart(GRID, "rmse_deg", Chosen({0}, 1, 0), LIGHT)
+    options = heat_chart(GRID, "rmse_deg", Selection({0}, 1, 0), LIGHT)
     cells = [cell for series in options["series"] for cell in series["data"]]
     assert [cell["value"][3] for cell in cells] == [0, 1, 2]
     assert [cell["visualMap"] for cell in cells] == [True, False, False]
@@ -95,7 +103,7 @@ def test_the_front_is_what_nothing_beats():
 
 
 def test_designs_without_a_figure_are_not_in_the_scatter():
-    options = scatter_chart(GRID, ("force_n", "rmse_deg"), Chosen({0, 1, 2}, 0), LIGHT)
+    options = scatter_chart(GRID, ("force_n", "rmse_deg"), Selection({0, 1, 2}, 0), LIGHT)
     assert [dot["value"][2] for dot in options["series"][1]["data"]] == [0, 1]
 
 
@@ -103,7 +111,7 @@ def test_curves_change_their_dash_with_the_branch():
     presses = [made_up_press(0.0, inverted_from=2.0)]
     layout = place_markers(MESH.skin, MarkerSpec(count=7))
     design = Design(0, rows()[0], MESH.skin, layout, build_camera(), ())
-    curves, marks = force_curves([(design, gather_presses(presses).at(0.0))])
+    curves, marks = force_curves([(design, build_pressed_skin(presses).at(0.0))])
     assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
     assert marks[0].points[0][0] == pytest.approx(3.2)
     errors = error_curves(GRID, [design])
@@ -116,8 +124,8 @@ def test_curves_change_their_dash_with_the_branch():
 def test_words_of_columns_have_units():
     assert column_label("travel_mm") == "marker travel (mm)"
     assert column_label("rmse_spread_deg") == "RMSE spread (°)"
-    assert cell_words(None) == "–"
-    assert cell_words(np.pi) == "3.14"
+    assert format_cell(None) == "–"
+    assert format_cell(np.pi) == "3.14"
 
 
 def test_the_jitter_is_the_studys():

@@ -7,7 +7,7 @@ import pytest
 from made_up_presses import KEYS, write_results
 
 from errors import refused
-from palpate.viewer.library import Library
+from palpate.viewer.library import DesignLibrary
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.message import read_message, write_message
 from palpate.viewer.results import artefact_path, model_path, read_design, read_results
@@ -16,7 +16,7 @@ from palpate.viewer.scene import describe_markers, describe_motion, describe_she
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    return Library(read_results(write_results(tmp_path_factory.mktemp("results"))))
+    return DesignLibrary(read_results(write_results(tmp_path_factory.mktemp("results"))))
 
 
 def test_designs_of_one_dome_share_their_presses(library):
@@ -63,7 +63,7 @@ def test_a_broken_artefact_is_named(tmp_path):
     folder = write_results(tmp_path)
     key = KEYS[3.0]
     (folder / "store" / "press" / key[:2] / f"{key}.h5").write_bytes(b"not hdf5")
-    library = Library(read_results(folder))
+    library = DesignLibrary(read_results(folder))
     with refused("press-unreadable"):
         library.specimen(library.design(0))
 

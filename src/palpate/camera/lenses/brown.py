@@ -48,7 +48,7 @@ class Brown(Lens):
     k3: float = 0.0
 
     @cached_property
-    def limit(self) -> float:
+    def max_radius(self) -> float:
         """Greatest radius on the unit plane up to which the radial part grows; infinite for most lenses."""
         return fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3])
 
@@ -74,8 +74,8 @@ class Brown(Lens):
             ideal -= np.linalg.solve(self._slope(ideal), miss[..., None])[..., 0]
         worst = float(np.max(np.abs(self.distort(ideal) - points), initial=0.0))
         radius = float(np.max(np.linalg.norm(ideal, axis=-1), initial=0.0))
-        if not worst <= _TOLERANCE * 10.0 or radius > self.limit:
-            raise folded(self.limit)
+        if not worst <= _TOLERANCE * 10.0 or radius > self.max_radius:
+            raise folded(self.max_radius)
         return ideal
 
     def mirrored(self) -> Brown:

@@ -51,31 +51,31 @@ class KannalaBrandt(Lens):
         return min(fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4]), np.pi / 2)
 
     @property
-    def limit(self) -> float:
+    def max_radius(self) -> float:
         return float(np.tan(self.widest)) if self.widest < np.pi / 2 else float("inf")
 
     def distort(self, points: FloatArray) -> FloatArray:
         radius = np.linalg.norm(points, axis=-1, keepdims=True)
-        bent = self._bend(np.arctan(radius))
+        bent = self._distort(np.arctan(radius))
         return np.asarray(points * np.where(radius > _SMALL, bent / np.maximum(radius, _SMALL), 1.0))
 
     def undistort(self, points: FloatArray) -> FloatArray:
         """The angle is found by halving: it grows with the radius of the image as far as the lens is valid."""
         points = np.asarray(points, float)
         bent = np.linalg.norm(points, axis=-1, keepdims=True)
-        if not np.all((bent < self._bend(np.float64(self.widest))) | np.isnan(bent)):
-            raise folded(self.limit)
+        if not np.all((bent < self._distort(np.float64(self.widest))) | np.isnan(bent)):
+            raise folded(self.max_radius)
         low, high = np.zeros_like(bent), np.full_like(bent, self.widest)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            below = self._bend(middle) < bent
+            below = self._distort(middle) < bent
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return np.asarray(points * np.where(bent > _SMALL, np.tan(low) / np.maximum(bent, _SMALL), 1.0))
 
     def mirrored(self) -> KannalaBrandt:
         return self
 
-    def _bend(self, angle: FloatArray | np.float64) -> FloatArray:
+    def _distort(self, angle: FloatArray | np.float64) -> FloatArray:
         square = angle * angle
         series = self.k1 + square * (self.k2 + square * (self.k3 + square * self.k4))
         return np.asarray(angle * (1.0 + square * series))

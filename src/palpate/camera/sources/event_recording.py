@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.camera.source import Item, Source
+from palpate.camera.source import ImageOrError, Source
 from palpate.core import PalpateError, load_extra
 
 
@@ -42,7 +42,7 @@ class EventCameraSource(Source):
     def name(self) -> str:
         return str(self._path)
 
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         while True:
             try:
                 found = self._recording.getNextFrame()

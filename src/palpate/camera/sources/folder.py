@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import final
 
 from palpate.camera.read_image import list_images, read_image
-from palpate.camera.source import Item, Source
+from palpate.camera.source import ImageOrError, Source
 from palpate.core import PalpateError
 
 
@@ -27,7 +27,7 @@ class FolderSource(Source):
     def name(self) -> str:
         return str(self._folder)
 
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         for path in self._paths:
             try:
                 yield read_image(path)

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from palpate.camera.source import Item, Source
+from palpate.camera.source import ImageOrError, Source
 from palpate.camera.sources.capture import open_capture
 from palpate.core import PalpateError
 
@@ -35,7 +35,7 @@ class CameraSource(Source):
     def name(self) -> str:
         return f"camera {self._number}"
 
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         misses = 0
         while misses < _MISSES:
             read, image = self._capture.read()

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.camera.source import Item, Source
+from palpate.camera.source import ImageOrError, Source
 from palpate.camera.sources.capture import open_capture
 from palpate.core import PalpateError, load_opencv
 
@@ -32,7 +32,7 @@ class VideoSource(Source):
     def name(self) -> str:
         return str(self._path)
 
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         cv2 = load_opencv()
         promised, given = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0
         while True:

@@ -12,7 +12,7 @@ from palpate_guest.wheel import WheelSpec
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark, skin_from_data
 from palpate.fea import WallSpec, obstacle_from_data, solve_press
-from palpate.markers import build_pattern, name_markers
+from palpate.markers import assign_markers, build_pattern
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.sensor import register_dome
@@ -68,7 +68,7 @@ def test_a_camera_under_a_dome_is_registered_and_the_guests_lens_refined() -> No
     mark = place_orientation_mark(dome, layout)
     nominal = CameraSpec(lens="division", distortion=(-0.2,))
     there = build_camera(nominal.model_copy(update={"distortion": (-0.25,), "offset_x": 0.4, "roll_deg": 3.0}))
-    naming = name_markers(
+    naming = assign_markers(
         there.project(np.vstack([layout.positions, mark])),
         build_pattern(layout.positions, build_camera(nominal).project, mark),
     )
@@ -98,7 +98,7 @@ class TestWheel(ObstacleSuite):
 def test_the_guests_obstacle_is_pressed_into_the_guests_skin() -> None:
     mesh = mesh_skin(skin_from_data({"kind": "bell", "height": 14}).build(), MeshSpec(cells=8))
     spec = obstacle_from_data(
-        {"kind": "wheel", "radius": 6, "depth": 1.6, "image_step": 0.2, "contact": "frictionless"}
+        {"kind": "wheel", "radius": 6, "depth": 1.6, "depth_step": 0.2, "contact": "frictionless"}
     )
     press = solve_press(mesh, get_material("neo-hooke:0.0141"), spec)
     assert press.depth[-1] == pytest.approx(1.6)

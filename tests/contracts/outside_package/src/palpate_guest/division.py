@@ -28,7 +28,7 @@ class Division(Lens):
     k: float = 0.0
 
     @property
-    def limit(self) -> float:
+    def max_radius(self) -> float:
         return float(0.5 / np.sqrt(self.k)) if self.k > 0 else float("inf")
 
     def distort(self, points: Array) -> Array:

@@ -6,7 +6,7 @@ from typing import Literal, Self
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
-from palpate.fea import ObstacleSpec, touch_first
+from palpate.fea import ObstacleSpec, find_first_contact
 from palpate.mechanics import Gap, Obstacle, grid_quads
 from palpate.mesh import Mesh
 
@@ -52,7 +52,7 @@ class WheelSpec(ObstacleSpec):
     tyre: float = parameter(3.0, unit="mm", meaning="radius of the tyre's section", gt=0, le=100)
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"wheel {self.radius:g} mm"
 
     @property
@@ -63,6 +63,6 @@ class WheelSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return 0.0
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         above = mesh.skin.outer_height + self.radius + self.tyre
-        return touch_first(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))
+        return find_first_contact(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))

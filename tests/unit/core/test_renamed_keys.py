@@ -1,0 +1,38 @@
+"""Old columns are read with a warning; old keys of a spec are refused with the new one."""
+
+import pytest
+from pydantic import ValidationError
+
+from palpate.bench import VirtualBenchSpec
+from palpate.built import ToleranceSpec
+from palpate.core.renamed_keys import RENAMED_COLUMNS, RENAMED_KEYS, new_column, rename_columns
+from palpate.fea import WallSpec
+from palpate.grid import filter_rows, sort_rows
+from palpate.optimise import RequirementsSpec
+
+
+@pytest.mark.parametrize(("old", "new"), RENAMED_COLUMNS.items())
+def test_an_old_column_is_read_with_a_warning(old: str, new: str) -> None:
+    with pytest.warns(FutureWarning, match=f"{old} is {new} now"):
+        assert rename_columns({old: 1.0, "other": 2.0}) == {new: 1.0, "other": 2.0}
+    with pytest.warns(FutureWarning):
+        assert new_column(old, {new: 1.0}) == new
+
+
+@pytest.mark.parametrize(("old", "new"), RENAMED_COLUMNS.items())
+def test_a_question_may_name_an_old_column(old: str, new: str) -> None:
+    rows = [{new: 2.0}, {new: 1.0}]
+    with pytest.warns(FutureWarning):
+        assert filter_rows(rows, f"{old} < 1.5") == ({new: 1.0},)
+    with pytest.warns(FutureWarning):
+        assert sort_rows(rows, old)[0] == {new: 1.0}
+
+
+@pytest.mark.parametrize("spec", [ToleranceSpec, VirtualBenchSpec, WallSpec, RequirementsSpec])
+def test_an_old_key_is_refused_with_the_new_one(spec) -> None:
+    for old, new in RENAMED_KEYS[spec.__name__].items():
+        with pytest.raises(ValidationError) as caught:
+            spec.model_validate({old: 1.0})
+        first = caught.value.errors()[0]
+        assert (first["type"], first["ctx"]) == ("yaml-key-renamed", {"old": old, "new": new})
+        assert new in spec.model_fields
