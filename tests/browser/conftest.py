@@ -11,6 +11,7 @@ from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, sample_presses
+from palpate.grid import name_row
 from palpate.sensor import Unit
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.results import read_results
@@ -18,6 +19,7 @@ from presses import run_tiny_study
 
 CHROMIUM = find_program("chromium")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS += ["--disable-gpu-compositing"]  # pages without software GL, as Chrome draws them where there is no GPU
 PATIENCE_MS = 60_000
 
 
@@ -49,6 +51,12 @@ def results(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def designs(results) -> list[str]:
+    """Names of the designs of the study, as fields offer them."""
+    return [name_row(row) for row in read_results(results).grid.designs]
+
+
+@pytest.fixture(scope="session")
 def link(results) -> Iterator[str]:
     with viewer(results) as address:
         yield address
@@ -63,10 +71,16 @@ def chromium():
         browser.close()
 
 
+@pytest.fixture(scope="session")
+def context(chromium):
+    """Shared by all tests, so that the pages' scripts are read and compiled once."""
+    return chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+
+
 @pytest.fixture
-def page(chromium):
-    """A page whose every fault fails the test, and which asks nobody but this machine."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+def page(context):
+    """A page without cookies, whose every fault fails the test, and which asks nobody but this machine."""
+    context.clear_cookies()
     page = context.new_page()
     page.set_default_timeout(PATIENCE_MS)
     faults: list[str] = []
@@ -75,7 +89,7 @@ def page(chromium):
     page.on("request", lambda request: None if _is_ours(request.url) else faults.append(f"asked {request.url}"))
     page.faults = faults
     yield page
-    context.close()
+    page.close()
     assert faults == []
 
 

@@ -8,6 +8,7 @@ import pytest
 from viewer_process import ROOT, viewer
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from errors import check_values
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +27,9 @@ def test_the_report_is_shown_and_images_are_read(page, learnt_link):
     assert page.locator("table.errors tr").count() >= 3
     page.locator("figure img").first.wait_for()
     page.goto(learnt_link + "live")
-    page.get_by_role("button", name="Start").click()
-    page.get_by_text("61 markers found").first.wait_for()
+    page.get_by_test_id("start").click()
+    page.locator("[data-testid=status][data-found='61'][data-markers='61']").wait_for()
+    check_values(page.get_by_test_id("status").inner_text(), 61)
     page.wait_for_function("document.querySelectorAll('.figures td').length >= 12")
     page.set_viewport_size({"width": 390, "height": 800})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 from viewer_process import ROOT, viewer
-from walk import DRAWN, dots, open_page, wait_for_dots
+from walk import DRAWN, choose, dots, fault, numbers, open_page, wait_for_dots, wait_for_numbers, wait_for_state
 
-from errors import check_refusal
+from errors import check_refusal, check_values
 from needs import needs
+from palpate.mechanics import Ended
 from palpate.optimise import read_search
+from palpate.viewer.words import column_label
 from small_search import write_search
 
 
@@ -46,17 +48,18 @@ def click_point(page, number):
 def test_a_click_on_the_front_shows_the_design_with_its_numbers_and_its_skin(page, search, folder):
     found = read_search(folder)
     open_page(page, search)
-    page.get_by_text(f"skin {found.rows[found.winner]['skin']}, 37 markers: winner").wait_for()
+    shown = page.get_by_test_id("shown")
+    wait_for_numbers(page, "shown", [found.rows[found.winner]["skin"], 37])
+    assert shown.get_attribute("data-role") == "winner"
     wait_for_dots(page, 37)
     few = next(k for k in range(found.front) if found.rows[k]["markers"] == 7)
     click_point(page, few)
-    page.get_by_text(f"skin {found.rows[few]['skin']}, 7 markers: front").wait_for()
+    wait_for_numbers(page, "shown", [found.rows[few]["skin"], 7])
+    assert [shown.get_attribute(f"data-{name}") for name in ("design", "role")] == [str(few), "front"]
     wait_for_dots(page, 7)
-    assert page.locator(".figures tr").filter(has_text="height H").inner_text().split()[-1] == (
-        f"{found.rows[few]['height_mm']:.3g}"
-    )
-    page.get_by_label("Across").click()
-    page.get_by_role("option").filter(has_text="markers").click()
+    height = page.locator("[data-testid=figures] [data-column=height_mm] td").inner_text()
+    assert height == f"{found.rows[few]['height_mm']:.3g}"
+    choose(page, "across", column_label("markers"))
     page.wait_for_function("document.querySelector('.front').textContent.includes('markers')")
     before = dots(page)
     page.reload()
@@ -72,9 +75,10 @@ def test_a_running_search_shows_what_was_tried(page, folder, tmp_path):
         shutil.copy(folder / name, running / name)
     with viewer(running) as link:
         open_page(page, link)
-        page.get_by_text("8 of 8 skins so far, by coarse presses").wait_for()
+        page.locator("[data-testid=search-state][data-finished=false]").wait_for()
+        assert numbers(page, "search-state")[:2] == [8, 8]
         page.goto(link + "live")
-        page.get_by_role("alert").filter(has_text="no trained model").wait_for()
+        fault(page, "model-missing")
         page.goto("about:blank")
 
 
@@ -101,12 +105,12 @@ def test_the_page_fits_the_screen(page, search, pictures, size, dark):
 def test_a_design_of_the_front_is_pressed_and_its_pack_is_made(page, search):
     needs("build123d")
     open_page(page, search)
-    page.locator("input[aria-label='Depth (mm)']").fill("1")
-    page.get_by_role("button", name="Press", exact=True).click()
-    page.get_by_text("Pressed in").wait_for(timeout=420_000)
-    page.get_by_text("Ended: depth reached at 1.00 mm.").wait_for()
+    page.get_by_test_id("field-depth").fill("1")
+    page.get_by_test_id("press").click()
+    wait_for_state(page, "pressed", timeout=420_000)
+    check_values(page.get_by_test_id("force-note").inner_text(), Ended.DEPTH_REACHED, "1.00 mm")
     with page.expect_download(timeout=240_000) as download:
-        page.get_by_role("button", name="Make").click()
+        page.get_by_test_id("make").click()
     with zipfile.ZipFile(Path(download.value.path())) as pack:
         assert {"pack/instructions.pdf", "pack/manifest.json", "pack/mold.step"} <= set(pack.namelist())
         assert pack.testzip() is None

@@ -8,33 +8,34 @@ import urllib.request
 
 import pytest
 from viewer_process import ROOT, viewer
-from walk import DRAWN, colours, open_page
+from walk import DRAWN, colours, fault, open_page, wait_for_numbers
 
-from errors import check_refusal
+from errors import check_refusal, check_values
 
 
 def test_a_viewer_without_results_says_what_to_do(page, tmp_path):
     (tmp_path / "grid.json").write_text("{}")
     with viewer(tmp_path) as link:
         page.goto(link)
-        page.get_by_role("alert").filter(has_text="cannot be read as a grid").wait_for()
-        page.get_by_text("Design a dome and press it now").click()
+        check_values(fault(page, "grid-unreadable"), tmp_path / "grid.json")
+        page.get_by_test_id("to-design").click()
         page.wait_for_function(DRAWN)
         page.goto(link + "live")
-        page.get_by_role("alert").wait_for()
+        fault(page, "grid-unreadable")
         page.goto("about:blank")
 
 
 def test_a_broken_press_is_named_and_the_rest_is_shown(page, results, tmp_path):
     broken = tmp_path / "broken"
     shutil.copytree(results, broken)
-    next((broken / "store" / "press").rglob("*.h5")).write_bytes(b"no longer a press")
+    press = next((broken / "store" / "press").rglob("*.h5"))
+    press.write_bytes(b"no longer a press")
     with viewer(broken) as link:
         page.goto(link)
-        page.get_by_role("alert").filter(has_text="cannot be read as a press").wait_for()
-        page.get_by_text("2 of 2 designs kept").wait_for()
-        page.get_by_label("Keep designs where").fill("markers > 7")
-        page.get_by_text("1 of 2 designs kept").wait_for()
+        check_values(fault(page, "press-unreadable"), press.name)
+        wait_for_numbers(page, "kept", [2, 2])
+        page.get_by_test_id("where").fill("markers > 7")
+        wait_for_numbers(page, "kept", [1, 2])
         page.goto("about:blank")
     page.faults.clear()  # the browser itself notes the refused request
 

@@ -15,7 +15,7 @@ def test_pages_fit_the_screen(page, link, pictures, size, dark):
     for title, query in {**places, "live": "live"}.items():
         page.goto(link + query)
         if title == "live":
-            page.get_by_role("button", name="Start").click()
+            page.get_by_test_id("start").click()
             page.wait_for_function("Number(document.querySelector('.live-view svg').dataset.shown) > 6")
         else:
             page.wait_for_function(DRAWN)
@@ -30,7 +30,7 @@ def test_pages_fit_the_screen(page, link, pictures, size, dark):
 def test_light_turns_to_dark_and_is_remembered(page, link):
     page.goto(link)
     page.wait_for_function(DRAWN)
-    page.get_by_role("button", name="Light or dark").click()
+    page.get_by_test_id("theme").click()
     page.wait_for_function("document.body.classList.contains('body--dark')")
     page.wait_for_function("document.cookie.includes('palpate_dark=1')")
     page.reload()

@@ -17,12 +17,38 @@ def slide(page, name, value):
     page.wait_for_function(f"Number(document.querySelector('.dome-view').dataset.drawn) > {before}")
 
 
-def choose(page, label, text):
-    """Choose an entry of a select by typing its beginning."""
-    box = page.get_by_label(label, exact=True).first
+def choose(page, name, entry):
+    """Choose an entry of a select; where it takes text, by typing."""
+    box = page.get_by_test_id(name)
     box.click()
-    box.fill(text)
-    page.get_by_role("option").filter(has_text=text).first.click()
+    if box.is_editable():
+        box.fill(entry)
+    page.get_by_role("option", name=entry, exact=True).click()
+
+
+def fault(page, code, name="fault"):
+    """Wait for an error of this code in its place; the sentence that is seen."""
+    place = page.locator(f"[data-testid={name}][data-code~='{code}']:visible")
+    place.wait_for()
+    return place.inner_text()
+
+
+def wait_for_state(page, state, **more):
+    page.locator(f"[data-testid=status][data-state={state}]").wait_for(**more)
+
+
+def numbers(page, name):
+    """Numbers in the text of an element."""
+    return page.evaluate(f"({_NUMBERS})('{name}')")
+
+
+def wait_for_numbers(page, name, values):
+    """Wait until the numbers in the text of an element are these."""
+    page.wait_for_function(f"JSON.stringify(({_NUMBERS})('{name}')) === JSON.stringify({values})")
+
+
+_NUMBERS = r"""name => [...document.querySelector(`[data-testid=${name}]`).textContent
+    .matchAll(/-?\d+(\.\d+)?/g)].map(found => Number(found[0]))"""
 
 
 def dots(page):

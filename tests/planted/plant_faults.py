@@ -4,7 +4,7 @@
 
 Places are drawn by a seed in five areas of the source; each gets one fault that a programmer could make: a sign, a
 factor, swapped arguments, an index off by one, a dropped term, a mask of the wrong half, a missing check. A copy of
-the checkout with that fault runs the reference cases first, then the tests of the subpackage, then all fast tests,
+the checkout with that fault runs the tests of the subpackage first, then the reference cases, then all fast tests,
 until one fails. FOLDER/faults.json has an entry for each fault, so that an interrupted run resumes.
 """
 
@@ -203,9 +203,8 @@ def stages(fault: Fault, quick: bool) -> list[list[str]]:
     """Arguments of pytest, the likeliest to notice first; all fast tests last, unless it must be quick."""
     subpackage = Path(fault.path).parts[2]
     own = ROOT / "tests" / "unit" / subpackage
-    chosen = [["-n", "0", "tests/behaviour"]]
-    if own.exists():
-        chosen.append(["-n", "0", f"tests/unit/{subpackage}"])
+    chosen = [["-n", "0", f"tests/unit/{subpackage}"]] if own.exists() else []
+    chosen.append(["-n", "0", "tests/behaviour"])
     return chosen if quick else [*chosen, ["-n", "2"]]
 
 

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -54,7 +55,12 @@ def test_a_case_that_takes_twice_its_time_is_refused_in_every_run():
 def test_on_another_processor_time_is_told_and_counts_are_refused():
     other = {case: replace(row, ratio=3 * row.ratio, processor="another 1 1") for case, row in QUIET.items()}
     assert refused(other) == []
-    assert all("never measured on this processor" in finding.text for finding in speed.compare(LAST, other))
+    found = speed.compare(LAST, other)
+    assert not any(finding.slow for finding in found)
+    assert all(f"{other[finding.case].ratio:.3g}" in finding.text for finding in found)
+    moved = {case: replace(row, processor="another 1 1") for case, row in QUIET.items()}
+    pairs = zip(speed.compare(LAST, QUIET), speed.compare(LAST, moved), strict=True)
+    assert all(there.text.startswith(here.text) and there.text != here.text for here, there in pairs), "it is told"
     assert refused(other | {"train": replace(other["train"], iterations=1)}) == ["train"]
 
 
@@ -95,7 +101,8 @@ def test_a_case_that_was_not_measured_is_refused_and_a_new_one_is_told():
     found = {finding.case: finding for finding in speed.compare(LAST, now)}
     assert found["train"].refused
     assert not found["new"].refused
-    assert "no release" in found["new"].text
+    assert found["new"].text
+    assert not re.search(r"\d", found["new"].text), "it is compared with nothing"
 
 
 def test_the_last_version_of_the_history_is_the_one_compared_with():

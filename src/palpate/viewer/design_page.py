@@ -62,13 +62,13 @@ class DesignPage:
             ).props("dense outlined options-dense").classes("wide material")
         with ui.element("div").classes("card"):
             heading("Markers")
-            rings = NumberField.free("Rings", (0, _RINGS, 1), self._rings, self._set_rings)
+            rings = NumberField.free("rings", "Rings", (0, _RINGS, 1), self._rings, self._set_rings)
             rings.note("a dot at the apex, 6 k on ring k")
             self._own_rings = ui.input(
                 "Diameters of the rings, mm",
                 placeholder="even; or your own: 6, 14, 25",
                 on_change=lambda event: self._set_diameters(event.value),
-            ).props("dense outlined debounce=500 stack-label")
+            ).props('dense outlined debounce=500 stack-label data-testid="ring-diameters"')
             self._own_rings.classes("wide")
             NumberField(MarkerSpec, "diameter", "Dot", 0.1, self._setter("markers", "diameter"), (0.1, 4.0))
         with ui.element("div").classes("card"):

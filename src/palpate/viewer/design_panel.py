@@ -18,7 +18,7 @@ class DesignPanel:
     def __init__(self) -> None:
         with ui.element("div").classes("card"):
             heading("Figures")
-            self._table = ui.element("table").classes("figures")
+            self._table = ui.element("table").classes("figures").props('data-testid="figures"')
 
     def show(self, designs: Sequence[Design]) -> None:
         """Show the figures of these designs, a column each."""

@@ -60,22 +60,28 @@ class ExplorePage:
                 self._build_curves()
         self._redraw()
         if self._complaints:
-            show_error(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
+            sentences = " ".join((*self._complaints, self._fault.text)).strip()
+            show_error(self._fault, sentences, f"link-malformed {self._fault.props.get('data-code', '')}".strip())
 
     def _build_export(self) -> None:
         ui.button("Link", icon="link", on_click=self._copy_link).props(
             'flat dense no-caps aria-label="Copy the link"'
         )
         with (
-            ui.button("Export", icon="download").props('flat dense no-caps aria-label="Export what is seen"'),
+            ui.button("Export", icon="download").props(
+                'flat dense no-caps aria-label="Export what is seen" data-testid="export"'
+            ),
             ui.menu(),
         ):
-            ui.menu_item("3-D picture (PNG)", lambda: self._dome.save("dome.png"))
-            ui.menu_item("Camera view (SVG)", lambda: self._camera.save("camera.svg"))
-            ui.menu_item("Heat maps (SVG)", self._save_heat)
-            ui.menu_item("Dome at this pose (glTF)", lambda: self._download("dome.glb", depth=self._view.depth))
-            ui.menu_item("Markers at this tilt (CSV)", lambda: self._download("markers.csv"))
-            ui.menu_item("Designs that are kept (CSV)", self._download_grid)
+            for name, label, save in (
+                ("dome-png", "3-D picture (PNG)", lambda: self._dome.save("dome.png")),
+                ("camera-svg", "Camera view (SVG)", lambda: self._camera.save("camera.svg")),
+                ("heat-maps-svg", "Heat maps (SVG)", self._save_heat),
+                ("dome-glb", "Dome at this pose (glTF)", lambda: self._download("dome.glb", depth=self._view.depth)),
+                ("markers-csv", "Markers at this tilt (CSV)", lambda: self._download("markers.csv")),
+                ("grid-csv", "Designs that are kept (CSV)", self._download_grid),
+            ):
+                ui.menu_item(label, save).props(f'data-testid="export-{name}"')
 
     def _build_grid(self) -> None:
         columns = {name: column_label(name) for name in numeric_columns(self._grid)}
@@ -83,14 +89,14 @@ class ExplorePage:
             heading("Specification grid")
             ui.select(
                 columns, value=self._view.metric, label="Colour shows", with_input=True, on_change=self._choose_metric
-            ).props("dense outlined options-dense").classes("wide metric")
+            ).props('dense outlined options-dense data-testid="metric"').classes("wide metric")
             self._where = (
                 ui.input("Keep designs where", value=self._view.where, placeholder=_EXAMPLE)
-                .props("dense outlined clearable debounce=350")
+                .props('dense outlined clearable debounce=350 data-testid="where"')
                 .classes("wide where")
                 .on_value_change(self._filter)
             )
-            self._kept = ui.label("").classes("faint").props('aria-live="polite"')
+            self._kept = ui.label("").classes("faint").props('aria-live="polite" data-testid="kept"')
             self._heat = ui.echart({}, on_point_click=self._click_cell, renderer="svg").classes("heat")
         self._columns = columns
 
@@ -105,7 +111,7 @@ class ExplorePage:
                         label=label,
                         with_input=True,
                         on_change=lambda event, axis=axis: self._choose_axis(axis, event.value),
-                    ).props("dense outlined options-dense").classes(axis)
+                    ).props(f'dense outlined options-dense data-testid="{axis}"').classes(axis)
             self._scatter = ui.echart({}, on_point_click=self._click_dot, renderer="svg").classes("scatter")
 
     def _build_stage(self) -> None:
@@ -113,7 +119,7 @@ class ExplorePage:
         with ui.element("div").classes("stage-head"):
             self._select = (
                 ui.select(self._names, value=view.design, label="Design", with_input=True)
-                .props("dense outlined options-dense")
+                .props('dense outlined options-dense data-testid="design"')
                 .classes("design")
                 .on_value_change(lambda event: self._choose(event.value))
             )
@@ -124,7 +130,7 @@ class ExplorePage:
                     label="Beside it",
                     with_input=True,
                 )
-                .props("dense outlined options-dense")
+                .props('dense outlined options-dense data-testid="beside"')
                 .classes("beside")
                 .on_value_change(lambda event: self._set_second(event.value))
             )
@@ -144,7 +150,7 @@ class ExplorePage:
         with ui.element("div").classes("look"):
             ui.toggle(
                 [str(item) for item in ColourQuantity], value=str(self._view.colour), on_change=self._choose_colour
-            ).props('no-caps dense unelevated aria-label="Colour of the dome"')
+            ).props('no-caps dense unelevated aria-label="Colour of the dome" data-testid="colour"')
             for name, label in _SWITCHES:
                 ui.checkbox(
                     label,
@@ -173,9 +179,10 @@ class ExplorePage:
         self._draw_design()
 
     def _draw_grid(self) -> None:
-        chosen, message = self._chosen()
-        total = len(self._grid.designs)
+        chosen, wrong = self._chosen()
+        message, total = str(wrong or ""), len(self._grid.designs)
         self._kept.text = message or f"{len(chosen.selected)} of {total} designs kept"
+        self._kept.props(f'data-code="{wrong.code if wrong else ""}"')
         self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
         set_chart(self._heat, heat_chart(self._grid, self._view.metric, chosen, self._head.ink))
 
@@ -183,13 +190,14 @@ class ExplorePage:
         axes = (self._view.across, self._view.up)
         set_chart(self._scatter, scatter_chart(self._grid, axes, self._chosen()[0], self._head.ink))
 
-    def _chosen(self) -> tuple[Selection, str]:
+    def _chosen(self) -> tuple[Selection, PalpateError | None]:
         """Rows that stand out, and what is wrong with the question."""
+        wrong = None
         try:
-            kept, message = selected_rows(self._grid, self._view.where), ""
+            kept = selected_rows(self._grid, self._view.where)
         except PalpateError as error:
-            kept, message = selected_rows(self._grid, ""), str(error)
-        return Selection(kept, self._view.design, self._view.other), message
+            kept, wrong = selected_rows(self._grid, ""), error
+        return Selection(kept, self._view.design, self._view.other), wrong
 
     def _draw_design(self) -> None:
         """Put the chosen designs on the stage, with their curves."""
@@ -203,7 +211,7 @@ class ExplorePage:
     def _draw_curves(self) -> None:
         designs: list[Design] = []
         shown: list[tuple[Design, SurfaceMotion]] = []
-        faults = []
+        faults: list[PalpateError] = []
         for number in self._numbers():
             try:
                 designs.append(self._library.design(number))
@@ -211,8 +219,8 @@ class ExplorePage:
                 tilt = min(max(self._view.tilt, pressed.tilts_deg[0]), pressed.tilts_deg[-1])
                 shown.append((designs[-1], pressed.at(tilt, self._view.azimuth)))
             except PalpateError as error:
-                faults.append(str(error))
-        show_error(self._fault, " ".join(faults))
+                faults.append(error)
+        show_error(self._fault, " ".join(map(str, faults)), " ".join(error.code for error in faults))
         self._panel.show(designs)
         ink, here = self._head.ink, ChartCurve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)

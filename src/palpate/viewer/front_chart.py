@@ -62,7 +62,11 @@ def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
 
 def design_words(search: SearchFolder, number: int) -> str:
     """A design in a few words, e.g. ``"skin 12, 91 markers: winner"``."""
-    row = search.rows[number]
-    role = "winner" if number == search.winner else "front" if number < search.front else ""
-    role = role or ("tried" if row["feasible"] else "tried, breaks a limit")
-    return f"skin {row['skin']}, {row['markers']} markers: {role}"
+    row, role = search.rows[number], role_of(search, number)
+    words = "tried, breaks a limit" if role == "tried" and not row["feasible"] else role
+    return f"skin {row['skin']}, {row['markers']} markers: {words}"
+
+
+def role_of(search: SearchFolder, number: int) -> str:
+    """The part of a design in its search: ``"winner"``, ``"front"`` or ``"tried"``."""
+    return "winner" if number == search.winner else "front" if number < search.front else "tried"

@@ -34,6 +34,8 @@ class Job:
         What the work gave back, once `done`.
     fault
         Why there is no result; empty where there is one.
+    cancelled
+        Whether it was called off.
     """
 
     def __init__(self, work: Work, *arguments: Any) -> None:
@@ -46,6 +48,7 @@ class Job:
         self.share = 0.0
         self.result: Any = None
         self.fault = ""
+        self.cancelled = False
         self.done = False
 
     def poll(self) -> bool:
@@ -73,6 +76,7 @@ class Job:
         """Stop the work and its process."""
         if not self.done:
             self._process.terminate()
+            self.cancelled = True
             self._end("Cancelled.")
 
     def _end(self, fault: str) -> None:

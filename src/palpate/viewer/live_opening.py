@@ -22,6 +22,7 @@ from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design, model_path
 
 _VIRTUAL = "virtual touches"
+_FIELD = "dense outlined options-dense"
 _CAMERAS = {"camera 0": "0", "camera 1": "1"}
 """Cameras of the machine that the viewer runs on."""
 
@@ -59,7 +60,8 @@ class LiveOpening(ABC):
     def _build_sources(self, more: tuple[str, ...]) -> ui.select:
         """The field for where images come from: those given, recordings below the folder, cameras."""
         names = [*more, *find_recordings(self.folder), *_CAMERAS]
-        return ui.select(names, value=names[0], label="Images").props("dense outlined options-dense").classes("wide")
+        field = ui.select(names, value=names[0], label="Images").classes("wide")
+        return field.props(_FIELD + ' data-testid="source"')
 
     def _open_source(self, chosen: str) -> Source:
         return open_source(_CAMERAS.get(chosen) or str(inside(self.folder, chosen)))
@@ -84,7 +86,7 @@ class DesignOpening(LiveOpening):
         names = {i: design_label(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
         best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
         self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
-        self._design.props("dense outlined options-dense").classes("wide")
+        self._design.props(_FIELD + ' data-testid="unit"').classes("wide")
         self._source = self._build_sources((_VIRTUAL,))
         self._marked = ui.checkbox("The orientation mark is printed", value=True).props("dense")
         ui.label("Folders of images and videos inside the result folder are listed.").classes("faint")

@@ -51,7 +51,8 @@ class LivePage:
             with ui.element("section").classes("stage").props('aria-label="Image"'):
                 self._fault = error_label()
                 self._view = LiveView("The sensor's image with its markers")
-                self._status = ui.label("Choose a source and start.").classes("faint").props('role="status"')
+                self._status = ui.label("Choose a source and start.").classes("faint")
+                self._status.props('role="status" data-testid="status" data-state="idle"')
             with ui.element("section").classes("side").props('aria-label="Pose"'):
                 self._build_pose()
         self._timer = ui.timer(_PERIOD_S, self._next, active=False)
@@ -63,16 +64,18 @@ class LivePage:
             self._opening.build()
             with ui.element("div").classes("do"):
                 self._start_button = ui.button("Start", icon="play_arrow", on_click=self._start)
-                self._start_button.props("no-caps unelevated dense")
-                ui.button("Stop", icon="stop", on_click=self._stop).props("no-caps outline dense")
+                self._start_button.props('no-caps unelevated dense data-testid="start"')
+                ui.button("Stop", icon="stop", on_click=self._stop).props('no-caps outline dense data-testid="stop"')
 
     def _build_record(self) -> None:
         with ui.element("div").classes("card"):
             heading("Record")
             with ui.element("div").classes("do"):
                 self._record = ui.button("Record", icon="fiber_manual_record", on_click=self._turn_record)
-                self._record.props("no-caps outline dense")
-                ui.button("Save CSV", icon="download", on_click=self._save).props("no-caps flat dense")
+                self._record.props('no-caps outline dense data-testid="record"')
+                ui.button("Save CSV", icon="download", on_click=self._save).props(
+                    'no-caps flat dense data-testid="save-readings"'
+                )
             self._recorded = ui.label("Nothing recorded.").classes("faint").props('aria-live="polite"')
         with ui.element("div").classes("card"):
             heading("Picture")
@@ -84,9 +87,9 @@ class LivePage:
     def _build_pose(self) -> None:
         with ui.element("div").classes("card"):
             heading("Pose of the wall")
-            self._verdict = ui.label("").classes("verdict").props('role="status"')
+            self._verdict = ui.label("").classes("verdict").props('role="status" data-testid="verdict"')
             self._dial = ui.html("", sanitize=False).classes("dial-box")
-            self._figures = ui.element("table").classes("figures")
+            self._figures = ui.element("table").classes("figures").props('data-testid="figures"')
         with ui.element("div").classes("card"):
             heading("Upright to within")
             self._limit = ui.number(
@@ -95,17 +98,17 @@ class LivePage:
                 step=0.5,
                 validation={"From 0.1 to 30.": lambda value: value is not None and 0.1 <= value <= 30},
                 on_change=self._set_tolerance,
-            ).props("dense outlined")
+            ).props('dense outlined data-testid="tolerance"')
 
     async def _start(self) -> None:
         self._stop()
         show_error(self._fault, "")
-        self._status.text = "Opening the sensor …"
+        self._tell("opening", "Opening the sensor …")
         try:
             self._live = await asyncio.to_thread(self._opening.open)
         except PalpateError as error:
-            self._status.text = ""
-            show_error(self._fault, str(error))
+            self._tell("idle", "")
+            show_error(self._fault, str(error), error.code)
             return
         height, width = self._live.size_px
         self._view.begin(width, height, self._live.rest_px.round(2).tolist())
@@ -127,7 +130,8 @@ class LivePage:
             step = await asyncio.to_thread(live.step)
         except PalpateError as error:
             self._stop()
-            show_error(self._fault, str(error))
+            self._tell("failed", self._status.text)
+            show_error(self._fault, str(error), error.code)
             return
         finally:
             self._busy = False
@@ -135,7 +139,7 @@ class LivePage:
             return
         if step is None:
             self._stop()
-            self._status.text = "The recording ended."
+            self._tell("ended", "The recording ended.")
             return
         self._show(step)
 
@@ -145,9 +149,9 @@ class LivePage:
         self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
         reading = step.reading
         found = f"Image {reading.image}: {reading.found} of {len(step.found)} markers found"
-        self._status.text = " · ".join(
-            part for part in (found, f"{reading.latency_ms:.0f} ms", "; ".join(reading.flags), reading.reason) if part
-        )
+        parts = (found, f"{reading.latency_ms:.0f} ms", "; ".join(reading.flags), reading.reason)
+        self._tell("running", " · ".join(part for part in parts if part))
+        self._status.props(f"data-found={reading.found} data-markers={len(step.found)}")
         self._show_pose(step)
         record = self._live.record if self._live else None
         if record is not None:
@@ -157,6 +161,7 @@ class LivePage:
         reading = step.reading if step else None
         verdict = rate_reading(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
+        self._verdict.props(f'data-verdict="{verdict.replace(" ", "-")}"')
         self._verdict.style(f"background: {COLOURS[verdict]}")
         known = step.truth if step else None
         self._dial.set_content(draw_dial(reading, self._tolerance, verdict, known, self._opening.reach_deg))
@@ -170,13 +175,17 @@ class LivePage:
                         with ui.element("td"):
                             ui.label(text)
 
+    def _tell(self, state: str, what: str) -> None:
+        self._status.text = what
+        self._status.props(f'data-state="{state}"')
+
     def _set_tolerance(self, event: events.ValueChangeEventArguments[Any]) -> None:
         if isinstance(event.value, int | float) and 0.1 <= event.value <= 30:
             self._tolerance = float(event.value)
 
     def _turn_record(self) -> None:
         if self._live is None:
-            show_error(self._fault, "Nothing runs yet: start a source first.")
+            show_error(self._fault, "Nothing runs yet: start a source first.", "nothing-running")
             return
         show_error(self._fault, "")
         self._live.record = [] if self._live.record is None else None
@@ -186,7 +195,7 @@ class LivePage:
 
     def _save(self) -> None:
         if not self._kept:
-            show_error(self._fault, "Nothing was recorded yet.")
+            show_error(self._fault, "Nothing was recorded yet.", "nothing-recorded")
             return
         ui.download.content(write_table(self._kept), "readings.csv")
 

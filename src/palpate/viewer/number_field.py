@@ -44,14 +44,16 @@ class NumberField:
         note = next(note for note in parameters(spec) if note.name == name)
         low, high = ends or bounds_of(spec, name)
         unit = {"deg": "°", "1": ""}.get(note.unit, note.unit)
-        self._place(f"{label} ({unit})" if unit else label, (low, high, step), float(note.default), change)
+        self._place(f"{label} ({unit})" if unit else label, (low, high, step), float(note.default), change, name)
         self._row.props(f'title="{note.meaning}"')
 
     @classmethod
-    def free(cls, label: str, ends: tuple[float, float, float], value: float, change: Change) -> NumberField:
+    def free(
+        cls, name: str, label: str, ends: tuple[float, float, float], value: float, change: Change
+    ) -> NumberField:
         """A number that no spec declares: least, most and step of it are given."""
         field = cls.__new__(cls)
-        field._place(label, ends, value, change)
+        field._place(label, ends, value, change, name)
         return field
 
     def note(self, text: str) -> None:
@@ -63,7 +65,8 @@ class NumberField:
         """Give it a value as a visitor does: the change is called."""
         self._box.value = value
 
-    def _place(self, label: str, ends: tuple[float, float, float], value: float, change: Change) -> None:
+    def _place(self, label: str, ends: tuple[float, float, float], value: float, change: Change, name: str) -> None:
+        place = f"field-{name.replace('_', '-')}"
         self._low, self._high, step = ends
         self._change = change
         with ui.element("div").classes("field") as self._row:
@@ -71,9 +74,9 @@ class NumberField:
             self._slider = ui.slider(min=self._low, max=self._high, step=step, value=value)
             self._slider.props(f'dense aria-label="{label}"').on_value_change(self._slide)
             self._box = ui.number(value=value, step=step, on_change=self._type).props(
-                f'dense borderless hide-bottom-space aria-label="{label}"'
+                f'dense borderless hide-bottom-space aria-label="{label}" data-testid="{place}"'
             )
-            self._wrong = ui.label("").classes("field-wrong").props('role="alert"')
+            self._wrong = ui.label("").classes("field-wrong").props(f'role="alert" data-testid="{place}-wrong"')
 
     def _slide(self, event: events.ValueChangeEventArguments[Any]) -> None:
         if event.value is not None and event.value != self._box.value:

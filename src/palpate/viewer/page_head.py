@@ -43,7 +43,7 @@ class PageHeader:
             ui.label(about).classes("about").tooltip(about)
             self.tools = ui.element("div").classes("tools")
             self._switch = ui.button(icon=self._icon(), on_click=self._turn).props(
-                'flat round dense aria-label="Light or dark"'
+                'flat round dense aria-label="Light or dark" data-testid="theme"'
             )
 
     @property
@@ -68,15 +68,16 @@ class PageHeader:
             redraw()
 
 
-def show_error(box: ui.label, sentence: str) -> None:
-    """Show a sentence in place, or nothing."""
+def show_error(box: ui.label, sentence: str, code: str = "") -> None:
+    """Show a sentence in place, or nothing; `code` names the kind of error for programs that read the page."""
     box.text = sentence
+    box.props(f'data-code="{code}"')
     box.set_visibility(bool(sentence))
 
 
 def error_label() -> ui.label:
     """A place for a sentence about what went wrong; hidden while it is empty."""
-    box = ui.label("").classes("complaint").props('role="alert"')
+    box = ui.label("").classes("complaint").props('role="alert" data-testid="fault"')
     box.set_visibility(False)
     return box
 

@@ -17,7 +17,7 @@ from palpate.viewer.learnt_page import TrainedPage
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live_opening import DesignOpening, TrainedOpening
 from palpate.viewer.live_page import LivePage
-from palpate.viewer.page_head import PageHeader
+from palpate.viewer.page_head import PageHeader, error_label, show_error
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
 from palpate.viewer.search_page import SearchPage
@@ -28,10 +28,11 @@ TITLE = "palpate"
 
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
-    shelf, learnt, reason = DesignCache(), None, "No result folder was given."
+    shelf, learnt = DesignCache(), None
+    reason = PalpateError("No result folder was given.", code="results-missing")
     search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
     if search is not None:
-        reason = "A search has no trained model to read a sensor with."
+        reason = PalpateError("A search has no trained model to read a sensor with.", code="model-missing")
     elif folder is not None:
         try:
             if is_trained_sensor(folder):
@@ -39,7 +40,7 @@ def build_app(folder: Path | None) -> FastAPI:
             else:
                 shelf = DesignCache(DesignLibrary(read_results(folder)))
         except PalpateError as error:
-            reason = str(error)
+            reason = error
     app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)
     answer_errors(app)
     app.include_router(make_routes(shelf, learnt))
@@ -77,15 +78,15 @@ def show_search(request: Request, folder: Path, shelf: DesignCache) -> None:
     try:
         SearchPage(read_search(folder), shelf, request).build()
     except PalpateError as error:
-        show_reason(request, "/", str(error))
+        show_reason(request, "/", error)
 
 
-def show_reason(request: Request, here: str, reason: str) -> None:
+def show_reason(request: Request, here: str, reason: PalpateError) -> None:
     """A page without results: why, and what to do."""
     PageHeader(request, here, "no results")
     with ui.element("div").classes("empty"):
-        ui.label(reason).classes("complaint").props('role="alert"')
+        show_error(error_label(), str(reason), reason.code)
         ui.label(
             "Make results with `palpate run studies/first.yaml`, then open them with `palpate view results/first`."
         )
-        ui.link("Design a dome and press it now", "/design").classes("go")
+        ui.link("Design a dome and press it now", "/design").classes("go").props('data-testid="to-design"')

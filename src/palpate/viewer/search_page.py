@@ -10,7 +10,7 @@ from nicegui import events, ui
 from palpate.core import PalpateError
 from palpate.optimise import SearchFolder
 from palpate.viewer.explore_page import set_chart
-from palpate.viewer.front_chart import COLUMNS, design_words, front_chart
+from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
 from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.words import column_label, format_cell
@@ -63,19 +63,21 @@ class SearchPage:
     def _build_front(self) -> None:
         with ui.element("div").classes("card"):
             heading("The front")
-            ui.label(_state(self._search)).classes("faint state")
+            ui.label(_state(self._search)).classes("faint state").props(
+                f'data-testid="search-state" data-finished={str(self._search.finished).lower()}'
+            )
             ui.select(
                 {column: column_label(column) for column in COLUMNS.values()},
                 value=self._across,
                 label="Across",
                 on_change=self._choose_axis,
-            ).props("dense outlined options-dense").classes("wide across")
+            ).props('dense outlined options-dense data-testid="across"').classes("wide across")
             self._chart = ui.echart({}, on_point_click=self._click, renderer="svg").classes("front")
         self._wall_fields = self._bench.build_wall(self._set_wall)
         with ui.element("div").classes("card"):
             heading("Figures")
-            self._title = ui.label("").classes("design-title").props('aria-live="polite"')
-            self._figures = ui.element("table").classes("figures")
+            self._title = ui.label("").classes("design-title").props('aria-live="polite" data-testid="shown"')
+            self._figures = ui.element("table").classes("figures").props('data-testid="figures"')
 
     def _draw_front(self) -> None:
         if self._search.rows:
@@ -84,10 +86,11 @@ class SearchPage:
     def _show(self) -> None:
         """Put the chosen design on the workbench."""
         self._title.text = design_words(self._search, self._shown)
+        self._title.props(f'data-design={self._shown} data-role="{role_of(self._search, self._shown)}"')
         self._figures.clear()
         with self._figures:
             for column, cell in self._search.rows[self._shown].items():
-                with ui.element("tr"):
+                with ui.element("tr").props(f'data-column="{column}"'):
                     with ui.element("th").props('scope="row"'):
                         ui.label(column_label(column))
                     with ui.element("td"):
@@ -98,7 +101,7 @@ class SearchPage:
         try:
             found = self._search.design(self._shown)
         except PalpateError as error:
-            self._bench.complain(str(error))
+            self._bench.complain(str(error), error.code)
             return
         self._bench.show(
             {

@@ -76,13 +76,14 @@ class Workbench:
         """Place the dome, its buttons and the bar of its pose."""
         with ui.element("div").classes("do"):
             self._press = ui.button("Press", icon="compress", on_click=self._start_press).props(
-                "no-caps unelevated dense"
+                'no-caps unelevated dense data-testid="press"'
             )
             self._make = ui.button("Make", icon="precision_manufacturing", on_click=self._start_pack)
-            self._make.props("no-caps outline dense")
-            self._cancel = ui.button("Cancel", on_click=self._cancel_job).props("no-caps flat dense")
+            self._make.props('no-caps outline dense data-testid="make"')
+            self._cancel = ui.button("Cancel", on_click=self._cancel_job)
+            self._cancel.props('no-caps flat dense data-testid="cancel"')
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
-            self._status = ui.label("").classes("faint status").props('role="status"')
+            self._status = ui.label("").classes("faint status").props('role="status" data-testid="status"')
         self._fault = error_label()
         with ui.element("div").classes("domes"):
             dome = DomeView("a", "The design")
@@ -114,11 +115,11 @@ class Workbench:
             CameraView("a", "The design")
         with ui.element("div").classes("card"):
             heading("Findings")
-            self._findings = ui.element("ul").classes("findings")
+            self._findings = ui.element("ul").classes("findings").props('data-testid="findings"')
         with ui.element("div").classes("card"):
             heading("Force on the wall")
             self._force = ui.echart({}, renderer="svg").classes("curve")
-            self._force_note = ui.label("Not pressed yet.").classes("faint")
+            self._force_note = ui.label("Not pressed yet.").classes("faint").props('data-testid="force-note"')
 
     def show(self, chosen: Mapping[str, Any]) -> None:
         """Draw the sketch of these parts at rest; what cannot be drawn is reported, and the last one stays."""
@@ -126,7 +127,7 @@ class Workbench:
             self._sketch = DesignDraft.model_validate(chosen)
             self._drawn = build_preview(self._sketch)
         except (PalpateError, ValidationError) as error:
-            self.complain(_describe(error))
+            self.complain(_describe(error), code_of(error))
             return
         self.complain("")
         self._show_findings(self._drawn.findings)
@@ -135,15 +136,15 @@ class Workbench:
         self._force_note.text = "Not pressed yet."
         self._draw_force()
 
-    def complain(self, sentence: str) -> None:
-        """Show a sentence in place, or nothing."""
-        show_error(self._fault, sentence)
+    def complain(self, sentence: str, code: str = "") -> None:
+        """Show a sentence in place, or nothing; `code` names the kind of error."""
+        show_error(self._fault, sentence, code)
 
     def _show_findings(self, findings: tuple[Finding, ...]) -> None:
         self._findings.clear()
         with self._findings:
             for finding in findings:
-                with ui.element("li").classes(str(finding.severity)):
+                with ui.element("li").classes(str(finding.severity)).props(f'data-code="{finding.code}"'):
                     ui.label(f"{finding.message} {finding.remedy}")
             if not findings:
                 with ui.element("li"):
@@ -153,12 +154,16 @@ class Workbench:
         curves = self._curves or [ChartCurve("force", [], FIRST)]
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
 
+    def _tell(self, state: str, what: str = "") -> None:
+        self._status.text = what
+        self._status.props(f'data-state="{state}"')
+
     def _busy(self, busy: bool, what: str = "") -> None:
         self._press.set_enabled(not busy)
         self._make.set_enabled(not busy)
         for element in (self._cancel, self._progress):
             element.set_visibility(busy)
-        self._status.text = what
+        self._tell("busy" if busy else "idle", what)
 
     def _start_press(self) -> None:
         self._finish = self._show_press
@@ -188,9 +193,11 @@ class Workbench:
         self._errand = None
         self._timer.deactivate()
         self._busy(False)
-        if errand.fault:
-            self._status.text = errand.fault if errand.fault == "Cancelled." else ""
-            show_error(self._fault, "" if errand.fault == "Cancelled." else errand.fault)
+        if errand.cancelled:
+            self._tell("cancelled", errand.fault)
+        elif errand.fault:
+            self._tell("failed")
+            show_error(self._fault, errand.fault)
         else:
             self._finish(errand.result)
 
@@ -205,13 +212,13 @@ class Workbench:
         motion = pressed.at(sketch.obstacle.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."
-        self._status.text = f"Pressed in {press.cpu_s:.1f} s."
+        self._tell("pressed", f"Pressed in {press.cpu_s:.1f} s.")
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
         self._bar.animate(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
-        self._status.text = f"The pack has {len(pack) / 1e6:.1f} MB."
+        self._tell("made", f"The pack has {len(pack) / 1e6:.1f} MB.")
         ui.download.content(pack, "pack.zip")
 
 
@@ -219,3 +226,8 @@ def _describe(error: PalpateError | ValidationError) -> str:
     if isinstance(error, PalpateError):
         return str(error)
     return " ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}." for item in error.errors())
+
+
+def code_of(error: PalpateError | ValidationError) -> str:
+    """The code of an error; that of a spec is the type of its first fault."""
+    return error.code if isinstance(error, PalpateError) else str(error.errors()[0]["type"])

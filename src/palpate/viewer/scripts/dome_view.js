@@ -23,8 +23,6 @@ export default {
     },
   },
   mounted() {
-    this.three = buildScene(this.$refs.canvas);
-    this.three.controls.addEventListener("change", () => this.render());
     this.stop = listen(() => this.draw());
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(this.$refs.box);
@@ -34,12 +32,13 @@ export default {
   beforeUnmount() {
     this.stop();
     this.watcher.disconnect();
-    this.three.renderer.dispose();
+    this.three?.renderer.dispose();
   },
   methods: {
     resize() {
       const { clientWidth: width, clientHeight: height } = this.$refs.box;
       if (!width || !height) return;
+      if (!this.three) this.build();
       const { renderer, camera } = this.three;
       renderer.setPixelRatio(this.three.soft ? 0.7 : Math.min(window.devicePixelRatio, 2));
       renderer.setSize(width, height, false);
@@ -47,7 +46,14 @@ export default {
       camera.updateProjectionMatrix();
       this.render();
     },
+    // A view that is hidden has no scene until it is seen first.
+    build() {
+      this.three = buildScene(this.$refs.canvas);
+      this.three.controls.addEventListener("change", () => this.render());
+      changed();
+    },
     draw() {
+      if (!this.three) return;
       const slot = stage.slots[this.slotName];
       if (!slot.motion) {
         this.three.pivot.visible = false;
@@ -95,6 +101,7 @@ export default {
       this.$refs.low.textContent = low;
       this.$refs.high.textContent = this.colour === "contact" ? `${FAR_MM}+` : this.top.toPrecision(3);
       this.$refs.what.textContent = NAMES[this.colour];
+      this.$refs.what.dataset.colour = this.colour;
       this.$refs.ramp.style.background = `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
       const ended = place.depth < stage.pose.depth - 1e-6;
       const waits = stage.look.colour === "stress" && !slot.motion.arrays.stress;
@@ -167,12 +174,15 @@ function buildScene(canvas) {
 }
 
 // Without a graphics card smooth edges and fine pixels cost more than they are worth.
+let software = null;
 function drawnBySoftware() {
+  if (software !== null) return software;
   const gl = document.createElement("canvas").getContext("webgl");
   const told = gl?.getExtension("WEBGL_debug_renderer_info");
   const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
+  software = /swiftshader|llvmpipe|software/i.test(name);
+  return software;
 }
 
 function addGroup(scene) {
