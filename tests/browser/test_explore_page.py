@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from walk import (
+    DRAWN,
     choose,
     colours,
     dots,
@@ -177,8 +178,7 @@ def test_the_view_turns_by_keys(page, link):
 @pytest.mark.parametrize("path", ["", "design", "live"])
 def test_every_control_has_a_name_and_is_reached_by_keys(page, link, path):
     page.goto(link + path)
-    page.locator(".explorer, .live").wait_for()
-    page.wait_for_timeout(800)
+    page.wait_for_function("document.querySelector('.dial')" if path == "live" else DRAWN)
     nameless = page.evaluate(
         """() => [...document.querySelectorAll('button, input, a, canvas[tabindex], [role=slider], [role=checkbox]')]
         .filter(e => e.offsetParent && !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby')
@@ -190,4 +190,6 @@ def test_every_control_has_a_name_and_is_reached_by_keys(page, link, path):
     for _ in range(60):
         page.keyboard.press("Tab")
         reached.add(page.evaluate("document.activeElement?.tagName + ':' + (document.activeElement?.id || '')"))
+        if len(reached) > 8:
+            break
     assert len(reached) > 8

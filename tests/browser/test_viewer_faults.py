@@ -1,16 +1,15 @@
 """What can go wrong around the viewer: it is shown in place, and the page stays alive."""
 
 import shutil
-import subprocess
-import sys
 import urllib.error
 import urllib.request
 
 import pytest
-from viewer_process import ROOT, viewer
+from viewer_process import viewer
 from walk import DRAWN, colours, fault, open_page, wait_for_numbers
 
 from errors import check_refusal, check_values
+from palpate.cli import main
 
 
 def test_a_viewer_without_results_says_what_to_do(page, tmp_path):
@@ -40,20 +39,26 @@ def test_a_broken_press_is_named_and_the_rest_is_shown(page, results, tmp_path):
     page.faults.clear()  # the browser itself notes the refused request
 
 
-def test_two_viewers_show_one_folder(page, link, results):
-    with viewer(results) as other:
-        assert other != link
-        for address in (other, link):
-            open_page(page, address)
-            assert colours(page) > 50
+@pytest.fixture(scope="module")
+def guarded(results):
+    """A second viewer on the same folder, with a token."""
+    with viewer(results, "--token", "0123456789abcdef42") as address:
+        yield address
 
 
-def test_a_second_viewer_at_the_same_port_is_refused(link, results):
+def test_two_viewers_show_one_folder(page, link, guarded):
+    assert guarded.partition("?")[0] != link
+    for address in (guarded, link):
+        open_page(page, address)
+        assert colours(page) > 50
+
+
+def test_a_second_viewer_at_the_same_port_is_refused(link, results, capsys):
     port = link.rstrip("/").rpartition(":")[2]
-    words = [sys.executable, "-m", "palpate", "view", str(results), "--port", port]
-    done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
-    assert done.returncode == 2
-    check_refusal(done.stderr, "port-unavailable", port)
+    with pytest.raises(SystemExit) as left:
+        main(["view", str(results), "--port", port])
+    assert left.value.code == 2
+    check_refusal(capsys.readouterr().err, "port-unavailable", port)
 
 
 def status(address, **headers):
@@ -86,11 +91,9 @@ def test_other_pages_and_names_are_refused(link):
     assert status(link + "_nicegui_ws/socket.io/?EIO=4&transport=websocket", Origin="http://evil.example") == 403
 
 
-def test_a_token_opens_the_door_once_and_for_all(page, results):
-    with viewer(results, "--token", "0123456789abcdef42") as link:
-        bare = link.partition("?")[0]
-        assert status(bare) == 401
-        open_page(page, link)
-        assert "token" not in page.url
-        open_page(page, bare, "?depth=2")
-        page.goto("about:blank")
+def test_a_token_opens_the_door_once_and_for_all(page, guarded):
+    bare = guarded.partition("?")[0]
+    assert status(bare) == 401
+    open_page(page, guarded)
+    assert "token" not in page.url
+    open_page(page, bare, "?depth=2")

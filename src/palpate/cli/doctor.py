@@ -44,6 +44,7 @@ class InstallCheck:
 def doctor(*, json: JsonFlag = False) -> int:
     """Say what is installed, which solver backend is used, and name what is missing."""
     needed = _needed()
+    _modules_by_distribution.cache_clear()  # packages may have been installed since
     checks = [_check_python(), *(_check_package(name, "") for name, extra in needed.items() if not extra)]
     required_ok = all(check.ok for check in checks)
     backends = _check_backends() if required_ok else []

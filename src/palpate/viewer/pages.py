@@ -29,10 +29,12 @@ TITLE = "palpate"
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
     shelf, learnt = DesignCache(), None
-    reason = PalpateError("No result folder was given.", code="results-missing")
+    reason = PalpateError("No result folder was given.", "Give one to `palpate view`.", code="results-missing")
     search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
     if search is not None:
-        reason = PalpateError("A search has no trained model to read a sensor with.", code="model-missing")
+        reason = PalpateError(
+            "A search has no trained model to read a sensor with.", "Open a study instead.", code="model-missing"
+        )
     elif folder is not None:
         try:
             if is_trained_sensor(folder):

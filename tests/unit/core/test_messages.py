@@ -124,12 +124,12 @@ WITHOUT_VALUE = listed(
     force-not-positive forces-need-wall grid-empty grid-missing grid-selection-empty image-damaged
     image-mirrored image-not-encoded image-not-finite inverted-cap-missing inverted-state-gel
     inverted-state-route law-exponent-zero law-term-incomplete limit-obstacle-level load-missing
-    markers-outside-skin mesh-half-needed mesh-whole-needed model-missing model-no-design network-no-force*2
+    markers-outside-skin mesh-half-needed mesh-whole-needed model-missing*2 model-no-design network-no-force*2
     network-no-unit*3 notebook-missing obstacle-misses-skin option-not-for-solver
     options-exclusive*2 outline-begins-with-curve outline-leaves-axis-aslant picture-missing press-curve-missing
     press-pose-incomplete presses-designs-differ presses-none*3 presses-obstacles-differ presses-share-no-depth
     question-operator-unknown recording-markers-unassigned relaxation-not-falling relaxation-without-law
-    rest-image-missing*3 rest-markers-on-line*2 rim-touched-first rings-not-printable source-no-image
+    results-missing rest-image-missing*3 rest-markers-on-line*2 rim-touched-first rings-not-printable source-no-image
     template-not-for-pins tracker-no-marker twin-needs-flat-wall video-empty wall-bent-no-facets
     """
 )
