@@ -110,7 +110,9 @@ def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
 
 def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
     tolerance = ToleranceSpec(thickness=0.1, friction_min=0.6, friction_max=0.9)
-    bench = small_bench(tmp_path, write_small_twin(tmp_path / "twin.h5"), calibration_presses=4, azimuths=1, tolerance=tolerance)
+    bench = small_bench(
+        tmp_path, write_small_twin(tmp_path / "twin.h5"), calibration_presses=4, azimuths=1, tolerance=tolerance
+    )
     results = list(run_bench(bench))
     unit = results[1].trial
     assert not unit.failure
@@ -128,7 +130,9 @@ def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
     page = (tmp_path / "out" / "bench.md").read_text()
     assert "| thickness | 1 |" in page
     assert "| force_n | 8 |" in page
-    assert json.loads((tmp_path / "out" / "bench.json").read_text())["units"][1]["parameters"][0]["name"] == "offset_x"
+    assert (
+        json.loads((tmp_path / "out" / "bench.json").read_text())["units"][1]["parameters"][0]["name"] == "offset_x"
+    )
 
 
 def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):

@@ -1,4 +1,4 @@
-"""Rings chosen by exchange, held against every choice there is, against `predict_accuracy`, and against their bound."""
+"""Rings chosen by exchange, compared with every choice, with `predict_accuracy`, and with their bound."""
 
 from collections.abc import Sequence
 from itertools import combinations, pairwise
@@ -258,7 +258,9 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
             raise PalpateError("Ring 1 was not found.", "", code="ring-missing")
 
     monkeypatch.setattr("palpate.optimise.propose.open_sensor", open_most)
-    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02))
+    monkeypatch.setattr(
+        "palpate.optimise.propose.predict_accuracy", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02)
+    )
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
     assert (opened.count(7), opened.count(19)) == (3, 3)
     fully = evaluate_skin(twin, known, spec, checks=(None,))  # type: ignore[arg-type]  # nothing is foreseen by them here
