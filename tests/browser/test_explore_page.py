@@ -109,7 +109,7 @@ def test_the_dome_is_coloured_by(page, link, colour):
 
 def test_two_designs_are_compared(page, link, designs):
     open_page(page, link, "?depth=3&design=1")
-    choose(page, "beside", designs[0])
+    choose(page, "second-design", designs[0])
     page.wait_for_function("document.querySelectorAll('.camera-view')[1].querySelectorAll('circle').length > 0")
     assert page.locator(".dome-view:visible").count() == 2
     page.wait_for_function("Number(document.querySelectorAll('.dome-view')[1].dataset.drawn) > 0")

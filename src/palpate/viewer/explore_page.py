@@ -130,7 +130,7 @@ class ExplorePage:
                     label="Beside it",
                     with_input=True,
                 )
-                .props('dense outlined options-dense data-testid="beside"')
+                .props('dense outlined options-dense data-testid="second-design"')
                 .classes("beside")
                 .on_value_change(lambda event: self._set_second(event.value))
             )

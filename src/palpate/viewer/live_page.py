@@ -103,11 +103,11 @@ class LivePage:
     async def _start(self) -> None:
         self._stop()
         show_error(self._fault, "")
-        self._tell("opening", "Opening the sensor …")
+        self._show_state("opening", "Opening the sensor …")
         try:
             self._live = await asyncio.to_thread(self._opening.open)
         except PalpateError as error:
-            self._tell("idle", "")
+            self._show_state("idle", "")
             show_error(self._fault, str(error), error.code)
             return
         height, width = self._live.size_px
@@ -130,7 +130,7 @@ class LivePage:
             step = await asyncio.to_thread(live.step)
         except PalpateError as error:
             self._stop()
-            self._tell("failed", self._status.text)
+            self._show_state("failed", self._status.text)
             show_error(self._fault, str(error), error.code)
             return
         finally:
@@ -139,7 +139,7 @@ class LivePage:
             return
         if step is None:
             self._stop()
-            self._tell("ended", "The recording ended.")
+            self._show_state("ended", "The recording ended.")
             return
         self._show(step)
 
@@ -150,7 +150,7 @@ class LivePage:
         reading = step.reading
         found = f"Image {reading.image}: {reading.found} of {len(step.found)} markers found"
         parts = (found, f"{reading.latency_ms:.0f} ms", "; ".join(reading.flags), reading.reason)
-        self._tell("running", " · ".join(part for part in parts if part))
+        self._show_state("running", " · ".join(part for part in parts if part))
         self._status.props(f"data-found={reading.found} data-markers={len(step.found)}")
         self._show_pose(step)
         record = self._live.record if self._live else None
@@ -175,7 +175,7 @@ class LivePage:
                         with ui.element("td"):
                             ui.label(text)
 
-    def _tell(self, state: str, what: str) -> None:
+    def _show_state(self, state: str, what: str) -> None:
         self._status.text = what
         self._status.props(f'data-state="{state}"')
 

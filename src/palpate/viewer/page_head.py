@@ -69,7 +69,7 @@ class PageHeader:
 
 
 def show_error(box: ui.label, sentence: str, code: str = "") -> None:
-    """Show a sentence in place, or nothing; `code` names the kind of error for programs that read the page."""
+    """Show a sentence in place, or nothing; `code` is the kind of error, for programs that read the page."""
     box.text = sentence
     box.props(f'data-code="{code}"')
     box.set_visibility(bool(sentence))

@@ -154,7 +154,7 @@ class Workbench:
         curves = self._curves or [ChartCurve("force", [], FIRST)]
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
 
-    def _tell(self, state: str, what: str = "") -> None:
+    def _show_state(self, state: str, what: str = "") -> None:
         self._status.text = what
         self._status.props(f'data-state="{state}"')
 
@@ -163,7 +163,7 @@ class Workbench:
         self._make.set_enabled(not busy)
         for element in (self._cancel, self._progress):
             element.set_visibility(busy)
-        self._tell("busy" if busy else "idle", what)
+        self._show_state("busy" if busy else "idle", what)
 
     def _start_press(self) -> None:
         self._finish = self._show_press
@@ -194,9 +194,9 @@ class Workbench:
         self._timer.deactivate()
         self._busy(False)
         if errand.cancelled:
-            self._tell("cancelled", errand.fault)
+            self._show_state("cancelled", errand.fault)
         elif errand.fault:
-            self._tell("failed")
+            self._show_state("failed")
             show_error(self._fault, errand.fault)
         else:
             self._finish(errand.result)
@@ -212,13 +212,13 @@ class Workbench:
         motion = pressed.at(sketch.obstacle.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."
-        self._tell("pressed", f"Pressed in {press.cpu_s:.1f} s.")
+        self._show_state("pressed", f"Pressed in {press.cpu_s:.1f} s.")
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
         self._bar.animate(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
-        self._tell("made", f"The pack has {len(pack) / 1e6:.1f} MB.")
+        self._show_state("made", f"The pack has {len(pack) / 1e6:.1f} MB.")
         ui.download.content(pack, "pack.zip")
 
 
