@@ -4,7 +4,7 @@ What image t tells of one way, in px rms of the dots that it moves, is
 
     told(t) = crept(t) + first + noise(t),
 
-with the noise of the image at rest, from which all motion is counted, as `first`: it stays, and is no creep. Creeping
+with the noise of the image at rest, from which all motion is counted, as `first`: it stays, and is no drift. Creeping
 begins at nothing and goes on at a pace that hardly changes (R. E. Kalman, J. Basic Eng. 82, 1960, 35-45). The pace is
 a random walk in time, so that a step of any length has the covariance of many short ones (Y. Bar-Shalom, X. R. Li,
 T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 6.2), and a drift is followed
@@ -73,35 +73,35 @@ class DriftFilter:
         covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX_S**2, self._variance
         return CameraDrift(np.zeros((len(self._variance), 3)), covariance)
 
-    def motion(self, creep: CameraDrift) -> FloatArray:
+    def motion(self, drift: CameraDrift) -> FloatArray:
         """By how much (k,) the camera has crept."""
-        return np.asarray(self._ways @ creep.mean[:, 0], float)
+        return np.asarray(self._ways @ drift.mean[:, 0], float)
 
-    def is_jump(self, creep: CameraDrift, measured: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
-        """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no creep.
+    def is_jump(self, drift: CameraDrift, measured: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
+        """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no drift.
 
         That is one by at least so many px rms from what was expected, of which noise alone does not tell: the sum of
         squares of all ways over their variances is so many of its standard deviations beyond its mean.
         """
-        mean, covariance = _ahead(creep, step_s)
+        mean, covariance = _ahead(drift, step_s)
         off = self._to_ways @ measured - mean @ _MEASURED
         square = np.sum(off**2 / (covariance @ _MEASURED @ _MEASURED + self._variance))
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
-    def update(self, creep: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
+    def update(self, drift: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
         """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
-        mean, covariance = _ahead(creep, step_s)
+        mean, covariance = _ahead(drift, step_s)
         shared = covariance @ _MEASURED
         gain = shared / (shared @ _MEASURED + self._variance)[:, None]
         off = self._to_ways @ measured - mean @ _MEASURED
         return CameraDrift(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
 
 
-def _ahead(creep: CameraDrift, step_s: float) -> CameraDrift:
+def _ahead(drift: CameraDrift, step_s: float) -> CameraDrift:
     """What is known of the next image, a time in s later, before it is seen."""
     step = np.eye(3)
     step[0, 1] = step_s
-    covariance = step @ creep.covariance @ step.T
+    covariance = step @ drift.covariance @ step.T
     walk = np.array([[step_s**3 / 3.0, step_s**2 / 2.0], [step_s**2 / 2.0, step_s]])
     covariance[:, :2, :2] += _CHANGE_PX_S**2 * walk
-    return CameraDrift(creep.mean @ step.T, covariance)
+    return CameraDrift(drift.mean @ step.T, covariance)

@@ -97,7 +97,7 @@ class RestState:
 
     Attributes
     ----------
-    creep
+    drift
         How far the camera has drifted.
     quiet
         Least variance of the dots' noise of any image, px².
@@ -109,7 +109,7 @@ class RestState:
         When the last image was taken that was followed; `None` where no clock told it, or none was followed.
     """
 
-    creep: CameraDrift
+    drift: CameraDrift
     quiet: float = np.inf
     displaced: bool = False
     motion: RestDrift = _STILL
@@ -191,7 +191,7 @@ class DriftTracker:
         """
         if state.motion.rms_px < _NOTHING_PX:
             return seen_px
-        followed = self._filter.motion(state.creep)
+        followed = self._filter.motion(state.drift)
         if touch is None:
             return np.asarray(seen_px - self._ways[..., : self._free] @ followed)
         thicker = float(self.model.posterior.mean[-1])
@@ -204,22 +204,22 @@ class DriftTracker:
         `time_s` is when the image was taken; without it, images follow each other at the nominal rate.
         """
         there = self._known & np.isfinite(seen_px).all(axis=1)
-        moved, quiet = self._untouched(there, (seen_px - self.rest_px)[there], state.quiet)
+        moved, quiet = self._camera_motion(there, (seen_px - self.rest_px)[there], state.quiet)
         state = replace(state, quiet=quiet)
         if moved is None:
             return state
         step_s = state.step_s(time_s)
-        if self._filter.is_jump(state.creep, moved, step_s, _KNOCK_PX, _SURE):
+        if self._filter.is_jump(state.drift, moved, step_s, _KNOCK_PX, _SURE):
             return replace(state, displaced=True)
         if self.max_drift_px <= 0:
             return replace(state, displaced=False)
-        creep = self._filter.update(state.creep, moved, step_s)
-        followed = self._filter.motion(creep)
+        drift = self._filter.update(state.drift, moved, step_s)
+        followed = self._filter.motion(drift)
         if self._rms(followed) > self.max_drift_px:
             return replace(state, displaced=True)
-        return RestState(creep, quiet, False, self._describe(followed), time_s)
+        return RestState(drift, quiet, False, self._describe(followed), time_s)
 
-    def _untouched(self, there: BoolArray, moved: FloatArray, quiet: float) -> tuple[FloatArray | None, float]:
+    def _camera_motion(self, there: BoolArray, moved: FloatArray, quiet: float) -> tuple[FloatArray | None, float]:
         """Motion of the camera (k,) of an image whose dots have moved so (n, 2), `None` where the dome is touched.
 
         And the least variance of the dots' noise of any image so far.

@@ -12,11 +12,11 @@ def follow(rate_hz: float, pace_px_s: float, seed: int = 0) -> tuple[float, floa
     """What is followed at the end (px), and the pace (px/s), of a drift in one way."""
     rng, step = np.random.default_rng(seed), 1.0 / rate_hz
     follows = DriftFilter(np.array([[NOISE_PX**2]]), np.eye(1))
-    creep = follows.initial()
+    drift = follows.initial()
     for time in np.arange(step, SECONDS + 0.5 * step, step):
         told = np.array([pace_px_s * time + NOISE_PX * rng.normal()])
-        creep = follows.update(creep, told, step)
-    return float(follows.motion(creep)[0]), abs(float(creep.mean[0, 1]))
+        drift = follows.update(drift, told, step)
+    return float(follows.motion(drift)[0]), abs(float(drift.mean[0, 1]))
 
 
 @pytest.mark.parametrize("rate_hz", [5.0, 20.0, 60.0])
@@ -31,8 +31,8 @@ def test_a_drift_a_second_is_followed_alike_at_every_rate(rate_hz: float) -> Non
 def test_many_short_steps_are_one_long_one() -> None:
     """What is known of a time to come does not depend on how it is cut into steps."""
     follows = DriftFilter(np.array([[NOISE_PX**2]]), np.eye(1))
-    creep = follows.update(follows.initial(), np.array([0.02]), 1.0)
-    once, often = _ahead(creep, 2.0), creep
+    drift = follows.update(follows.initial(), np.array([0.02]), 1.0)
+    once, often = _ahead(drift, 2.0), drift
     for _ in range(8):
         often = _ahead(often, 0.25)
     assert often.mean == pytest.approx(once.mean, rel=1e-9)

@@ -129,7 +129,7 @@ def test_a_clock_tells_how_fast_the_camera_drifts(twin: Twin) -> None:
             time[0] += step_s or 0.0
             sensor.clock = None if step_s is None else lambda time=time: time[0]
             sensor.read(seen)
-        paces.append(sensor._state.reader.rest.creep.mean[:, 1])
+        paces.append(sensor._state.reader.rest.drift.mean[:, 1])
     assert paces[1] == pytest.approx(paces[0], rel=1e-6)
     assert np.linalg.norm(paces[2]) < 0.6 * np.linalg.norm(paces[1])
 
