@@ -36,7 +36,7 @@ _COLUMNS = (
     "p95_deg",
     "depth_rmse_mm",
     "noise_deg",
-    "twin_off_mm",
+    "twin_error_mm",
 )
 _MUCH_MM = 0.03
 """Beyond this a twin is off by several times the noise of dots."""
@@ -111,11 +111,12 @@ def twin(
             f"{study.name}: built units", list(_COLUMNS), [[_text(row[name]) for name in _COLUMNS] for row in rows]
         )
         print(
-            "rmse_deg: rx and ry of all units; p95_deg: greatest error that 19 of 20 units stay below; known: "
-            "presses by which each unit was identified; twin_off_mm: root mean square by which the twin differs from "
+            "rmse_deg: rx and ry of all units; p95_deg: greatest error that 19 of 20 units stay below; "
+            "calibration_presses: presses by which each unit was identified; "
+            "twin_error_mm: root mean square by which the twin differs from "
             f"presses between its own. Twins: {folder / 'twins'}"
         )
-    for name, off in {design.skin.build().name: _error_text(design.twin) for design in found if design.twin}.items():
+    for name, off in {design.skin.build().name: _twin_error(design.twin) for design in found if design.twin}.items():
         if off > _MUCH_MM:
             print(
                 f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
@@ -129,7 +130,7 @@ def twin(
 
 
 @cache
-def _error_text(path: Path) -> float:
+def _twin_error(path: Path) -> float:
     """What a twin says of itself, mm; nan where it was not checked."""
     from palpate.twin import read_twin
 
@@ -147,7 +148,7 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
             "p95_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
-            "twin_off_mm": round(_error_text(design.twin), 4) if design.twin else None,
+            "twin_error_mm": round(_twin_error(design.twin), 4) if design.twin else None,
         }
         for figure in design.accuracies
     ]
