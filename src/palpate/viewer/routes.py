@@ -76,7 +76,7 @@ def answer_errors(app: FastAPI) -> None:
 
     @app.exception_handler(PalpateError)
     def _respond(_: Request, error: PalpateError) -> JSONResponse:
-        return JSONResponse({"what": error.problem, "remedy": error.remedy, "code": error.code}, status_code=422)
+        return JSONResponse({"problem": error.problem, "remedy": error.remedy, "code": error.code}, status_code=422)
 
 
 def _csv(name: str, rows: list[dict[str, Any]]) -> Response:

@@ -109,8 +109,8 @@ async function ask(address) {
       say("");
       return readMessage(await response.arrayBuffer());
     }
-    const said = await response.json().catch(() => ({ what: `The server answered ${response.status}.` }));
-    say([said.what, said.remedy].filter(Boolean).join(" ") || "The server did not understand the page.");
+    const said = await response.json().catch(() => ({ problem: `The server answered ${response.status}.` }));
+    say([said.problem, said.remedy].filter(Boolean).join(" ") || "The server did not understand the page.");
   } catch {
     say("The server does not answer. Is palpate still running?");
   }
