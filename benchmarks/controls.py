@@ -41,7 +41,7 @@ TRAINED_TO_DEG = 9.0
 
 def make(task: DatasetTask, store: ArtefactStore, spec: DatasetSpec) -> Dataset:
     presses = [read_press(find_artefact(store, press)) for press in task.presses]
-    layout = place_markers(build_skin(task.dome), task.markers)
+    layout = place_markers(build_skin(task.skin), task.markers)
     return generate_dataset(presses, layout, build_camera(task.camera), spec)
 
 
@@ -125,7 +125,7 @@ def main() -> None:
     store = ArtefactStore(words.results / "store")
     for design in plan_study(read_study(words.study)).designs:
         task = design.dataset
-        if (task.dome.height, task.dome.thickness) != (20.0, 2.0) or task.markers.count not in words.markers:
+        if (task.skin.height, task.skin.thickness) != (20.0, 2.0) or task.markers.count not in words.markers:
             continue
         print(f"\nH20 T2, {task.markers.count} markers")
         dataset = make(task, store, DatasetSpec())

@@ -60,7 +60,7 @@ def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
     spec, twin = bench.spec, bench.opened_model
     dots = ExactDots(build_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
-    rest = dots.look(dots.scene.edges)
+    rest = dots.predict(dots.scene.edges)
     belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
     model, rng = (
         build_unit_model(twin, bench.layout, belief, spec.tolerance),
@@ -72,7 +72,7 @@ def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     fitter, errors = PoseFitter(model.with_posterior(found.posterior), NOISE_PX, found.mounting, None), []
     for press in [press for press in virtual.solve_unit_presses(bench, deviation) for _ in range(spec.azimuths)]:
         turned = virtual._turned(press, float(rng.uniform(0, 360)))
-        for depth, seen in zip(turned.depth[1:], list(dots.through(turned))[1:], strict=True):
+        for depth, seen in zip(turned.depth[1:], list(dots.render_press(turned))[1:], strict=True):
             told = fitter.fit(seen).pose
             if depth >= spec.min_depth - 1e-9:
                 errors.append(told[:2] - virtual._robot_pose(turned, deviation, float(depth))[:2])

@@ -203,7 +203,7 @@ def main() -> None:
     tasks = [design.dataset for design in plan_study(read_study(words.study)).designs]
     rows = []
     for task in tasks:
-        if (task.dome.height, task.dome.thickness) != (words.height, words.thickness):
+        if (task.skin.height, task.skin.thickness) != (words.height, words.thickness):
             continue
         if task.markers.count not in words.markers:
             continue

@@ -44,14 +44,14 @@ def time_reading(unit, twin, images):
     fits = [0.0, 0.0]
     fit = sensor.estimator.estimate
 
-    def timed(sighting):
+    def timed(*given, **named):
         clock, busy = time.perf_counter(), time.thread_time()
-        found = fit(sighting)
+        found = fit(*given, **named)
         fits[0] += time.perf_counter() - clock
         fits[1] += time.thread_time() - busy
         return found
 
-    object.__setattr__(sensor.estimator, "read", timed)
+    object.__setattr__(sensor.estimator, "estimate", timed)
     rows, without = [], 0
     for image in images[AT_REST:]:
         fits[:] = 0.0, 0.0

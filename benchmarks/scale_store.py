@@ -74,7 +74,7 @@ def main() -> None:
     chosen.out.mkdir(parents=True)
     try:
         print("| what | s |\n|---|---|")
-        with timed(f"plan of {len(study.designs.domes()) * len(LAYOUTS)} designs"):
+        with timed(f"plan of {len(study.designs.skins()) * len(LAYOUTS)} designs"):
             plan = plan_study(study)
             tasks = plan.tasks()
         with timed(f"writing {len(tasks)} artefacts"):

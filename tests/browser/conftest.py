@@ -11,7 +11,7 @@ from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, sample_presses
-from palpate.grid import name_row
+from palpate.grid import design_label
 from palpate.sensor import Unit
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.results import read_results
@@ -53,7 +53,7 @@ def results(tmp_path_factory) -> Path:
 @pytest.fixture(scope="session")
 def designs(results) -> list[str]:
     """Names of the designs of the study, as fields offer them."""
-    return [name_row(row) for row in read_results(results).grid.designs]
+    return [design_label(row) for row in read_results(results).grid.designs]
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ from walk import (
 
 from errors import check_values
 from needs import needs
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 
 
 def box(page, name):
@@ -99,7 +99,7 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
     page.wait_for_function(
         "document.querySelector('.pose-bar input[name=depth]').valueAsNumber > 1.9", timeout=60_000
     )
-    check_values(page.get_by_test_id("force-note").inner_text(), Ended.DEPTH_REACHED, "2.00 mm")
+    check_values(page.get_by_test_id("force-note").inner_text(), EndReason.DEPTH_REACHED, "2.00 mm")
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from walk import DRAWN, choose, dots, fault, numbers, open_page, wait_for_dots, 
 from errors import check_refusal, check_values
 from needs import needs
 from palpate.cli import main
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.optimise import read_search
 from palpate.viewer.words import column_label
 from small_search import write_search
@@ -108,7 +108,7 @@ def test_a_design_of_the_front_is_pressed_and_its_pack_is_made(page, search):
     page.get_by_test_id("field-depth").fill("1")
     page.get_by_test_id("press").click()
     wait_for_state(page, "pressed", timeout=420_000)
-    check_values(page.get_by_test_id("force-note").inner_text(), Ended.DEPTH_REACHED, "1.00 mm")
+    check_values(page.get_by_test_id("force-note").inner_text(), EndReason.DEPTH_REACHED, "1.00 mm")
     with page.expect_download(timeout=240_000) as download:
         page.get_by_test_id("make").click()
     with zipfile.ZipFile(Path(download.value.path())) as pack:

@@ -4,11 +4,44 @@ import pytest
 from pydantic import ValidationError
 
 from palpate.bench import VirtualBenchSpec
+from palpate.benchmark import BenchmarkSpec, TwinPressSpec
 from palpate.built import ToleranceSpec
+from palpate.camera import CalibrationSpec
 from palpate.core.renamed_keys import RENAMED_COLUMNS, RENAMED_KEYS, new_column, rename_columns
-from palpate.fea import WallSpec
+from palpate.fabricate import ProcessSpec
+from palpate.fea import ObstacleSpec, WallSpec
 from palpate.grid import filter_rows, sort_rows
+from palpate.material import FitSpec, PrepareSpec
 from palpate.optimise import RequirementsSpec
+from palpate.recording import RecordingSpec
+from palpate.robot import AlignSpec, SimulatedRobotSpec
+from palpate.sensor import AcceptanceSpec, SensorSpec
+from palpate.study import AsBuiltSpec
+from palpate.viewer.sketch import DesignDraft
+
+SPECS = {
+    spec.__name__: spec
+    for spec in (
+        AcceptanceSpec,
+        AlignSpec,
+        AsBuiltSpec,
+        BenchmarkSpec,
+        CalibrationSpec,
+        DesignDraft,
+        FitSpec,
+        ObstacleSpec,
+        PrepareSpec,
+        ProcessSpec,
+        RecordingSpec,
+        RequirementsSpec,
+        SensorSpec,
+        SimulatedRobotSpec,
+        ToleranceSpec,
+        TwinPressSpec,
+        VirtualBenchSpec,
+        WallSpec,
+    )
+}
 
 
 @pytest.mark.parametrize(("old", "new"), RENAMED_COLUMNS.items())
@@ -28,11 +61,12 @@ def test_a_question_may_name_an_old_column(old: str, new: str) -> None:
         assert sort_rows(rows, old)[0] == {new: 1.0}
 
 
-@pytest.mark.parametrize("spec", [ToleranceSpec, VirtualBenchSpec, WallSpec, RequirementsSpec])
-def test_an_old_key_is_refused_with_the_new_one(spec) -> None:
-    for old, new in RENAMED_KEYS[spec.__name__].items():
-        with pytest.raises(ValidationError) as caught:
-            spec.model_validate({old: 1.0})
-        first = caught.value.errors()[0]
-        assert (first["type"], first["ctx"]) == ("yaml-key-renamed", {"old": old, "new": new})
-        assert new in spec.model_fields
+@pytest.mark.parametrize(
+    ("name", "old", "new"), [(name, *pair) for name in RENAMED_KEYS for pair in RENAMED_KEYS[name].items()]
+)
+def test_an_old_key_is_refused_with_the_new_one(name: str, old: str, new: str) -> None:
+    with pytest.raises(ValidationError) as caught:
+        SPECS[name].model_validate({old: 1.0})
+    first = caught.value.errors()[0]
+    assert (first["type"], first["ctx"]) == ("yaml-key-renamed", {"old": old, "new": new})
+    assert new in SPECS[name].model_fields

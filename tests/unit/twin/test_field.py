@@ -122,7 +122,7 @@ def test_presses_that_do_not_belong_together_are_refused():
     with refused("presses-none"):
         build_field([], LAYOUT)
     other = KinematicPress(4.0)
-    other.wall.depth_step = 0.4
+    other.obstacle.depth_step = 0.4
     with refused("presses-steps-differ", "0.4"):
         build_field([KinematicPress(2.0), other], LAYOUT)
 

@@ -128,7 +128,7 @@ def test_what_needs_one_press_for_all_azimuths_is_refused() -> None:
     with refused("forces-need-revolution"):
         build_force_field(pressed())
     ball = PadPress(0.0)
-    ball.wall.pose_space = OFFSET_SPACE
+    ball.obstacle.pose_space = OFFSET_SPACE
     with refused("azimuths-need-flat-wall"):
         build_field([ball], LAYOUT)
 
