@@ -70,16 +70,18 @@ def applied(row: Row, names: dict[str, str]) -> bool:
 
 
 @cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """Every node of a file, the module first."""
+    return tuple(ast.walk(ast.parse(path.read_text("utf-8"))))
+
+
+@cache
 def scopes(path: Path, owner: tuple[str, ...]) -> tuple[frozenset[str], ...]:
     """Names that each definition of an owner has: a module, a class or a function of a class or module."""
-    found: list[ast.AST] = [ast.parse(path.read_text("utf-8"))]
-    for part in owner:
-        found = [
-            child
-            for node in found
-            for child in ast.walk(node)
-            if isinstance(child, ast.ClassDef | Function) and child.name == part
-        ]
+    found: list[ast.AST] = [nodes(path)[0]]
+    for number, part in enumerate(owner):
+        inside = (child for node in found for child in (ast.walk(node) if number else nodes(path)))
+        found = [child for child in inside if isinstance(child, ast.ClassDef | Function) and child.name == part]
     return tuple(frozenset(members(node)) for node in found)
 
 
