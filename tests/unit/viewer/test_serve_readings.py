@@ -32,6 +32,7 @@ from palpate.robot import Broadcast
 from palpate.sensor import Sensor, Unit, open_sensor
 from palpate.viewer import Feed, ServeSpec, build_readings_app, follow_readings
 from palpate.viewer.guard import Guard
+from palpate.viewer.serve_readings import SCHEMA_VERSION
 from palpate.viewer.server import bind_server, page_url
 from small_chain import DOME, MARKERS, write_small_model
 
@@ -135,13 +136,14 @@ def test_a_client_sends_an_image_and_gets_its_reading(sensor: Sensor) -> None:
         assert client.get("/reading").status_code == 204
         _, png = cv2.imencode(".png", rest_image())
         row = client.post("/image", content=png.tobytes()).json()
-        assert row["found"] == 37
+        assert (row["schema"], row["found"]) == (SCHEMA_VERSION, 37)
         assert row["touching"] is False
         time.sleep(0.1)
         assert client.get("/reading").json() == row
         with client.websocket_connect("/readings") as socket:
             client.post("/image", content=png.tobytes())
-            assert json.loads(socket.receive_text())["image"] == row["image"] + 1
+            sent = json.loads(socket.receive_text())
+            assert (sent["schema"], sent["image"]) == (SCHEMA_VERSION, row["image"] + 1)
         refused = client.post("/image", content=b"no image")
         assert refused.status_code == 400
         assert refused.json()["code"] == "image-format-unknown"
