@@ -9,13 +9,13 @@ from palpate.fea.route import RouteSpec
 
 
 def main() -> float:
-    mesh = pp.mesh_skin(pp.build_skin(pp.DomeSpec(height=20, thickness=2)), pp.MeshSpec(cells=9, whole=True))
+    mesh = pp.mesh_skin(pp.build_skin(pp.DomeSpec(height=20, thickness=2)), pp.MeshSpec(cells=6, whole=True))
     silicone = pp.get_material("zaid_2024_ecoflex_00_30")
     figure, axes = plt.subplots(figsize=(6, 3.5), layout="constrained")
     for friction in (0.3, 0.6):
         # depth, x, y in mm: down, aside, back
         there_and_back = [[3], [3, 2.5], [3, 0]]
-        wall = RouteSpec(waypoints=there_and_back, contact=friction, depth_step=0.25)
+        wall = RouteSpec(waypoints=there_and_back, contact=friction, depth_step=0.5)
         press = pp.solve_press(mesh, silicone, wall, SolverSpec(adhesion=0))
         aside = np.array([wall.waypoint(length).x_mm for length in press.depth])
         sliding = press.depth >= 3

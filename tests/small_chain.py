@@ -20,6 +20,7 @@ MARKERS = MarkerSpec(count=37)
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 CELLS = 6
 TILTS = (0.0, 4.0, 8.0)
+FINE_TILTS = (0.0, 4.0, 8.0, 12.0)
 
 
 def solve(tilt_deg, **wall):
@@ -38,15 +39,32 @@ def write_small_model(path):
     return path
 
 
-def write_small_twin(path):
-    contacts, solver = ("no-slip", 1.4, 0.8, 0.4), SolverSpec(derivatives=TWIN_DERIVATIVES)
+def small_twin():
+    """Twin of the small dome for tilts up to 9° and every friction; the one twin of tests that need no other."""
+    solver = SolverSpec(derivatives=TWIN_DERIVATIVES)
     walls = [
         WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
-        for contact in contacts
+        for contact in ("no-slip", 1.4, 0.8, 0.4)
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    write_twin(path, build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls]))
+    return build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls])
+
+
+def fine_presses():
+    """Presses of the same dome on a finer mesh for tilts up to 12° and every friction: for tests of accuracy."""
+    solver = SolverSpec(derivatives=TWIN_DERIVATIVES)
+    walls = [
+        WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.5)
+        for contact in ("no-slip", 1.4, 0.8, 0.4)
+        for tilt in FINE_TILTS
+    ]
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=2)), MeshSpec(cells=9))
+    return [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
+
+
+def write_small_twin(path):
+    write_twin(path, small_twin())
     return path
 
 

@@ -45,9 +45,9 @@ from palpate.optimise.proposal import SkinEvaluation
 from palpate.optimise.propose import evaluate_skin
 from palpate.recording import RecordingSpec, read_recording, train_on_recording
 from palpate.recording.arrays import read_arrays
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_field
-from presses import build_twin, run_tiny_study, solve_press, stored_folder
-from small_chain import small_bench, write_small_twin
+from palpate.twin import TWIN_DERIVATIVES, build_field
+from presses import run_tiny_study, solve_press, stored_folder
+from small_chain import small_bench, small_twin, write_small_twin
 
 Results = dict[str, dict[str, Any]]
 
@@ -205,16 +205,6 @@ def force_estimators() -> Results:
         write_estimator(pose, fit_ridge(dataset))
         train_force_output(pose, dataset, force)
         return {"ridge": {"force": open_predictor(force).predict(dataset.images_px[::50]).forces}}
-
-
-@cache
-def small_twin() -> Twin:
-    walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
-        for contact in ("no-slip", 1.4, 0.8, 0.4)
-        for tilt in (0.0, 3.0, 6.0, 9.0)
-    ]
-    return build_twin([solve("dome", wall, derivatives=TWIN_DERIVATIVES) for wall in walls])
 
 
 def twins() -> Results:

@@ -64,6 +64,7 @@ def test_people_get_a_table(tmp_path: Path) -> None:
     check_values(done.stdout, "0.80 mm")
 
 
+@pytest.mark.slow
 def test_the_first_press_after_an_installation_says_that_it_compiles(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,13 +1,16 @@
 """Every example runs, and gives the number that its reader expects; every benchmark can be imported."""
 
 import importlib.util
+import io
 import runpy
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import pytest
 
 from needs import needs
+from presses import stored
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 BENCHMARKS = sorted((EXAMPLES.parent / "benchmarks").glob("*.py"))
@@ -48,14 +51,20 @@ def test_every_example_is_expected() -> None:
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_an_example_gives_its_number(name: str, capsys, tmp_path, monkeypatch) -> None:
+def test_an_example_gives_its_number(name: str, tmp_path, monkeypatch) -> None:
     for needed in NEEDS.get(name, ()):
         needs(needed)
     monkeypatch.chdir(tmp_path)  # where an example leaves its picture
     monkeypatch.setenv("MPLBACKEND", "agg")
-    value = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"]()
+    path = EXAMPLES / f"{name}.py"
+
+    def run() -> tuple[object, str]:
+        with redirect_stdout(io.StringIO()) as printed:
+            return runpy.run_path(str(path))["main"](), printed.getvalue()
+
+    value, printed = stored("example", [path.read_text()], run)
     assert value == EXPECTED[name]
-    assert capsys.readouterr().out
+    assert printed
 
 
 @pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.stem)

@@ -1,11 +1,12 @@
 """Plant faults in copies of the source, one at a time, and run the fast tests: does the suite notice?
 
-    python tests/planted/plant_faults.py FOLDER [--seed 1] [--each 10] [--area NAME] [--only NUMBER]
+    python tests/planted/plant_faults.py FOLDER [--seed 1] [--each 10] [--area NAME] [--coverage FILE]
 
 Places are drawn by a seed in five areas of the source; each gets one fault that a programmer could make: a sign, a
 factor, swapped arguments, an index off by one, a dropped term, a mask of the wrong half, a missing check. A copy of
 the checkout with that fault runs the tests of the subpackage first, then the reference cases, then all fast tests,
-until one fails. FOLDER/faults.json has an entry for each fault, so that an interrupted run resumes.
+until one fails. With the coverage of a run (`pytest --cov=palpate --cov-context=test`), only the tests that execute
+the changed line run in place of all. FOLDER/faults.json has an entry for each fault: an interrupted run resumes.
 """
 
 from __future__ import annotations
@@ -199,16 +200,33 @@ def offset(line: str, bytes_before: int) -> int:
     return len(line.encode()[:bytes_before].decode())
 
 
-def stages(fault: Fault, quick: bool) -> list[list[str]]:
-    """Arguments of pytest, the likeliest to notice first; all fast tests last, unless it must be quick."""
+def stages(fault: Fault, coverage: Path | None) -> list[list[str]]:
+    """Arguments of pytest, the likeliest to notice first; all fast tests last, or those that execute the line."""
     subpackage = Path(fault.path).parts[2]
     own = ROOT / "tests" / "unit" / subpackage
     chosen = [["-n", "0", f"tests/unit/{subpackage}"]] if own.exists() else []
-    chosen.append(["-n", "0", "tests/behaviour"])
-    return chosen if quick else [*chosen, ["-n", "2"]]
+    if coverage is None:
+        return [*chosen, ["-n", "0", "tests/behaviour"], ["-n", "2"]]
+    names = executed_by(coverage, fault)
+    if not names:  # compiled by numba, or executed in a process without coverage
+        return [*chosen, ["-n", "0", "tests/behaviour"]]
+    in_own = [name for name in names if name.startswith(f"tests/unit/{subpackage}/")]
+    others = [name for name in names if name not in in_own]
+    return [["-n", "0", *part] for part in (in_own, others) if part]
 
 
-def try_fault(fault: Fault, folder: Path, quick: bool) -> dict[str, object]:
+def executed_by(coverage: Path, fault: Fault) -> list[str]:
+    """Tests that execute the line of a fault, by a coverage file with contexts."""
+    from coverage import CoverageData
+
+    data = CoverageData(str(coverage))
+    data.read()
+    measured = [path for path in data.measured_files() if path.endswith(fault.path)]
+    contexts = {name for path in measured for name in data.contexts_by_lineno(path).get(fault.line, ())}
+    return sorted({name.rpartition("|")[0] for name in contexts if name.startswith("tests/")})
+
+
+def try_fault(fault: Fault, folder: Path, coverage: Path | None) -> dict[str, object]:
     """Run the tests on a copy with the fault; tell which test failed first."""
     copy = folder / "copy"
     if copy.exists():
@@ -223,7 +241,7 @@ def try_fault(fault: Fault, folder: Path, quick: bool) -> dict[str, object]:
     environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "NUMBA_CACHE_DIR": str(folder / "kernels")}
     environment |= dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     start = time.monotonic()
-    for words in stages(fault, quick):
+    for words in stages(fault, coverage):
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", *words]
         try:
             done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, timeout=LIMIT_S)
@@ -254,7 +272,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--each", type=int, default=10)
     parser.add_argument("--area", choices=AREAS)
-    parser.add_argument("--quick", action="store_true", help="leave out the run of all fast tests")
+    parser.add_argument("--coverage", type=Path, help="coverage file with contexts: run the tests of the line only")
     parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
     chosen = parser.parse_args()
     chosen.folder.mkdir(parents=True, exist_ok=True)
@@ -267,7 +285,7 @@ def main() -> int:
                 print(f"{name}: {fault.kind}, {fault.path}:{fault.line}\n{fault.difference}\n")
                 continue
             if name not in entries or entries[name]["difference"] != fault.difference:
-                entries[name] = try_fault(fault, chosen.folder, chosen.quick)
+                entries[name] = try_fault(fault, chosen.folder, chosen.coverage)
                 kept.write_text(json.dumps(entries, indent=1))
             print(f"{name}: {entries[name]['caught_by'] or 'NOT CAUGHT'}", flush=True)
     missed = {name: entry for name, entry in entries.items() if not entry["caught_by"]}

@@ -191,6 +191,7 @@ def test_clean_images_are_another_bench(bench):
     )
 
 
+@pytest.mark.slow
 @needs_program("calculix-ccx")
 def test_calculix_as_the_solver_gives_about_the_same_readings(bench):
     quick = bench.spec.model_copy(update={"tilts": 1, "contact": "frictionless"})

@@ -47,6 +47,7 @@ from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import SensorSpec
 from palpate.twin import TWIN_DERIVATIVES, Twin, write_twin
 from presses import build_twin, solve_press
+from small_chain import fine_presses
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -64,9 +65,7 @@ def press(tilt: float, contact: str | float) -> Press:
 
 @pytest.fixture(scope="module")
 def twin() -> Twin:
-    return build_twin(
-        [press(tilt, friction) for friction in ("no-slip", 1.4, 0.8, 0.4) for tilt in (0.0, 4.0, 8.0, 12.0)]
-    )
+    return build_twin(fine_presses())
 
 
 class Built:
@@ -159,6 +158,7 @@ def test_an_image_is_read_without_any_known_press(twin: Twin, units: list[Built]
     assert np.sqrt(np.mean(np.square(told))) < 2
 
 
+@pytest.mark.slow
 def test_dots_are_foreseen_where_a_picture_of_a_press_shows_them() -> None:
     """Large dots of a finer press, rendered: where the skin is bent, centres of traces, weighed from grey levels, are
     not where dots have their centres, and the model has that too."""
@@ -275,6 +275,7 @@ def test_a_lens_a_little_beyond_its_tolerance_is_no_reason_to_refuse(twin: Twin,
         identify(build_unit_model(twin, LAYOUT, opened(twin, much), TOLERANCE), known(much, seen), NOISE)
 
 
+@pytest.mark.slow
 def test_presses_never_widen_what_was_known_and_are_as_far_off_as_they_say(twin: Twin, seen: list[Press]) -> None:
     """Ten units: focal length, distance and distortion are told by their scale alone, in which the twin is off."""
     names, optics = (
@@ -604,7 +605,8 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
 
 
 @pytest.mark.parametrize(
-    ("calibration_presses", "noise"), [(0, 5 * NOISE), pytest.param(5, 5 * NOISE, marks=pytest.mark.slow), (5, NOISE)]
+    ("calibration_presses", "noise"),
+    [(0, 5 * NOISE), *(pytest.param(5, noise, marks=pytest.mark.slow) for noise in (5 * NOISE, NOISE))],
 )
 def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
     twin: Twin, calibration_presses: int, noise: float

@@ -1,5 +1,7 @@
 """A printed board seen by a known camera: only for tests."""
 
+from functools import cache
+
 import cv2
 import numpy as np
 
@@ -12,12 +14,18 @@ LENS = np.array([-0.21, 0.06, 0.0008, -0.0005, 0.0])
 _PX_PER_MM = 4.0
 
 
+@cache
+def _undistorted():
+    """Samples a pixel along an axis, and the places (n, 2) of all samples in the plane at distance 1."""
+    fine = 3
+    u, v = np.meshgrid((np.arange(SIZE[0] * fine) + 0.5) / fine - 0.5, (np.arange(SIZE[1] * fine) + 0.5) / fine - 0.5)
+    return fine, cv2.undistortPoints(np.stack([u, v], -1).reshape(-1, 1, 2), MATRIX, LENS).reshape(-1, 2)
+
+
 def photograph(board, rotation, shift, noise, rng):
     """The sheet warped into the image of a lens, four samples a pixel, blurred and noisy."""
     sheet = cv2.GaussianBlur(draw_board(board, _PX_PER_MM), (0, 0), 1.2)
-    fine = 3
-    u, v = np.meshgrid((np.arange(SIZE[0] * fine) + 0.5) / fine - 0.5, (np.arange(SIZE[1] * fine) + 0.5) / fine - 0.5)
-    plane = cv2.undistortPoints(np.stack([u, v], -1).reshape(-1, 1, 2), MATRIX, LENS).reshape(-1, 2)
+    fine, plane = _undistorted()
     rays = np.column_stack([plane, np.ones(len(plane))]) @ rotation
     origin = -rotation.T @ shift
     points = origin[:2] - (origin[2] / rays[:, 2])[:, None] * rays[:, :2]

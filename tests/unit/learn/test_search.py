@@ -198,6 +198,7 @@ def test_what_a_search_finds_is_calibrated_on_presses_that_trained_nothing(tmp_p
     assert len(found.interval.presses) == len(held) // 2
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_numbers_in_a_fresh_process(tmp_path):
     program = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"

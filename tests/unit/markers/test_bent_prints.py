@@ -45,8 +45,9 @@ def test_a_ring_of_six_is_not_bent_to_a_speck(count, number, image):
         assign_markers(dots, design.pattern)
 
 
+@pytest.mark.parametrize("count", [1, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", ["another design", "random dots", "half of the dots", "a grid of dots"])
-def test_what_is_no_print_of_the_design_is_refused_with_numbers(kind):
-    for dots, pattern in islice(controls()[kind](generator(8, "controls", kind)), 3):
+def test_what_is_no_print_of_the_design_is_refused_with_numbers(kind, count):
+    for dots, pattern in islice(controls()[kind](generator(8, "controls", kind)), count):
         with refused(("markers-not-assigned", "assignment-doubtful"), len(pattern), len(dots)):
             assign_markers(dots, pattern)

@@ -14,23 +14,25 @@ from palpate.markers import DetectSpec, prepare_detector
 DOME = build_skin(DomeSpec())
 
 
-def fields_of(kind: str) -> int:
+def fields_of(kind: str, seeds: range) -> int:
     count = 0
-    for seed in range(20):
+    for seed in seeds:
         with suppress(PalpateError):
             prepare_detector(draw_empty(kind, seed))
             count += 1
     return count
 
 
+@pytest.mark.parametrize("seeds", [range(5), pytest.param(range(5, 20), marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "cloth"])
-def test_no_image_without_dots_gives_a_field(kind: str) -> None:
-    assert fields_of(kind) == 0
+def test_no_image_without_dots_gives_a_field(kind: str, seeds: range) -> None:
+    assert fields_of(kind, seeds) == 0
 
 
+@pytest.mark.slow
 def test_few_weaves_give_a_field() -> None:
     """A weave that beats with the pixels is a field of like dots in order; some are still taken for print."""
-    assert fields_of("cloth") <= 4
+    assert fields_of("cloth", range(20)) <= 4
 
 
 def paint_dots(image: np.ndarray, spacing: float, radius: float, depth: float) -> tuple[np.ndarray, int]:

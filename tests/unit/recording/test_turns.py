@@ -106,6 +106,7 @@ def test_pictures_turn_as_their_dots_do():
         assert np.abs(found - expected).max() < 0.3
 
 
+@pytest.mark.slow
 def test_a_layout_that_leans_is_told_from_the_mean():
     """The layout of a pressed image, which no turn leaves as it is, and displacements from it."""
     needs("torch")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.special import exp1
 
 from errors import refused
 from palpate.material import read_relaxation
@@ -26,11 +26,9 @@ def power(t):
 
 
 def spectrum(t):
-    """A box spectrum from 0.03 to 300 s by quadrature: as much relaxes in every decade between."""
-    decays = [
-        quad(lambda log, at=at: np.exp(-at / 10.0**log), np.log10(0.03), np.log10(300.0))[0] for at in np.ravel(t)
-    ]
-    return 0.8 + 0.2 / 4 * np.array(decays).reshape(np.shape(t))
+    """A box spectrum from 0.03 to 300 s by exponential integrals: as much relaxes in every decade between."""
+    t = np.maximum(t, 1e-12)  # the integrals of t = 0 are infinite, their difference is not
+    return 0.8 + 0.2 / np.log(1e4) * (exp1(t / 300.0) - exp1(t / 0.03))
 
 
 def ramped(g, time, rate_time):

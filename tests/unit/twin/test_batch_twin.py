@@ -14,12 +14,8 @@ from palpate.built import ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera
 from palpate.camera.lens import Lens
 from palpate.design import build_skin, place_markers
-from palpate.fea import WallSpec
-from palpate.mechanics import SolverSpec
-from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, BatchTwin, MarkerTwin, Twin
-from presses import build_twin, solve_press
-from small_chain import DOME, MARKERS, MATERIAL
+from palpate.twin import BatchTwin, MarkerTwin, Twin
+from small_chain import DOME, MARKERS, small_twin
 
 torch = needs("torch")
 SKIN = build_skin(DOME)
@@ -29,13 +25,7 @@ LEANING = {"tilt_x_deg": 3.0, "roll_deg": 12.0, "offset_x": 0.7}
 
 @pytest.fixture(scope="module")
 def twin() -> Twin:
-    mesh, solver = mesh_skin(SKIN, MeshSpec(cells=4)), SolverSpec(derivatives=TWIN_DERIVATIVES)
-    walls = [
-        WallSpec(tilt_deg=tilt, depth=2.0, depth_step=0.5, contact=contact)
-        for contact in ("no-slip", 1.5, 0.7, 0.4)
-        for tilt in (0.0, 4.0, 8.0, 12.0)
-    ]
-    return build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls])
+    return small_twin()
 
 
 @pytest.fixture(scope="module")
@@ -46,10 +36,10 @@ def dots(twin: Twin) -> MarkerTwin:
 def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Poses and 1/µ within what was pressed, straight ones, ones at knots, and ones beyond every end."""
     rng = np.random.default_rng(3)
-    poses = np.column_stack([rng.uniform(-8, 8, (count, 2)), rng.uniform(0, 2, count)])
+    poses = np.column_stack([rng.uniform(-8, 8, (count, 2)), rng.uniform(0, 5, count)])
     slips = rng.uniform(0, 2.5, count)
-    poses[:6] = [[0, 0, 0], [0, 0, 2], [4, 0, 1], [0, -12, 2], [30, 20, 9], [1, 1, -5]]
-    slips[:6] = [0, 1 / 1.5, 0, 2.5, 9, -3]
+    poses[:6] = [[0, 0, 0], [0, 0, 5], [3, 0, 1], [0, -9, 2], [30, 20, 9], [1, 1, -5]]
+    slips[:6] = [0, 1 / 1.4, 0, 2.5, 9, -3]
     return poses, slips
 
 

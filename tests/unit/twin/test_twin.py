@@ -17,25 +17,24 @@ from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import TWIN_DERIVATIVES, Twin, measure_interpolation_error, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
 from presses import build_twin, solve_press
+from small_chain import FINE_TILTS, fine_presses
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
 DOME = build_skin(SKIN)
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 CAMERA = build_camera()
-TILTS = (0.0, 4.0, 8.0, 12.0)
-FRICTIONS = ("no-slip", 1.2, 0.6, 0.3)
 
 
 def press(tilt: float, contact: str | float, thickness: float = 2.0, **wall: float) -> Press:
     skin = build_skin(SKIN.model_copy(update={"thickness": thickness}))
-    spec = WallSpec(tilt_deg=tilt, contact=contact, depth=3.2, depth_step=0.4, **wall)
+    spec = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.5, **wall)
     return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
 @pytest.fixture(scope="module")
 def presses() -> list[Press]:
-    return [press(tilt, friction) for friction in FRICTIONS for tilt in TILTS]
+    return fine_presses()
 
 
 @pytest.fixture(scope="module")
@@ -131,19 +130,19 @@ def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
 def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
     """A whole model under a wall that does so all the way down, in another direction, tilt and friction."""
     skin, azimuth = build_skin(SKIN), np.radians(77.0)
-    wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=3.2, depth_step=1.6)
+    wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=4.0, depth_step=2.0)
     mesh, drifting = (
         mesh_skin(skin, MeshSpec(cells=9, whole=True)),
         {"lateral_rate": 0.06, "lateral_rate_across": -0.1},
     )
     seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}))
-    dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 77.0, 3.2)
-    up, aside = 3.2 * wall.model_copy(update=drifting).lateral_rate, -3.2 * 0.1
+    dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 77.0, 4.0)
+    up, aside = 4.0 * wall.model_copy(update=drifting).lateral_rate, -4.0 * 0.1
     drift = np.array(
         [
             aside * np.cos(azimuth) - up * np.sin(azimuth),
             aside * np.sin(azimuth) + up * np.cos(azimuth),
-            3.2 * 0.3,
+            4.0 * 0.3,
         ]
     )
     told, blind = (dots.evaluate(pose, 1 / 0.9, 0.0, each) for each in (drift, np.zeros(3)))
@@ -160,10 +159,10 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
         twin.with_markers(LAYOUT.positions).evaluate(pose, 0.4).positions, abs=1e-12
     )
     with h5py.File(tmp_path / "dome.h5", "r+") as file:
-        drifts = file["drifts"][:]
-        del file["drifts"]
-        file["drifts"] = drifts[..., :-4]
-    with refused("twin-count-wrong", "drifts", drifts.shape[-1] - 4, drifts.shape[-1]):
+        drifts = file["lateral"][:]
+        del file["lateral"]
+        file["lateral"] = drifts[..., :-4]
+    with refused("twin-count-wrong", "lateral", drifts.shape[-1] - 4, drifts.shape[-1]):
         read_twin(tmp_path / "dome.h5")
     (tmp_path / "none.h5").write_bytes(b"no twin")
     with refused("twin-unreadable"):
@@ -173,8 +172,8 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
 def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
     with refused("presses-none"):
         build_twin([])
-    with refused("presses-missing", "1", "8", "0.6"):
-        build_twin([each for each in presses if (each.obstacle.tilt_deg, each.obstacle.contact) != (8.0, 0.6)])
+    with refused("presses-missing", "1", "8", "0.8"):
+        build_twin([each for each in presses if (each.obstacle.tilt_deg, each.obstacle.contact) != (8.0, 0.8)])
     with refused("derivative-missing", "thickness"):
         build_twin([replace(presses[0], derivatives={}), *presses[1:]])
     with refused("twin-few-tilts", "2", "0", "4"):
@@ -202,19 +201,19 @@ def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press],
 
 
 def test_presses_that_end_early_under_one_friction_leave_the_others_as_they_were(presses: list[Press]) -> None:
-    """All presses under 1.2 go over into the other state at 1.6 mm: the twin goes on as between no slip and 0.6."""
+    """All presses under 1.4 go over into the other state at 2 mm: the twin goes on as between no slip and 0.8."""
     cut = []
     for one in presses[4:8]:
-        gone = one.depth > 1.7
+        gone = one.depth > 2.1
         branch = np.where(gone, "inverted", one.branch)
         wild = np.where(gone[:, None, None], 7.0, one.displacement)
         cut.append(replace(one, branch=branch, displacement=wild))
     twin = build_twin([*presses[:4], *cut, *presses[8:]])
     seen = press(6.0, 0.9)
-    moved = twin.with_markers(LAYOUT.positions).evaluate(at(6.0, 0.0, 3.2), 1 / 0.9)
+    moved = twin.with_markers(LAYOUT.positions).evaluate(at(6.0, 0.0, 4.0), 1 / 0.9)
     assert pixels_apart(moved.positions, seen, 8) < 0.06
     assert moved.force == pytest.approx(seen.force[8], abs=0.02 * seen.force[8, 2])
-    assert twin.max_depth(6.0, 1 / 1.2) == pytest.approx(1.6)
+    assert twin.max_depth(6.0, 1 / 1.4) == pytest.approx(2.0)
 
 
 def test_presses_that_jump_make_no_twin(presses: list[Press]) -> None:
@@ -236,7 +235,7 @@ def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
 
 def test_a_thicker_wall_is_foreseen() -> None:
     """A whole press of a unit that is 0.1 mm thicker, of which nothing was in the twin; of one contact law only."""
-    presses = [press(tilt, "frictionless") for tilt in TILTS]
+    presses = [press(tilt, "frictionless") for tilt in FINE_TILTS]
     dots, image = build_twin(presses).with_markers(LAYOUT.positions), 8
     thick = press(4.0, "frictionless", thickness=2.1)
     pose = at(4.0, 0.0, float(thick.depth[image]))
