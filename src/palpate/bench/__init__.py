@@ -1,5 +1,5 @@
 """Bench: virtual units that deviate from the design, played from image to pose."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

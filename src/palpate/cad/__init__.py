@@ -1,5 +1,5 @@
 """Cad: outlines, and the solids that are made from them. The only room that knows the CAD kernel."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

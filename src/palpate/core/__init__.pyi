@@ -7,6 +7,7 @@ from palpate.core.extra import load_extra, load_opencv
 from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, wrap_write_errors
 from palpate.core.kernel import kernel
 from palpate.core.kinds import data_from_text, spec_from_data
+from palpate.core.lazy_front import lazy_front
 from palpate.core.outside_links import reject_external_links
 from palpate.core.paper import PAPER
 from palpate.core.parameter import Spec, flag_name, parameter, parameters
@@ -44,6 +45,7 @@ __all__ = [
     "generator",
     "installed_version",
     "kernel",
+    "lazy_front",
     "list_store",
     "load_extra",
     "load_opencv",

@@ -1,6 +1,6 @@
 """Public names of a subpackage, imported when they are first used, so that a command starts with what it needs.
 
-The names stand in the stub `__init__.pyi` beside the `__init__.py`, as scientific Python's SPEC 1 has it: tools and
+The stub `__init__.pyi` names them, as in scientific Python's SPEC 1: tools and
 type checkers read the stub as they read an `__init__.py` of imports.
 """
 
@@ -43,7 +43,7 @@ def lazy_front(package: str, file: str) -> None:
     package
         ``__name__`` of the package.
     file
-        ``__file__`` of its ``__init__.py``; the stub ``__init__.pyi`` lies beside it.
+        ``__file__`` of its ``__init__.py``; the stub ``__init__.pyi`` is in the same folder.
     """
     module = sys.modules[package]
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text("utf-8"))

@@ -1,5 +1,5 @@
 """Datasets: from solved presses and a camera to images of markers with known poses."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

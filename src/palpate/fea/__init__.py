@@ -1,5 +1,5 @@
 """Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

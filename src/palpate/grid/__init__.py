@@ -1,5 +1,5 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

@@ -1,5 +1,5 @@
 """Material: cured elastomers as nearly incompressible hyperelastic laws, with the pedigree of their numbers."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

@@ -1,5 +1,5 @@
 """Mechanics: a soft body under loads and rigid obstacles, in equilibrium, followed along its branches."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

@@ -1,5 +1,5 @@
 """Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

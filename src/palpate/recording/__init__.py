@@ -1,5 +1,5 @@
 """Recordings: images of any sensor with dots, and poses beside them, to a model that reads it."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

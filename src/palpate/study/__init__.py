@@ -1,5 +1,5 @@
 """Study: one YAML file carried through the whole chain, on worker processes, resumed where it was."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

@@ -3,6 +3,6 @@
 A test class inherits a suite and gives its fixtures; pytest, which this room alone needs, collects the rest.
 """
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

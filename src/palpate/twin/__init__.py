@@ -1,5 +1,5 @@
 """Twin: where every marker goes and what the wall bears, interpolated from presses for any pose and friction."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)

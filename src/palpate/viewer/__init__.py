@@ -1,5 +1,5 @@
 """Viewer: what people see: the grid, the pressed dome and the live sensor in a browser."""
 
-from palpate.core.lazy_front import lazy_front
+from palpate.core import lazy_front
 
 lazy_front(__name__, __file__)
