@@ -1,6 +1,7 @@
 """Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
 
 from palpate.fea.ball import Ball, BallSpec
+from palpate.fea.branch import Branch
 from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.export import check_export, export_press
@@ -11,7 +12,7 @@ from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.fea.obstacles import OBSTACLES, obstacle_from_data, read_obstacle
 from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.plot_press import plot_press, render_press_3d, tabulate_press
-from palpate.fea.press import Branch, Press
+from palpate.fea.press import Press
 from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import increment_depths, solve_press
