@@ -160,10 +160,10 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
         twin.with_markers(LAYOUT.positions).evaluate(pose, 0.4).positions, abs=1e-12
     )
     with h5py.File(tmp_path / "dome.h5", "r+") as file:
-        drifts = file["drifts"][:]
-        del file["drifts"]
-        file["drifts"] = drifts[..., :-4]
-    with refused("twin-count-wrong", "drifts", drifts.shape[-1] - 4, drifts.shape[-1]):
+        drifts = file["lateral"][:]
+        del file["lateral"]
+        file["lateral"] = drifts[..., :-4]
+    with refused("twin-count-wrong", "lateral", drifts.shape[-1] - 4, drifts.shape[-1]):
         read_twin(tmp_path / "dome.h5")
     (tmp_path / "none.h5").write_bytes(b"no twin")
     with refused("twin-unreadable"):
