@@ -1,54 +1,5 @@
 """Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
 
-from palpate.benchmark.draw_unit import BenchmarkUnit, deviation_of, simulate_unit
-from palpate.benchmark.make_benchmark import BenchmarkFiles, make_benchmark
-from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
-from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_benchmark_spec
-from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers, SplitTable, read_set
-from palpate.benchmark.run_baselines import BASELINES, run_baselines
-from palpate.benchmark.score import BenchmarkScore, ErrorLine, ScoreLine, score_file, score_predictions
-from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_page, score_rows
-from palpate.benchmark.spec import (
-    PRESETS,
-    TINY_BASELINES,
-    BaselineSpec,
-    BenchmarkDesign,
-    BenchmarkSpec,
-    TwinPressSpec,
-)
-from palpate.benchmark.unit_images import UnitImages
+from palpate.core import lazy_front
 
-__all__ = [
-    "BASELINES",
-    "PRESETS",
-    "SCORE_COLUMNS",
-    "TINY_BASELINES",
-    "BaselineSpec",
-    "BenchmarkDesign",
-    "BenchmarkFiles",
-    "BenchmarkScore",
-    "BenchmarkSet",
-    "BenchmarkSpec",
-    "BenchmarkUnit",
-    "ErrorLine",
-    "Predictions",
-    "ScoreLine",
-    "SplitMarkers",
-    "SplitTable",
-    "TwinPressSpec",
-    "UnitImages",
-    "compare_page",
-    "deviation_of",
-    "make_benchmark",
-    "read_baseline_spec",
-    "read_benchmark_spec",
-    "read_predictions",
-    "read_set",
-    "run_baselines",
-    "score_file",
-    "score_page",
-    "score_predictions",
-    "score_rows",
-    "simulate_unit",
-    "write_predictions",
-]
+lazy_front(__name__, __file__)

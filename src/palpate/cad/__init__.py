@@ -1,33 +1,5 @@
 """Cad: outlines, and the solids that are made from them. The only room that knows the CAD kernel."""
 
-from palpate.cad.outline import Arc, Outline, Plan, Point, SmoothCurve
-from palpate.cad.solid import (
-    CadSolid,
-    SurfaceMesh,
-    box,
-    cylinder,
-    extrude,
-    gather,
-    loft,
-    read_step,
-    revolve,
-    write_step,
-)
+from palpate.core import lazy_front
 
-__all__ = [
-    "Arc",
-    "CadSolid",
-    "Outline",
-    "Plan",
-    "Point",
-    "SmoothCurve",
-    "SurfaceMesh",
-    "box",
-    "cylinder",
-    "extrude",
-    "gather",
-    "loft",
-    "read_step",
-    "revolve",
-    "write_step",
-]
+lazy_front(__name__, __file__)

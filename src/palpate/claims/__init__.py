@@ -1,17 +1,5 @@
 """Claims: what one paper states, judged by grids and meshes."""
 
-from palpate.claims.claim import Claim, ClaimAnswer, ClaimFinding, Verdict
-from palpate.claims.evidence import Evidence
-from palpate.claims.judge_claims import assess_claims, read_evidence
-from palpate.claims.write_claims import write_claims
+from palpate.core import lazy_front
 
-__all__ = [
-    "Claim",
-    "ClaimAnswer",
-    "ClaimFinding",
-    "Evidence",
-    "Verdict",
-    "assess_claims",
-    "read_evidence",
-    "write_claims",
-]
+lazy_front(__name__, __file__)

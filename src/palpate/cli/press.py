@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
@@ -20,18 +20,18 @@ from palpate.fea import (
     Branch,
     ObstacleSpec,
     PalpateSolver,
-    Press,
     PressSolver,
     SolverSpec,
     WallSpec,
-    check_export,
-    export_press,
     read_obstacle,
 )
 from palpate.material import Material
 from palpate.mechanics import make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
+
+if TYPE_CHECKING:
+    from palpate.fea import Press
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
 _SOLVER = "Who solves: palpate, calculix (apt install calculix-ccx), or that of an installed package."
@@ -132,6 +132,8 @@ def press(
     """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
     how.chosen(flags.obstacle_spec())
     followed = None if points is None else _read_inner_points(points, flags.build())
+    from palpate.fea import check_export, export_press
+
     if export is not None:
         check_export(export)
     solved = how.solve(flags.problem())

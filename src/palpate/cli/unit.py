@@ -15,7 +15,6 @@ from palpate.cli.output import RESULTS
 from palpate.core import PalpateError, Spec, flag_name
 from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
 from palpate.study import MaterialSpec
-from palpate.twin import find_twin
 
 if TYPE_CHECKING:
     from palpate.sensor import Unit
@@ -112,6 +111,8 @@ class ModelFlags:
         if self.model is not None:
             return self.model
         skin = build_skin(design.skin_spec())
+        from palpate.twin import find_twin
+
         found = find_twin(RESULTS, skin, self.material.material(), _pass_over)
         if found is None:
             material = "" if self.material == MaterialSpec() else f" of {self.material.name}"

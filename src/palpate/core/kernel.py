@@ -15,7 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -29,22 +29,53 @@ version longer; half as long compiles again, in a minute, what is run once in th
 
 
 def kernel(function: F) -> F:
-    """Compile `function` by numba to a disk cache; floating point may be re-associated, never made unsafe.
+    """Compile `function` by numba to a disk cache, when it is first called; numba is not imported before.
 
-    NaN and infinity keep their meaning, so an inverted element can be seen.
+    Floating point may be re-associated, never made unsafe: NaN and infinity keep their meaning, so an inverted
+    element can be seen.
     """
-    import numba  # here, so that a front door without kernels opens fast
+    return cast(F, _Kernel(function))
 
-    package, settings = Path(__file__).parents[1], cast(Any, numba.config)
-    chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
-    folder = Path(chosen or package / "__pycache__") / f"{_PREFIX}{_stamp(function, package)}"
-    _keep_fresh(folder)
-    settings.CACHE_DIR = str(folder)
-    try:
-        compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
-    finally:
-        settings.CACHE_DIR = chosen
-    return cast(F, compiled)
+
+class _Kernel:
+    """A function that is compiled when it is first called, by Python or by another kernel."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+
+    @cached_property
+    def compiled(self) -> Any:
+        numba = _import_numba()
+        package, settings = Path(__file__).parents[1], cast(Any, numba.config)
+        chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
+        folder = Path(chosen or package / "__pycache__") / f"{_PREFIX}{_stamp(self.py_func, package)}"
+        _keep_fresh(folder)
+        settings.CACHE_DIR = str(folder)
+        try:
+            return numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(self.py_func)
+        finally:
+            settings.CACHE_DIR = chosen
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.compiled(*arguments)
+
+    def __reduce__(self) -> str:
+        return self.__qualname__
+
+
+@cache
+def _import_numba() -> Any:
+    """numba, which from here on takes a kernel for its compiled function where another kernel uses it."""
+    import numba
+    from numba.core import types
+    from numba.extending import typeof_impl
+
+    @typeof_impl.register(_Kernel)
+    def _typeof(value: _Kernel, _: Any) -> Any:
+        return types.Dispatcher(value.compiled)
+
+    return numba
 
 
 @cache

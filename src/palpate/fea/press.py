@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from typing import TypedDict
 
 import numpy as np
@@ -15,17 +14,6 @@ from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import Mesh, locate_inner, locate_nodes, marker_displacement, marker_displacement_derivative
-
-
-class Branch(StrEnum):
-    """Which of the two stable states an increment shows."""
-
-    FLAT = "flat"
-    INVERTED = "inverted"
-
-
-NEITHER = "neither"
-"""Branch of a state whose apex is off the wall, but which is not proved inverted (see `palpate.fea.inverted`)."""
 
 
 class IncrementFields(TypedDict):

@@ -7,8 +7,8 @@ from typing import Any
 
 from palpate.core import Recipe, stage_version
 from palpate.design import SkinSpec
+from palpate.fea.branch import Branch
 from palpate.fea.io import PRESS_FORMAT
-from palpate.fea.press import Branch
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mesh import MeshSpec

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from palpate.core import Registry
-from palpate.fea.press import Branch, Press
-from palpate.fea.solve_press import solve_press
+from palpate.fea.branch import Branch
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh
+
+if TYPE_CHECKING:
+    from palpate.fea.press import Press
 
 
 class PressSolver(ABC):
@@ -59,6 +61,8 @@ class PalpateSolver(PressSolver):
         """Nothing is beyond it that a spec can say."""
 
     def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
+        from palpate.fea.solve_press import solve_press  # here: flags of a press need the settings alone
+
         return solve_press(mesh, material, obstacle, self.spec, self.branch)
 
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NamedTuple, final
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, final
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
-from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design import OFFSET_SPACE, PoseSpace
@@ -23,6 +22,9 @@ from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import Plane, refuse_rim_first
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 ARM = 20.0
 """Distance in mm at which a turn is counted as a length."""
@@ -175,6 +177,8 @@ def _whole(points: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
 
 def _turned(point: Waypoint) -> Rotation:
     """Rotation of the wall: its twist about the skin's axis, then its tilt."""
+    from scipy.spatial.transform import Rotation  # here: its import takes half a second
+
     tilt = Rotation.from_rotvec([point.rx_deg, point.ry_deg, 0.0], degrees=True)
     return tilt * Rotation.from_rotvec([0.0, 0.0, point.twist_deg], degrees=True)
 

@@ -9,11 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
+from palpate.fea.branch import NEITHER, Branch
 from palpate.fea.derivative import differentiate_states, follow_derivatives, gather_derivatives
 from palpate.fea.inverted import RING_POINTS, explain_rejection, follow_inverted, refine_mesh
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
-from palpate.fea.press import NEITHER, Branch, IncrementFields, Press
+from palpate.fea.press import IncrementFields, Press
 from palpate.fea.spec import ObstacleSpec, check_half_model
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force

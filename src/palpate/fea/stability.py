@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.fea.press import Branch, Press
+from palpate.fea.branch import Branch
+from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material

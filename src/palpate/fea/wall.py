@@ -14,7 +14,6 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
-from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
 from palpate.design import TILT_SPACE, PoseSpace, rotation_vector, wall_normal
@@ -141,6 +140,8 @@ class Plane(Obstacle):
 
     def twisted(self, angle: float) -> Self:
         """The plane turned about its normal by an angle in rad: it stays where it is, what sticks to it turns."""
+        from scipy.spatial.transform import Rotation  # here: its import takes half a second
+
         axes = np.eye(3) if self.axes is None else self.axes
         return replace(self, axes=Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
 

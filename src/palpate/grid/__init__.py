@@ -1,57 +1,5 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
-from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
-from palpate.grid.draw import write_picture
-from palpate.grid.evaluate_grid import evaluate_grid
-from palpate.grid.export import export_grid, html_rows
-from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, column_unit, design_label, rows_for_design
-from palpate.grid.io import is_grid, read_grid, write_grid
-from palpate.grid.model import copy_model
-from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
-from palpate.grid.plot import (
-    PLOT_KINDS,
-    check_plot_request,
-    default_metric,
-    draw_grid,
-    draw_plot,
-    plot_file_name,
-    plot_grid,
-)
-from palpate.grid.query import filter_rows, sort_rows
+from palpate.core import lazy_front
 
-__all__ = [
-    "MAIN_COLUMNS",
-    "METRICS",
-    "PLOT_KINDS",
-    "Cell",
-    "Comparison",
-    "CurvePanel",
-    "Difference",
-    "Panel",
-    "Row",
-    "SpecificationGrid",
-    "check_plot_request",
-    "column_unit",
-    "compare_grids",
-    "copy_model",
-    "cut_depth_panels",
-    "cut_marker_panels",
-    "cut_panels",
-    "cut_tilt_panels",
-    "default_metric",
-    "design_label",
-    "draw_grid",
-    "draw_plot",
-    "evaluate_grid",
-    "export_grid",
-    "filter_rows",
-    "html_rows",
-    "is_grid",
-    "plot_file_name",
-    "plot_grid",
-    "read_grid",
-    "rows_for_design",
-    "sort_rows",
-    "write_grid",
-    "write_picture",
-]
+lazy_front(__name__, __file__)

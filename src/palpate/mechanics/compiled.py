@@ -10,6 +10,6 @@ from palpate.mechanics.element import assemble_cells
 
 def kernels_compiled() -> bool:
     """Whether a press can start at once; else its kernels are compiled first, which takes some half a minute."""
-    dispatcher: Any = assemble_cells
+    kernel: Any = assemble_cells
     module = assemble_cells.__module__.rsplit(".", 1)[-1]
-    return any(Path(dispatcher.stats.cache_path).glob(f"{module}.{assemble_cells.__name__}-*.nbi"))
+    return any(Path(kernel.compiled.stats.cache_path).glob(f"{module}.{assemble_cells.__name__}-*.nbi"))

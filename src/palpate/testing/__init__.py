@@ -3,11 +3,6 @@
 A test class inherits a suite and gives its fixtures; pytest, which this room alone needs, collects the rest.
 """
 
-from palpate.testing.law import LawSuite
-from palpate.testing.lens import LensSuite
-from palpate.testing.linear_solver import LinearSolverSuite
-from palpate.testing.obstacle import ObstacleSuite
-from palpate.testing.skin import SkinSuite
-from palpate.testing.source import SourceSuite
+from palpate.core import lazy_front
 
-__all__ = ["LawSuite", "LensSuite", "LinearSolverSuite", "ObstacleSuite", "SkinSuite", "SourceSuite"]
+lazy_front(__name__, __file__)

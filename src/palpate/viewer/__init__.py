@@ -1,7 +1,5 @@
 """Viewer: what people see: the grid, the pressed dome and the live sensor in a browser."""
 
-from palpate.viewer.readings_client import follow_readings
-from palpate.viewer.serve_readings import Feed, build_readings_app, serve_readings
-from palpate.viewer.server import ServeSpec, serve
+from palpate.core import lazy_front
 
-__all__ = ["Feed", "ServeSpec", "build_readings_app", "follow_readings", "serve", "serve_readings"]
+lazy_front(__name__, __file__)

@@ -29,7 +29,7 @@ def test_a_kernel_computes_and_nan_keeps_its_meaning() -> None:
 
 def test_kernel_leaves_the_users_cache_folder_as_it_is() -> None:
     assert "kernels-" not in str(numba.config.CACHE_DIR)
-    assert "kernels-" in _sum.stats.cache_path
+    assert "kernels-" in _sum.compiled.stats.cache_path
 
 
 def _folder(place: Path, name: str, age_s: float, inner_age_s: float | None = None) -> Path:
@@ -71,7 +71,7 @@ def test_two_processes_that_remove_at_once_do_not_disturb_each_other(tmp_path: P
 
 
 def test_the_folder_in_use_is_marked_as_used() -> None:
-    assert time.time() - Path(_sum.stats.cache_path).parent.stat().st_mtime < 30 * 86_400.0
+    assert time.time() - Path(_sum.compiled.stats.cache_path).parent.stat().st_mtime < 30 * 86_400.0
 
 
 def test_any_source_with_a_kernel_changes_the_stamp(tmp_path: Path) -> None:
@@ -97,5 +97,5 @@ def test_a_kernel_of_another_package_lies_in_a_folder_of_both(
     monkeypatch.syspath_prepend(str(tmp_path))
     one = importlib.import_module("guest_of_kernels.one").one
     assert one(2.0) == 2.0
-    assert f"-{kernel_stamp(package)}" in one.stats.cache_path
-    assert kernel_stamp(package) not in _sum.stats.cache_path
+    assert f"-{kernel_stamp(package)}" in one.compiled.stats.cache_path
+    assert kernel_stamp(package) not in _sum.compiled.stats.cache_path

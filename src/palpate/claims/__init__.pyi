@@ -1,0 +1,17 @@
+"""Claims: what one paper states, judged by grids and meshes."""
+
+from palpate.claims.claim import Claim, ClaimAnswer, ClaimFinding, Verdict
+from palpate.claims.evidence import Evidence
+from palpate.claims.judge_claims import assess_claims, read_evidence
+from palpate.claims.write_claims import write_claims
+
+__all__ = [
+    "Claim",
+    "ClaimAnswer",
+    "ClaimFinding",
+    "Evidence",
+    "Verdict",
+    "assess_claims",
+    "read_evidence",
+    "write_claims",
+]

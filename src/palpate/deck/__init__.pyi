@@ -1,0 +1,16 @@
+"""Deck: the same press for Abaqus and CalculiX, and CalculiX as a second solver."""
+
+from palpate.deck.calculix import CalculixSolver, CalculixSpec, solve_press_calculix
+from palpate.deck.spec import DeckElement, DeckSpec, Dialect
+from palpate.deck.write_deck import deck_text, write_deck
+
+__all__ = [
+    "CalculixSolver",
+    "CalculixSpec",
+    "DeckElement",
+    "DeckSpec",
+    "Dialect",
+    "deck_text",
+    "solve_press_calculix",
+    "write_deck",
+]

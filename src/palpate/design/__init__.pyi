@@ -1,0 +1,60 @@
+"""Design: from height, base radius, thickness and markers to the geometry of a dome and its limits."""
+
+from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
+from palpate.design.check_design import check_design, raise_on_errors
+from palpate.design.cone import ConeSpec
+from palpate.design.dome import Dome, DomeSpec
+from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
+from palpate.design.finding import Finding, Severity
+from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
+from palpate.design.module import ContactModule, build_contact_module, build_module_solid
+from palpate.design.orientation_mark import place_orientation_mark
+from palpate.design.place_markers import place_markers
+from palpate.design.points_file import read_points
+from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
+from palpate.design.pose_space import OFFSET_SPACE, TILT_SPACE, PoseSpace
+from palpate.design.revolved import RevolvedSkin
+from palpate.design.rings import markers_in_rings, ring_diameters
+from palpate.design.skin import Rim, Skin, Symmetry
+from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
+from palpate.design.spline import SplineSpec
+
+__all__ = [
+    "OFFSET_SPACE",
+    "PRINT_TOLERANCE",
+    "SKINS",
+    "TILT_SPACE",
+    "ConeSpec",
+    "ContactModule",
+    "Dome",
+    "DomeSpec",
+    "Ellipsoid",
+    "EllipsoidSpec",
+    "Finding",
+    "MarkerLayout",
+    "MarkerSpec",
+    "MountSpec",
+    "PoseSpace",
+    "RevolvedSkin",
+    "Rim",
+    "Severity",
+    "Skin",
+    "SkinSpec",
+    "SplineSpec",
+    "Symmetry",
+    "build_contact_module",
+    "build_module_solid",
+    "build_skin",
+    "check_design",
+    "markers_in_rings",
+    "place_markers",
+    "place_orientation_mark",
+    "raise_on_errors",
+    "read_points",
+    "read_skin",
+    "ring_diameters",
+    "rotation_vector",
+    "skin_from_data",
+    "turn_about_axis",
+    "wall_normal",
+]

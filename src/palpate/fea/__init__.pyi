@@ -1,0 +1,62 @@
+"""Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
+
+from palpate.fea.ball import Ball, BallSpec
+from palpate.fea.branch import Branch
+from palpate.fea.convergence import CELLS, MeshResult, study_convergence
+from palpate.fea.cylinder import Cylinder, CylinderSpec
+from palpate.fea.export import check_export, export_press
+from palpate.fea.first_touch import find_first_contact
+from palpate.fea.io import read_press, write_press
+from palpate.fea.monitor import SkinMonitor
+from palpate.fea.nodal_stress import nodal_von_mises
+from palpate.fea.obstacles import OBSTACLES, obstacle_from_data, read_obstacle
+from palpate.fea.plot_convergence import plot_convergence
+from palpate.fea.plot_press import plot_press, render_press_3d, tabulate_press
+from palpate.fea.press import Press
+from palpate.fea.press_recipe import press_recipe
+from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
+from palpate.fea.solve_press import increment_depths, solve_press
+from palpate.fea.spec import ObstacleSpec, check_contact
+from palpate.fea.stability import Stability, find_stability
+from palpate.fea.wall import Plane, WallSpec
+from palpate.mechanics import EndReason, SolverSpec
+
+__all__ = [
+    "CELLS",
+    "OBSTACLES",
+    "PRESS_SOLVERS",
+    "Ball",
+    "BallSpec",
+    "Branch",
+    "Cylinder",
+    "CylinderSpec",
+    "EndReason",
+    "MeshResult",
+    "ObstacleSpec",
+    "PalpateSolver",
+    "Plane",
+    "Press",
+    "PressSolver",
+    "SkinMonitor",
+    "SolverSpec",
+    "Stability",
+    "WallSpec",
+    "check_contact",
+    "check_export",
+    "export_press",
+    "find_first_contact",
+    "find_stability",
+    "increment_depths",
+    "nodal_von_mises",
+    "obstacle_from_data",
+    "plot_convergence",
+    "plot_press",
+    "press_recipe",
+    "read_obstacle",
+    "read_press",
+    "render_press_3d",
+    "solve_press",
+    "study_convergence",
+    "tabulate_press",
+    "write_press",
+]
