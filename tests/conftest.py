@@ -6,6 +6,11 @@ for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "
     os.environ.setdefault(variable, "1")
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """One worker more than processors, because tests of pages and of other processes mostly wait; five at most."""
+    return min(4, os.cpu_count() or 1) + 1
+
+
 def pytest_configure() -> None:
     from source_stamp import source_stamp
 
