@@ -204,7 +204,7 @@ def _request_door(folder: Path) -> Door:
 
     (folder / "small.yaml").write_text(
         "name: small\ndesigns: {heights: [20 mm], thicknesses: [2 mm], markers: [7]}\nmesh: {cells: 6}\n"
-        "tilts_deg: [0, 4]\nwall: {depth: 2.4 mm}\ndataset: {n_presses: 20, max_tilt_deg: 4, dropped_images: 0}\n"
+        "tilts_deg: [0, 4]\nobstacle: {depth: 2.4 mm}\ndataset: {n_presses: 20, max_tilt_deg: 4, dropped_images: 0}\n"
     )
     results = folder / "results"
     words = ["run", str(folder / "small.yaml"), "--out", str(results), "--workers", "1"]

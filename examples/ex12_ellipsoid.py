@@ -9,7 +9,7 @@ STUDY = """
 name: ellipsoid
 designs: {skin: {kind: ellipsoid, aspect: 0.8}, heights: [16], thicknesses: [2], markers: [37]}
 tilts_deg: [0, 4]
-wall: {depth: 2.4, contact: frictionless}
+obstacle: {depth: 2.4, contact: frictionless}
 mesh: {cells: 8}
 dataset: {max_tilt_deg: 4}
 learning: {preset: quick}

@@ -41,7 +41,7 @@ designs:
   markers: [7, 19]
 mesh: {cells: 8}
 tilts_deg: [0, 3, 6]
-wall: {depth: 4 mm}
+obstacle: {depth: 4 mm}
 dataset: {n_presses: 60, max_tilt_deg: 6}
 learning: {preset: quick}
 """

@@ -1,5 +1,6 @@
 """Another package adds to palpate by entry points alone: it is installed into an empty folder and tested there."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from errors import check_values
+from needs import needs
 
 HERE = Path(__file__).parent / "outside_package"
 SOURCE = Path(__file__).parents[2] / "src"
@@ -63,6 +65,30 @@ def test_the_guests_law_and_lens_are_known_on_the_command_line_and_in_a_study(in
     (installed / "mine.yaml").write_text("name: mine\ncamera:\n  lens: division\n  distortion: [-0.2]\n")
     read = "from palpate.study import read_study; print(read_study('mine.yaml').camera.model_dump_json())"
     assert '"lens":"division","distortion":[-0.2]' in run(installed, "-c", read).stdout
+
+
+GUEST_STUDY = """
+name: wheel
+designs: {heights: [20 mm], thicknesses: [2 mm], markers: [19]}
+obstacle: {kind: wheel, radius: 9 mm, depth: 3 mm, contact: frictionless}
+offsets_mm: [0, 2]
+mesh: {cells: 5}
+dataset: {n_presses: 30, max_tilt_deg: 2, dropped_images: 0}
+learning: {preset: quick}
+"""
+
+
+def test_the_guests_obstacle_gives_a_row_of_a_grid(installed: Path) -> None:
+    needs("torch")
+    (installed / "wheel.yaml").write_text(GUEST_STUDY)
+    command = "from palpate.cli import main; main()"
+    done = run(installed, "-c", command, "run", "wheel.yaml", "--workers", "1", "--json")
+    assert done.returncode == 0, done.stderr
+    (row,) = json.loads(done.stdout)["designs"]
+    assert row["failure"] is None
+    assert 0 < row["rmse_mm"] < 2
+    assert json.loads(row["spec"])["obstacle"]["kind"] == "wheel"
+    assert json.loads(row["spec"])["offsets_mm"] == [0, 2]
 
 
 def test_without_the_guest_its_names_are_unknown_and_the_group_is_named(tmp_path: Path) -> None:

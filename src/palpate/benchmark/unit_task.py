@@ -68,6 +68,11 @@ def plan_design_twin(spec: BenchmarkSpec, design: BenchmarkDesign, presses: Twin
     """The twin of one design, from these presses."""
     study = single_design_study(design.skin, design.marker_layout, MaterialSpec(name=spec.material))
     built = AsBuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
-    wall = study.wall.model_copy(update={"depth": spec.depth, "depth_step": presses.depth_step})
-    changed = {"mesh": MeshSpec(cells=presses.cells), "tilts_deg": presses.tilts_deg, "built": built, "wall": wall}
+    wall = study.obstacle.model_copy(update={"depth": spec.depth, "depth_step": presses.depth_step})
+    changed = {
+        "mesh": MeshSpec(cells=presses.cells),
+        "tilts_deg": presses.tilts_deg,
+        "built": built,
+        "obstacle": wall,
+    }
     return plan_twin(study.model_copy(update=changed), design.skin)

@@ -75,7 +75,7 @@ class Evidence:
         """Contact law and way of learning, e.g. ``"no-slip, best"``; the folder's name where the grid has neither."""
         specs = (json.loads(str(row["spec"])) for row in self.grid.designs if row.get("spec"))
         spec: dict[str, Any] = next(specs, {})
-        parts = (spec.get("wall", {}).get("contact"), spec.get("learning", {}).get("preset"))
+        parts = (spec.get("obstacle", spec.get("wall", {})).get("contact"), spec.get("learning", {}).get("preset"))
         words = ", ".join(_word(part) for part in parts if part is not None)
         return words or self.folder
 

@@ -48,6 +48,7 @@ RENAMED_KEYS: dict[str, dict[str, str]] = {
         "friction": "friction_min",
         "friction_most": "friction_max",
     },
+    "Study": {"wall": "obstacle", "side_wall": "obstacle: {kind: side_wall}"},
     "TwinPressSpec": {"image_step": "depth_step"},
     "VirtualBenchSpec": _BENCH,
     "WallSpec": {"bend": "curvature", "drift": "lateral_rate", "drift_across": "lateral_rate_across"},

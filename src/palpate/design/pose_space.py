@@ -5,7 +5,7 @@ Networks, intervals, readings, tables, grids and the metadata of models read the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -136,6 +136,10 @@ class PoseSpace:
         """What errors are measured: name, columns of the poses, unit; the polar quantity first."""
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
+
+    def fits(self, axes: Iterable[str]) -> bool:
+        """Whether these are the axes of its errors."""
+        return {name for name, _, _ in self.errors} == set(axes)
 
     def cartesian(self, radial: float, turn_deg: float) -> FloatArray:
         """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""

@@ -110,6 +110,11 @@ class ObstacleSpec(Spec, ABC):
         return OFFSET_SPACE
 
     @property
+    def position_name(self) -> str:
+        """Name of the field that a study varies: ``tilt_deg`` of a wall, ``offset`` of any other obstacle."""
+        return "tilt_deg" if self.pose_space.is_tilt else "offset"
+
+    @property
     @abstractmethod
     def radial(self) -> float:
         """How far the pose is from the straight one: tilt in degrees, or offset in mm."""
@@ -142,7 +147,7 @@ class ObstacleSpec(Spec, ABC):
         if skin.hole:
             raise PalpateError(
                 f"{skin.name} is open at both ends: nothing touches it that comes down along its axis.",
-                "Press its side: --obstacle side_wall, or side_wall of a study.",
+                "Press its side: --obstacle side_wall, or `obstacle: {kind: side_wall}` in a study.",
                 code="obstacle-needs-apex",
             )
 

@@ -27,8 +27,8 @@ APPLICATION = 0x70616C70
 WAIT_S = 30.0
 """How long to wait for another writer, s."""
 
-KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ("tilt_deg",)}
-"""Columns that every table beside the designs has, behind the design's number."""
+KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ()}
+"""Columns that every table besides the designs has, after the design's number."""
 
 
 def write_database(path: Path, grid: SpecificationGrid) -> None:

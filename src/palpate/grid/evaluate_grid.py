@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
 from palpate.built import PredictedAccuracy
-from palpate.design import TILT_SPACE
+from palpate.design import OFFSET_SPACE, TILT_SPACE, PoseSpace
 from palpate.grid.grid import Cell, Row, SpecificationGrid
 from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_bound, pool_bounds
 from palpate.study import DesignResult, PressSummary
@@ -54,15 +54,16 @@ def _by_depth(design: DesignResult) -> list[Row]:
     errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
     limits = {round(limit.depth_mm, 6): limit for limit in design.bounds}
     rows: list[Row] = []
+    unit = _unit(design)
     for depth in sorted({*limits, *(place[0] for place in errors)}):
-        limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None))
-        rmse, bound = found["rmse_jitter_deg"], limit.least_squares_deg if limit else None
+        limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None, unit))
+        rmse, bound = found[f"rmse_jitter_{unit}"], limit.least_squares_deg if limit else None
         row = {
             "depth_mm": depth,
             **found,
-            "bound_deg": bound,
-            "bound_pitman_deg": limit.pitman_deg if limit else None,
-            "bound_floor_deg": limit.floor_deg if limit else None,
+            f"bound_{unit}": bound,
+            f"bound_pitman_{unit}": limit.pitman_deg if limit else None,
+            f"bound_floor_{unit}": limit.floor_deg if limit else None,
             "rmse_over_bound": rmse / bound if isinstance(rmse, float) and bound else None,
         }
         rows.append(row)
@@ -78,18 +79,22 @@ def _by_tilt(design: DesignResult) -> list[Row]:
 def _by_place(design: DesignResult, cut: Callable[[Metrics], Mapping[Place, Part]]) -> dict[Place, dict[str, Cell]]:
     """Clean and jittered errors of a design where `cut` has any."""
     clean, jittered = (cut(metrics) if metrics else {} for metrics in (design.clean, design.jittered))
-    return {place: _errors_of(clean.get(place), jittered.get(place)) for place in {**clean, **jittered}}
+    unit = _unit(design)
+    return {place: _errors_of(clean.get(place), jittered.get(place), unit) for place in {**clean, **jittered}}
 
 
-def _errors_of(clean: Part | None, jittered: Part | None) -> dict[str, Cell]:
+def _errors_of(clean: Part | None, jittered: Part | None, unit: str) -> dict[str, Cell]:
     counted = clean or jittered
     images = {"validation_samples": counted.images if counted else None}
-    return {**_errors(clean, ""), **_errors(jittered, "_jitter"), **images}
+    return {**_errors(clean, "", unit), **_errors(jittered, "_jitter", unit), **images}
 
 
 def _press(press: PressSummary) -> Row:
     cells = {name: _finite(cell) if isinstance(cell, float) else cell for name, cell in asdict(press).items()}
-    return cells if press.azimuth_deg is not None else {k: v for k, v in cells.items() if k != "azimuth_deg"}
+    position = {str(cells.pop("position_column")): cells.pop("position")}
+    if press.azimuth_deg is None:
+        del cells["azimuth_deg"]
+    return position | cells
 
 
 def _row(design: DesignResult) -> dict[str, Cell]:
@@ -100,11 +105,11 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         "shape": str(design.shape),
         "markers": design.markers.count,
         **_built(design.built),
-        **_errors(design.clean, ""),
-        **_errors(design.jittered, "_jitter"),
+        **_errors(design.clean, "", _unit(design)),
+        **_errors(design.jittered, "_jitter", _unit(design)),
         **_spread(design),
         **_limits(design),
-        **_coverage(design.coverage),
+        **_coverage(design.coverage, _unit(design)),
         "travel_mm": _finite(design.travel_mm),
         "peak_stress_mpa": _finite(design.peak_stress_mpa),
         **_presses(design.presses),
@@ -122,11 +127,16 @@ def _row(design: DesignResult) -> dict[str, Cell]:
     }
 
 
-def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
+def _errors(metrics: Metrics | Part | None, suffix: str, unit: str) -> dict[str, Cell]:
     return {
-        f"rmse{suffix}_deg": metrics.pooled.rmse if metrics else None,
-        f"max_error{suffix}_deg": metrics.pooled.max if metrics else None,
+        f"rmse{suffix}_{unit}": metrics.pooled.rmse if metrics else None,
+        f"max_error{suffix}_{unit}": metrics.pooled.max if metrics else None,
     }
+
+
+def _unit(design: DesignResult) -> str:
+    """Unit of the estimated position: degrees of a tilt, or mm of an offset."""
+    return "mm" if any(press.position_column == "offset_mm" for press in design.presses) else "deg"
 
 
 def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
@@ -148,7 +158,7 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
     """Standard deviation of the clean RMSE over the repeats, which takes two."""
     repeats = design.repeat_rmse_deg
     return {
-        "rmse_spread_deg": statistics.stdev(repeats) if len(repeats) > 1 else None,
+        f"rmse_spread_{_unit(design)}": statistics.stdev(repeats) if len(repeats) > 1 else None,
         "repeats": len(repeats) or None,
     }
 
@@ -157,20 +167,22 @@ def _limits(design: DesignResult) -> dict[str, Cell]:
     """Bounds on the jittered RMSE and how near it comes, over all depths."""
     judged = compare_with_bound(design.jittered, design.bounds) if design.jittered else None
     pooled = judged[0] if judged else pool_bounds(design.bounds)
+    unit = _unit(design)
     return {
-        "bound_deg": pooled.least_squares_deg if pooled else None,
-        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
+        f"bound_{unit}": pooled.least_squares_deg if pooled else None,
+        f"bound_pitman_{unit}": pooled.pitman_deg if pooled else None,
         "rmse_over_bound": judged[1] if judged else None,
     }
 
 
-def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
+def _coverage(coverage: Coverage | None, unit: str) -> dict[str, Cell]:
     """What the intervals are worth on presses that did not calibrate them."""
+    position = "deg" if unit == "deg" else f"offset_{unit}"
     return {
         "interval_level": coverage.level if coverage else None,
         "interval_coverage": coverage.angle if coverage else None,
         "interval_coverage_depth": coverage.depth if coverage else None,
-        "interval_half_width_deg": coverage.half_width_deg if coverage else None,
+        f"interval_half_width_{position}": coverage.half_width_deg if coverage else None,
         "interval_half_width_mm": coverage.half_width_mm if coverage else None,
         "interval_presses": coverage.presses if coverage else None,
         "flagged_ood": coverage.outside if coverage else None,
@@ -182,10 +194,11 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
-    for axis, _, unit in TILT_SPACE.errors:
+    space = next(each for each in (TILT_SPACE, PoseSpace.for_lines(), OFFSET_SPACE) if each.fits(metrics.by_axis))
+    for axis, _, unit in space.errors:
         summary = metrics.by_axis[axis]
         for figure in ("rmse", "mae", "max", "sd", "bias"):
-            if axis == "angle" and figure in ("rmse", "max"):
+            if axis == space.polar and figure in ("rmse", "max"):
                 continue  # these two are the grid's main columns
             found[f"{figure}_{axis}{suffix}_{unit}"] = getattr(summary, figure)
     return found
@@ -193,7 +206,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
 
 def _presses(presses: Sequence[PressSummary]) -> dict[str, Cell]:
     """How the dome deforms: in the press of least tilt, and at worst over all presses."""
-    straight = min(presses, key=lambda press: press.tilt_deg) if presses else None
+    straight = min(presses, key=lambda press: press.position) if presses else None
     return {
         "peak_stress_straight_mpa": straight.peak_stress_mpa if straight else None,
         "displacement_max_straight_mm": straight.displacement_max_mm if straight else None,

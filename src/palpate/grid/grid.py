@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 
 Cell = float | int | str | None
@@ -22,8 +22,13 @@ MAIN_COLUMNS = (
     "max_error_deg",
     "rmse_jitter_deg",
     "max_error_jitter_deg",
+    "rmse_mm",
+    "max_error_mm",
+    "rmse_jitter_mm",
+    "max_error_jitter_mm",
     "rmse_spread_deg",
     "bound_deg",
+    "bound_mm",
     "rmse_over_bound",
     "interval_coverage",
     "travel_mm",
@@ -36,6 +41,13 @@ MAIN_COLUMNS = (
 
 TABLES = ("by_depth", "by_tilt", "presses")
 """The tables beside that of the designs; the first column of each is ``design``."""
+
+
+def own_column(columns: Container[str], column: str) -> str:
+    """Column of a grid for one of an angle: that of the offset in mm, if the grid's obstacles have no tilt."""
+    offset = f"{column.removesuffix('_deg')}_mm"
+    return offset if column not in columns and column.endswith("_deg") and offset in columns else column
+
 
 UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 

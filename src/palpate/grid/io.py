@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.core import PalpateError, atomic_write_into, rename_columns
 from palpate.grid.database import check_schema_version, read_database, write_database
 from palpate.grid.export import write_csv
-from palpate.grid.grid import TABLES, SpecificationGrid, column_unit
+from palpate.grid.grid import TABLES, SpecificationGrid, column_unit, own_column
 from palpate.grid.plot import draw_plot, plot_file_name
 
 FORMAT, FORMAT_VERSION = "palpate specification grid", 2
@@ -104,5 +104,6 @@ def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
     from palpate.grid.draw import write_picture
 
     built = (picture for picture in BUILT if picture[1] in grid.columns)
-    for kind, metric in (*built, *PICTURES):
+    for kind, name in (*built, *PICTURES):
+        metric = own_column(grid.columns, name)
         write_picture(directory / plot_file_name(kind, metric), draw_plot(grid, kind, metric))

@@ -94,7 +94,8 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
 
 def default_metric(grid: SpecificationGrid) -> str:
     """What a person sees first: errors of units as built where they were foreseen, else those of clean images."""
-    return next((name for name in ("built_rmse_deg", "rmse_deg") if name in grid.columns), "rmse_deg")
+    names = ("built_rmse_deg", "rmse_deg", "rmse_mm")
+    return next((name for name in names if name in grid.columns), "rmse_deg")
 
 
 def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
@@ -108,7 +109,9 @@ def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     """Draw one metric of a grid; for `kind` and `metric` see `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
 
-    title, unit = TITLES.get(metric, _words(metric)), column_unit(metric)
+    unit = column_unit(metric)
+    angle = f"{metric.removesuffix('_mm')}_deg"
+    title = TITLES.get(metric) or TITLES.get(angle, _words(metric)).replace("contact angle", "offset")
     label = LABELS.get(metric, f"{_words(metric)} ({unit})" if unit else _words(metric))
     if kind == "heat":
         return draw_heat_maps(cut_panels(grid, metric), title, unit)

@@ -92,7 +92,7 @@ def _study_data(
         },
         "material": {"name": material},
         "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
-        "wall": {"depth": spec.depth, "depth_step": spec.depth / 10.0},
+        "obstacle": {"depth": spec.depth, "depth_step": spec.depth / 10.0},
         "camera": camera.model_dump(mode="json", exclude_defaults=True),
         "built": {
             "calibration_presses": max(spec.calibration_presses, 1),

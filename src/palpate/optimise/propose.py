@@ -152,7 +152,9 @@ def plan_skin_evaluation(
         if full
         else AsBuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
     )
-    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "depth_step": step})})
+    study = study.model_copy(
+        update={"obstacle": study.obstacle.model_copy(update={"depth": spec.depth, "depth_step": step})}
+    )
     twin = plan_twin(study, skin)
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})

@@ -149,16 +149,16 @@ def plan_accuracy(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerS
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
-    slippery = study.wall.contact == "frictionless"
+    slippery = study.obstacle.contact == "frictionless"
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
-    for contact in (study.wall.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
+    for contact in (study.obstacle.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
         for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.wall.depth_step}
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.obstacle.depth_step}
             yield PressTask(
                 skin=skin,
                 mesh=study.material.mesh(study.mesh),
                 material=study.material.material(),
-                obstacle=study.wall.model_copy(update=changed),
+                obstacle=study.obstacle.model_copy(update=changed),
                 solver=solver,
             )
 
@@ -170,13 +170,13 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[P
         share = (number + 0.5) / asked.checks
         tilt, slip = (_between(values, share) for values in (study.tilts_deg, slips))
         changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": _TURN_DEG * (number + 1)}
-        if study.wall.contact != "frictionless":
+        if study.obstacle.contact != "frictionless":
             changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
         yield PressTask(
             skin=skin,
             mesh=study.material.mesh(study.mesh),
             material=study.material.material(),
-            obstacle=study.wall.model_copy(update=changed),
+            obstacle=study.obstacle.model_copy(update=changed),
             solver=study.solver,
         )
 
@@ -191,12 +191,12 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
     for tilt_deg in study.tilts_deg:
-        changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.wall.depth_step}
+        changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
         yield PressTask(
             skin=skin,
             mesh=mesh,
             material=study.material.material(),
-            obstacle=study.wall.model_copy(update=changed),
+            obstacle=study.obstacle.model_copy(update=changed),
             solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
             branch=Branch.INVERTED,
         )

@@ -18,6 +18,7 @@ from palpate.study.built_task import AccuracyTask, read_accuracy
 from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
 from palpate.study.result import Counts, DesignBounds, DesignResult, PressSummary
+from palpate.study.study import positions_field
 from palpate.study.task import BoundTask, DatasetTask, EvaluationTask, Task, read_bounds
 from palpate.study.worker import TaskOutcome
 
@@ -129,15 +130,16 @@ def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
 def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
-    wall = press.obstacle.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
+    obstacle = press.obstacle.model_dump(mode="json", exclude={"tilt_deg", "offset", "azimuth_deg"})
+    positions = list(dict.fromkeys(item.obstacle.radial for item in dataset.presses))
     own = dataset.skin.model_dump(mode="json", exclude=_SIZES)
     return {
         **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
-        "tilts_deg": list(dict.fromkeys(item.obstacle.radial for item in dataset.presses)),
+        positions_field(press.obstacle): positions,
         **_azimuths(dataset),
-        "wall": wall,
+        "obstacle": obstacle,
         "solver": press.solver.model_dump(mode="json"),
         "camera": dataset.camera.model_dump(mode="json"),
         "dataset": dataset.spec.model_dump(mode="json"),
@@ -163,8 +165,10 @@ def _bistable_from(path: Path | None) -> float:
 def _summarise_press(path: Path) -> PressSummary:
     press = read_press(path)
     moved = np.linalg.norm(press.displacement[-1], axis=1)
+    column = "tilt_deg" if press.obstacle.pose_space.is_tilt else "offset_mm"
     return PressSummary(
-        tilt_deg=press.obstacle.radial,
+        position=press.obstacle.radial,
+        position_column=column,
         ended=str(press.ended),
         ended_depth_mm=float(press.ended_depth),
         force_n=float(np.linalg.norm(press.force[-1])),

@@ -110,8 +110,8 @@ def plan_study(study: Study) -> Plan:
 
 def _refuse_unfit(study: Study, skin: Skin) -> None:
     """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
-    for tilt_deg in study.tilts_deg:
-        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).check_skin(skin, study.mesh.rim)
+    for position in study.positions:
+        study.obstacle_at(position).check_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
         raise PalpateError(
             f"{skin.name} is open at both ends: what fills it is not meshed.",
@@ -126,24 +126,24 @@ def _refuse_unfit(study: Study, skin: Skin) -> None:
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     mesh = study.material.mesh(study.mesh)
-    for tilt_deg, azimuth_deg in _poses(study, build_skin(skin)):
+    for position, azimuth_deg in _poses(study, build_skin(skin)):
         turned = {"azimuth_deg": azimuth_deg} if azimuth_deg else {}
         yield PressTask(
             skin=skin,
             # half a skin is symmetric about the plane of the tilt
             mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
             material=study.material.material(),
-            obstacle=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
+            obstacle=study.obstacle_at(position, **turned),
             solver=study.solver,
         )
 
 
 def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
-    """Tilt and azimuth of every press, in degrees; one azimuth where it serves all."""
-    for tilt_deg in study.tilts_deg:
-        one = tilt_deg == 0 or skin.symmetry is Symmetry.REVOLVED
+    """Position and azimuth (degrees) of every press; one azimuth if it serves all."""
+    for position in study.positions:
+        one = position == 0 or skin.symmetry is Symmetry.REVOLVED
         for azimuth_deg in (0.0,) if one else study.azimuths_deg:
-            yield tilt_deg, azimuth_deg
+            yield position, azimuth_deg
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:

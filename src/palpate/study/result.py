@@ -40,8 +40,8 @@ class PressSummary:
 
     Attributes
     ----------
-    tilt_deg
-        Tilt of the wall (degrees).
+    position, position_column
+        Tilt (degrees) or offset (mm) of the obstacle, and its column: ``"tilt_deg"`` or ``"offset_mm"``.
     ended, ended_depth_mm
         Reason of the end, and the wall's depth at that moment (mm).
     force_n, peak_stress_mpa
@@ -56,7 +56,8 @@ class PressSummary:
         Direction of the tilt's axis (degrees); `None` where one press serves every azimuth.
     """
 
-    tilt_deg: float
+    position: float
+    position_column: str
     ended: str
     ended_depth_mm: float
     force_n: float

@@ -27,7 +27,7 @@ from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
-from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact, obstacle_from_data
+from palpate.fea import ObstacleSpec, WallSpec, check_contact, obstacle_from_data
 from palpate.learn import LearningSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
@@ -158,15 +158,12 @@ AZIMUTHS_DEG = (0.0, 30.0, 60.0, 90.0)
 """Azimuths at which a skin with two mirrors is pressed."""
 
 
-_SIDE = "side_wall"
-
-
-def _read_side_wall(given: Any) -> Any:
-    """A wall at the side from what a file says of it, without its kind."""
+def _read_obstacle(given: Any) -> Any:
+    """An obstacle from the mapping of a file, by its kind."""
     if not isinstance(given, Mapping):
         return given
     try:
-        return obstacle_from_data({**given, "kind": _SIDE})
+        return obstacle_from_data(given)
     except PalpateError as error:
         raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
 
@@ -179,8 +176,8 @@ class Study(Spec):
     designs: DesignsSpec = DesignsSpec()
     material: MaterialSpec = MaterialSpec()
     mesh: MeshSpec = MeshSpec()
-    side_wall: Annotated[SerializeAsAny[ObstacleSpec], BeforeValidator(_read_side_wall)] | None = None
-    """The wall that comes to the side of barrels, in place of `wall`: its depth, depth_step and contact."""
+    obstacle: Annotated[SerializeAsAny[ObstacleSpec], BeforeValidator(_read_obstacle)] = WallSpec()
+    """Obstacle of the presses: a flat wall, or another by its kind, with depth, depth_step and contact."""
     tilts_deg: tuple[float, ...] = parameter(
         (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
     )
@@ -189,7 +186,9 @@ class Study(Spec):
         unit="deg",
         meaning="azimuths at which a skin that is no body of revolution is pressed: from 0 to 90 in equal steps",
     )
-    wall: WallSpec = WallSpec()
+    offsets_mm: tuple[float, ...] = parameter(
+        (), unit="mm", meaning="offsets from the skin's axis at which an obstacle other than a wall is pressed"
+    )
     solver: SolverSpec = SolverSpec()
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
@@ -202,14 +201,18 @@ class Study(Spec):
     built: AsBuiltSpec | None = None
     """Whether built units are foreseen as well; takes some minutes a skin."""
 
-    @field_validator("tilts_deg")
+    @field_validator("tilts_deg", "offsets_mm")
     @classmethod
-    def _tilts_in_bounds(cls, tilts: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
-        if not all(a < b for a, b in pairwise(tilts)):
-            raise PydanticCustomError("tilts-not-growing", "tilts must grow; write each once, in order.", {})
-        # one that was refused is not among the data, and was asked for all the same
-        kind = OBSTACLES.get(_SIDE) if info.data.get("side_wall", True) else WallSpec
-        return _each_in_bounds(kind, "tilt_deg", tilts)
+    def _positions_in_bounds(cls, positions: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
+        if not all(a < b for a, b in pairwise(positions)):
+            raise PydanticCustomError(
+                "positions-not-ascending", "{name} must be ascending, each once.", {"name": info.field_name}
+            )
+        obstacle = info.data.get("obstacle")  # missing if it was refused
+        if obstacle is None or info.field_name != positions_field(obstacle):
+            return positions
+        others = {name: getattr(obstacle, name) for name in obstacle.model_fields_set}
+        return _each_in_bounds(type(obstacle), obstacle.position_name, positions, others)
 
     @field_validator("azimuths_deg")
     @classmethod
@@ -222,45 +225,55 @@ class Study(Spec):
         return azimuths
 
     @model_serializer(mode="wrap")
-    def _leave_out_usual_azimuths(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A study that chooses no azimuths and no wall at the side is written as before there were any."""
+    def _leave_out_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out azimuths and offsets that are not chosen."""
         content: dict[str, Any] = dump(self)
-        unsaid = {"azimuths_deg": self.azimuths_deg == AZIMUTHS_DEG, "side_wall": self.side_wall is None}
+        unsaid = {"azimuths_deg": self.azimuths_deg == AZIMUTHS_DEG, "offsets_mm": not self.offsets_mm}
         return {name: value for name, value in content.items() if not unsaid.get(name)}
 
-    @field_validator("side_wall", "wall")
+    @field_validator("obstacle")
     @classmethod
-    def _tilts_belong_to_the_study(cls, wall: ObstacleSpec | None) -> ObstacleSpec | None:
-        if wall is None:
-            return None
-        for name in {"tilt_deg", "azimuth_deg", "unload"} & wall.model_fields_set:
+    def _positions_belong_to_the_study(cls, obstacle: ObstacleSpec) -> ObstacleSpec:
+        for name in sorted({"tilt_deg", "offset", "azimuth_deg", "unload"} & obstacle.model_fields_set):
             raise PydanticCustomError(
-                "wall-tilt-given",
-                "{name} is not chosen here: the study presses every one of tilts_deg to full depth, and one press "
+                "obstacle-position-given",
+                "{name} is not chosen here: the study presses to full depth at each of {positions}, and one press "
                 "serves every azimuth, or azimuths_deg says which.",
-                {"name": name},
+                {"name": name, "positions": positions_field(obstacle)},
             )
-        return wall
+        if obstacle.position_name not in type(obstacle).model_fields:
+            raise PydanticCustomError(
+                "obstacle-without-position",
+                "{label} has no field {name} for a study to vary; press it by `palpate press`.",
+                {"label": obstacle.label, "name": obstacle.position_name},
+            )
+        return obstacle
 
     @model_validator(mode="after")
-    def _tilts_are_those_of_the_wall(self) -> Self:
-        if self.side_wall is not None and {"wall", "tilts_deg"} & self.model_fields_set != {"tilts_deg"}:
+    def _positions_are_those_of_the_obstacle(self) -> Self:
+        field = positions_field(self.obstacle)
+        other = "offsets_mm" if field == "tilts_deg" else "tilts_deg"
+        if not self.positions or other in self.model_fields_set:
             raise PydanticCustomError(
-                "side-wall-not-alone",
-                "side_wall takes the place of wall; give it tilts_deg from 60 to 120, about 90.",
-                {},
+                "positions-of-another-obstacle",
+                "{label} is pressed at {field}; give {field}, and leave out {other}.",
+                {"label": self.obstacle.label, "field": field, "other": other},
             )
         return self
 
     @property
-    def obstacle(self) -> ObstacleSpec:
-        """What presses."""
-        return self.wall if self.side_wall is None else self.side_wall
+    def positions(self) -> tuple[float, ...]:
+        """Positions at which the obstacle is pressed: tilts in degrees, or offsets in mm."""
+        found: tuple[float, ...] = getattr(self, positions_field(self.obstacle))
+        return found
+
+    def obstacle_at(self, position: float, **changes: Any) -> ObstacleSpec:
+        """The obstacle at a position (a tilt in degrees, or an offset in mm), with other fields changed."""
+        return self.obstacle.model_copy(update={self.obstacle.position_name: position, **changes})
 
     def with_contact(self, contact: str | float) -> Study:
-        """The same study with another contact law of what presses."""
-        name = "wall" if self.side_wall is None else "side_wall"
-        return self.model_copy(update={name: self.obstacle.model_copy(update={"contact": contact})})
+        """The same study with another contact law."""
+        return self.model_copy(update={"obstacle": self.obstacle.model_copy(update={"contact": contact})})
 
     def seeded(self) -> Study:
         """The same study with the seeds of dataset and learning drawn from its own where none is given."""
@@ -290,13 +303,20 @@ def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialS
     return Study(name=name, designs=designs, material=material)
 
 
-def _each_in_bounds(spec: type[BaseModel], name: str, values: tuple[float, ...]) -> tuple[float, ...]:
-    """Hold every value against the bounds that `spec` declares for one."""
+def positions_field(obstacle: ObstacleSpec) -> str:
+    """Field of a study with the positions of an obstacle: ``tilts_deg`` or ``offsets_mm``."""
+    return "tilts_deg" if obstacle.position_name == "tilt_deg" else "offsets_mm"
+
+
+def _each_in_bounds(
+    spec: type[BaseModel], name: str, values: tuple[float, ...], others: Mapping[str, Any] | None = None
+) -> tuple[float, ...]:
+    """Check every value of a field against the bounds that `spec` declares for it, its other fields given."""
     if not values:
         raise PydanticCustomError("list-empty", "the list is empty; give at least one value.", {})
     for value in values:
         try:
-            spec.model_validate({name: value})
+            spec.model_validate({**(others or {}), name: value})
         except ValidationError as error:
             first = error.errors()[0]
             said = {"value": f"{value:g}", "says": first["msg"]}

@@ -71,7 +71,7 @@ class Task(ABC):
 
 @dataclass(frozen=True)
 class PressTask(Task):
-    """Solve one dome under one tilt, on the branch that is pressed from rest or on the inverted one."""
+    """Press of one skin at one position of an obstacle, on the flat or the inverted branch."""
 
     skin: SkinSpec
     mesh: MeshSpec
@@ -87,7 +87,9 @@ class PressTask(Task):
         skin = self.skin.build()
         turned = skin.symmetry is not Symmetry.REVOLVED and self.obstacle.radial > 0
         azimuth = f" azimuth {self.obstacle.turn_deg:g}°" if turned else ""
-        return f"press {skin.name} tilt {self.obstacle.radial:g}°{azimuth}{friction}{state}"
+        tilted = self.obstacle.pose_space.is_tilt
+        position = f"tilt {self.obstacle.radial:g}°" if tilted else f"offset {self.obstacle.radial:g} mm"
+        return f"press {skin.name} {position}{azimuth}{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:

@@ -78,7 +78,7 @@ def test_paper_is_its_whole_grid() -> None:
 
 
 def test_a_number_may_carry_its_unit(tmp_path: Path) -> None:
-    study = read_study(write(tmp_path, "name: a\ndesigns:\n  heights: [10 mm, 20]\nwall: {depth: 4 mm}\n"))
+    study = read_study(write(tmp_path, "name: a\ndesigns:\n  heights: [10 mm, 20]\nobstacle: {depth: 4 mm}\n"))
     assert study.designs.heights == (10, 20)
     assert study.wall.depth == 4
 
@@ -94,14 +94,14 @@ def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
         ("name: a\ndesigns:\n  hights: [20]\n", ("extra_forbidden", "mine.yaml:3", "designs.hights", "heights")),
         ("name: a\nwal: 3\n", ("extra_forbidden", "mine.yaml:2: wal", "wall?")),
         ("name: a\nxyzzy: 3\n", ("extra_forbidden", "mine.yaml:2: xyzzy", "name, seed,")),
-        ("name: a\nwall: {depth: 4 cm}\n", ("quantity-unit-wrong", "mine.yaml:2: wall.depth", "cm", "mm")),
+        ("name: a\nobstacle: {depth: 4 cm}\n", ("quantity-unit-wrong", "mine.yaml:2: obstacle.depth", "cm", "mm")),
         ("name: a\n\nwall:\n  depth: 100\n", ("less_than_equal", "mine.yaml:4: wall.depth", "60 mm", 100)),
         ("name: a\ndesigns:\n  heights:\n    - 70\n", ("less_than_equal", "mine.yaml:3: designs.heights", 70)),
         ("name: a\ndesigns:\n  markers: [7, 8]\n", ("marker-count-not-rings", "mine.yaml:3: designs.markers.1", 8)),
         ("name: a\ntilts_deg: [0, 40]\n", ("less_than_equal", "mine.yaml:2: tilts_deg", 40, 30)),
         ("name: a\ntilts_deg: [4, 2]\n", ("tilts-not-growing", "mine.yaml:2: tilts_deg")),
         ("name: a\ntilts_deg: []\n", ("list-empty", "mine.yaml:2: tilts_deg")),
-        ("name: a\nwall: {tilt_deg: 3}\n", ("wall-tilt-given", "mine.yaml:2: wall", "tilt_deg")),
+        ("name: a\nobstacle: {tilt_deg: 3}\n", ("wall-tilt-given", "mine.yaml:2: obstacle", "tilt_deg")),
         ("name: a\nmaterial: {name: ecoflex}\n", ("material-unknown", "mine.yaml:2: material.name", "ecoflex")),
         ("seed: 1\n", ("missing", "mine.yaml:1", "name")),
         ("name: a\nseed: [1\n", ("yaml-malformed", "mine.yaml:3")),

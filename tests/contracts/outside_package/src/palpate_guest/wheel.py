@@ -51,18 +51,20 @@ class WheelSpec(ObstacleSpec):
     radius: float = parameter(8.0, unit="mm", meaning="radius of the tyre's middle line", gt=0, le=100)
     tyre: float = parameter(3.0, unit="mm", meaning="radius of the tyre's section", gt=0, le=100)
 
+    offset: float = parameter(0.0, unit="mm", meaning="distance of the wheel's centre from the axis", ge=0, le=60)
+
     @property
     def label(self) -> str:
         return f"wheel {self.radius:g} mm"
 
     @property
     def radial(self) -> float:
-        return 0.0
+        return self.offset
 
     @property
     def turn_deg(self) -> float:
-        return 0.0
+        return -90.0
 
     def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         above = mesh.skin.outer_height + self.radius + self.tyre
-        return find_first_contact(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))
+        return find_first_contact(mesh, Wheel(self.radius, self.tyre, np.array([0.0, self.offset, above])))
