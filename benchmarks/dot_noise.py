@@ -1,13 +1,13 @@
 """Noise of a dot's centre by its diameter in the image: palpate's detector on degraded images of the bench.
 
-    python benchmarks/marker_noise.py [IMAGES] [OUT.csv]
+    python benchmarks/dot_noise.py [IMAGES] [OUT.csv]
 
 A dome with 37 dots is photographed again and again, each time with the camera moved by parts of a pixel and with new
 noise. What is found is held against the centroid of each dot's trace. `noise_px` is the spread about what a dot is
 off on the average (root of the mean square over dots, each robust against specks of dirt), `constant_px` the spread
 of these averages, which light and dirt make and which is the same wherever the dot hardly moves; `both_px` has both.
 `bound_px` is the Cramer-Rao bound of the centre of a disc of diameter d, contrast C and edge s under the noise of a
-pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.built.noise_by_diameter` says.
+pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.built.noise.noise_by_diameter` says.
 """
 
 import csv

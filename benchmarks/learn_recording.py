@@ -1,4 +1,4 @@
-"""How well drawn recordings of a TacTip-like sensor are learnt: `docs/results/sensor/train_on_recording.md`.
+"""How well drawn recordings of a TacTip-like sensor are learnt: `docs/results/sensor/learn_recording.md`.
 
     python benchmarks/learn_recording.py draw FOLDER --images 3000    a recording is drawn
     python benchmarks/learn_recording.py draw FOLDER --gel           a harder one (`tests/drawn_gel.py`)

@@ -2,10 +2,13 @@
 
 import os
 
+import pytest
+
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
 
+@pytest.hookimpl(optionalhook=True)  # without pytest-xdist there are no workers
 def pytest_xdist_auto_num_workers() -> int:
     """One worker more than processors, because tests of pages and of other processes mostly wait; five at most."""
     return min(4, os.cpu_count() or 1) + 1

@@ -18,7 +18,9 @@ from source_files import FILES, nodes, tree
 
 ROOT = Path(__file__).parents[2]
 TABLE = Path(__file__).with_name("words.csv")
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GENERATED = ROOT / "docs" / "reference"
+WRITTEN = (path for path in sorted((ROOT / "docs").rglob("*.md")) if GENERATED not in path.parents)
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *WRITTEN]
 DIALECT = {"told", "tell", "say", "said", "foresee", "foreseen", "learnt", "teach", "taught", "judge", "judged"}
 DIALECT |= {"play", "played", "belief", "kept", "beside", "slip", "slips", "off", "bend"}
 """Parts of names that belong to no field."""

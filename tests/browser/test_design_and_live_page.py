@@ -35,6 +35,13 @@ def test_a_slider_changes_the_camera_at_once(page, link):
     wait_for_dots(page, 19)
 
 
+def test_a_field_of_the_press_draws_the_skin_again(page, link):
+    open_page(page, link, "design")
+    before = int(page.locator(".dome-view").first.get_attribute("data-drawn"))
+    box(page, "tilt-deg").fill("10")
+    page.wait_for_function(f"Number(document.querySelector('.dome-view').dataset.drawn) > {before}")
+
+
 def test_rings_may_be_given_by_their_diameters(page, link):
     open_page(page, link, "design")
     rings = page.get_by_test_id("ring-diameters")

@@ -35,7 +35,7 @@ class ParameterEstimate(NamedTuple):
     Attributes
     ----------
     name
-        As in `palpate.built.Identified.rows`.
+        As in `palpate.built.IdentificationResult.rows`.
     truth
         What it is.
     mean, sd

@@ -14,7 +14,7 @@ NOISE_DOT_PX = 4.4
 """Diameter in the image of the dot that has it: 1 mm on H20, 48 mm before the camera."""
 _GRAIN = 0.865
 """Share of its variance by the noise of pixels, over the root of the diameter as the Cramer-Rao bound says; the rest
-grows with the diameter, by light that is uneven across a dot. From `benchmarks/marker_noise.py`: 24 diameters of 3.2
+grows with the diameter, by light that is uneven across a dot. From `benchmarks/dot_noise.py`: 24 diameters of 3.2
 to
 15.5 px on degraded images of the bench, within 19 % of the law (docs/decisions/0074)."""
 MODEL_ERROR_PX = 0.02

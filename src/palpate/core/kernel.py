@@ -61,7 +61,7 @@ class _Kernel:
         return self.compiled(*arguments)
 
     def __reduce__(self) -> str:
-        return self.__qualname__
+        return str(self.py_func.__qualname__)
 
 
 @cache

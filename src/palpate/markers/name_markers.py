@@ -1,7 +1,7 @@
 """Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
 
 1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
-   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.fit_free_pattern`).
+   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.lay_free`).
 2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
    other, or what dots strewn at random would show.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it

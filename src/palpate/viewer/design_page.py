@@ -79,7 +79,7 @@ class DesignPage:
             NumberField(
                 CameraSpec, "distance", "Below the base", 1.0, self._setter("camera", "distance"), (10.0, 150.0)
             )
-        self._bench.build_wall(lambda name, value: self._set("wall", name, value))
+        self._bench.build_wall(lambda name, value: self._set("obstacle", name, value))
 
     def _setter(self, part: str, name: str) -> Callable[[float], None]:
         return lambda value: self._set(part, name, value)

@@ -103,7 +103,7 @@ class RevolvedPresses(PressedSkin):
 
 
 def gather_revolved(presses: Sequence[Press], mesh: Mesh) -> RevolvedPresses:
-    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.build_pressed_skin`."""
+    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.gather_presses`."""
     presses = tuple(sorted(presses, key=lambda press: press.obstacle.radial))
     depths = _depths(presses)
     tilts = np.array([press.obstacle.radial for press in presses], float)

@@ -105,12 +105,12 @@ class SearchPage:
             return
         self._bench.show(
             {
-                "dome": found.skin,
+                "skin": found.skin,
                 "markers": found.markers,
                 "material": {"name": found.material},
                 "camera": found.camera,
                 "process": self._search.spec.process,
-                "wall": self._wall,
+                "obstacle": self._wall,
             }
         )
 

@@ -95,7 +95,7 @@ class TwoMirrorPresses(PressedSkin):
 
 
 def build_two_mirror_skin(presses: Sequence[Press], mesh: Mesh) -> TwoMirrorPresses:
-    """Presses of a skin with two mirrors, to be drawn on a whole mesh; see `palpate.viewer.build_pressed_skin`."""
+    """Presses of a skin with two mirrors, to be drawn on a whole mesh; see `palpate.viewer.gather_presses`."""
     table = TwoMirrorTable.of(presses)
     depths = np.concatenate([[0.0], table.depths_mm])
     return TwoMirrorPresses(mesh, presses[0].obstacle, tuple(presses), depths, table.label(depths), table)
