@@ -85,7 +85,7 @@ def test_the_guests_obstacle_gives_a_row_of_a_grid(installed: Path) -> None:
     done = run(installed, "-c", command, "run", "wheel.yaml", "--workers", "1", "--json")
     assert done.returncode == 0, done.stderr
     (row,) = json.loads(done.stdout)["designs"]
-    assert row["failure"] is None
+    assert not row["failure"]
     assert 0 < row["rmse_mm"] < 2
     assert json.loads(row["spec"])["obstacle"]["kind"] == "wheel"
     assert json.loads(row["spec"])["offsets_mm"] == [0, 2]

@@ -78,10 +78,25 @@ def compare_values(old: Any, new: Any, place: str = "") -> Iterator[str]:
         yield f"{place}: {json.dumps(old)[:60]} is now {json.dumps(new)[:60]}"
 
 
+def data(folder: Path) -> Path:
+    """Folder of the example data; for the old version a copy whose study has the old keys."""
+    new = ROOT / "examples" / "data"
+    if folder.name == "new":
+        return new
+    old = folder.parent / "data"
+    if not old.exists():
+        shutil.copytree(new, old)
+        study = (old / "small.yaml").read_text()
+        for one, other in renames("yaml").items():
+            study = re.sub(rf"\b{other}:", f"{one}:", study)
+        (old / "small.yaml").write_text(study)
+    return old
+
+
 def run(source: Path, words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Run `palpate` of a source folder."""
     one = dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    words = words.format(data=ROOT / "examples" / "data", old=folder.parent / "old")
+    words = words.format(data=data(folder), old=folder.parent / "old")
     return subprocess.run(
         [sys.executable, "-m", "palpate", *words.split()],
         cwd=folder,

@@ -31,7 +31,7 @@ class Difference:
     Attributes
     ----------
     name
-        ``"spec wall.contact"``, ``"version numpy"``, ``"seed"``, …
+        ``"spec obstacle.contact"``, ``"version numpy"``, ``"seed"``, …
     first, second
         Its value in each grid, as text; empty where a grid does not have it.
     """

@@ -57,7 +57,6 @@ class PressSummary:
     """
 
     position: float
-    position_column: str
     ended: str
     ended_depth_mm: float
     force_n: float
@@ -67,6 +66,7 @@ class PressSummary:
     displacement_mean_mm: float
     apex_gap_mm: float
     azimuth_deg: float | None = None
+    position_column: str = "tilt_deg"
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
-from palpate.fea import ObstacleSpec, WallSpec, check_contact, obstacle_from_data
+from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact
 from palpate.learn import LearningSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
@@ -162,10 +162,13 @@ def _read_obstacle(given: Any) -> Any:
     """An obstacle from the mapping of a file, by its kind."""
     if not isinstance(given, Mapping):
         return given
+    kind = str(given.get("kind", "wall"))
     try:
-        return obstacle_from_data(given)
+        spec = OBSTACLES.get(kind)
     except PalpateError as error:
         raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
+    named = "kind" in spec.model_fields  # a wall names none
+    return spec.model_validate({key: value for key, value in given.items() if named or key != "kind"})
 
 
 class Study(Spec):
@@ -253,7 +256,8 @@ class Study(Spec):
     def _positions_are_those_of_the_obstacle(self) -> Self:
         field = positions_field(self.obstacle)
         other = "offsets_mm" if field == "tilts_deg" else "tilts_deg"
-        if not self.positions or other in self.model_fields_set:
+        defaults_fit = type(self.obstacle) is WallSpec
+        if other in self.model_fields_set or not (defaults_fit or field in self.model_fields_set):
             raise PydanticCustomError(
                 "positions-of-another-obstacle",
                 "{label} is pressed at {field}; give {field}, and leave out {other}.",

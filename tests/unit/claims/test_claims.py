@@ -238,7 +238,7 @@ def test_each_contact_law_of_a_mesh_study_is_answered(tmp_path):
 
 
 def with_spec(contact, preset):
-    spec = json.dumps({"wall": {"contact": contact}, "learning": {"preset": preset}})
+    spec = json.dumps({"obstacle": {"contact": contact}, "learning": {"preset": preset}})
     return replace(WHOLE, designs=tuple({**row, "spec": spec} for row in WHOLE.designs))
 
 

@@ -7,7 +7,7 @@ from palpate.grid import compare_grids, evaluate_grid
 from palpate.grid.compare import RECORDED, UNRECORDED, VARIES
 from results import FIRST, make_design
 
-SPEC = {"wall": {"contact": "no-slip"}, "dataset": {"seed": 4, "poses": "disc"}}
+SPEC = {"obstacle": {"contact": "no-slip"}, "dataset": {"seed": 4, "poses": "disc"}}
 
 
 def grid_of(*designs, **changes):
@@ -63,7 +63,7 @@ def test_rows_that_moved_beyond_their_spread_are_told():
 
 
 def test_spec_seeds_and_versions_that_differ_are_named():
-    other = {"wall": {"contact": "frictionless"}, "dataset": {"seed": 5, "poses": "disc"}}
+    other = {"obstacle": {"contact": "frictionless"}, "dataset": {"seed": 5, "poses": "disc"}}
     first = grid_of(make_design(), spec=SPEC, seed=1, versions={"fea": "1", "platform": "Linux x86_64"})
     second = grid_of(make_design(), spec=other, seed=2, versions={"fea": "2", "platform": "Linux x86_64"})
     found = {item.name: (item.first, item.second) for item in compare_grids(first, second).differences}
@@ -71,7 +71,7 @@ def test_spec_seeds_and_versions_that_differ_are_named():
         "seed": ("1", "2"),
         "dataset seed": ("4", "5"),
         "version fea": ("1", "2"),
-        "spec wall.contact": ("no-slip", "frictionless"),
+        "spec obstacle.contact": ("no-slip", "frictionless"),
     }
 
 

@@ -18,7 +18,7 @@ BARREL = {
         "base_radius": 32.804,
         "markers": [{"rows": 4, "around": 8, "pitch": 30}],
     },
-    "side_wall": {"depth": 3, "depth_step": 0.5, "contact": 0.6},
+    "obstacle": {"kind": "side_wall", "depth": 3, "depth_step": 0.5, "contact": 0.6},
     "tilts_deg": [88, 92],
 }
 
@@ -38,9 +38,9 @@ def test_the_study_at_the_root_is_the_preset() -> None:
     assert read_study(root / "studies" / "barrel.yaml") == read_study("barrel")
 
 
-def test_a_study_without_a_wall_at_the_side_is_written_as_before() -> None:
-    assert "side_wall" not in Study(name="a").model_dump()
-    written = Study.model_validate(BARREL).model_dump(mode="json")["side_wall"]
+def test_the_kind_of_an_obstacle_is_written() -> None:
+    assert "kind" not in Study(name="a").model_dump()["obstacle"]
+    written = Study.model_validate(BARREL).model_dump(mode="json")["obstacle"]
     assert (written["kind"], written["depth"]) == ("side_wall", 3.0)
 
 
@@ -54,7 +54,7 @@ def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"side_wall": None, "tilts_deg": [0, 2]}, ("obstacle-needs-apex",)),
+        ({"obstacle": {}, "tilts_deg": [0, 2]}, ("obstacle-needs-apex",)),
         ({"designs": {}}, ("side-wall-needs-barrel", "H20 T2 is none")),
         ({"tilts_deg": [70, 92]}, ("side-wall-touches-end", "70", "50")),
         ({"forces": True}, ("skin-no-apex",)),
@@ -73,11 +73,15 @@ def test_what_does_not_fit_is_refused_before_anything_is_pressed(
     ("change", "says"),
     [
         ({"tilts_deg": [0, 2]}, ("greater_than_equal", "60")),
-        ({"side_wall": None}, ("less_than_equal", "30")),
-        ({"wall": {"depth": 2}}, ("side-wall-not-alone", "side_wall")),
-        ({"side_wall": {"depth": 100}}, ("less_than_equal", "60")),
-        ({"side_wall": {"dept": 1}}, ("extra_forbidden",)),
-        ({"side_wall": {"tilt_deg": 91}}, ("wall-tilt-given", "tilt_deg")),
+        ({"obstacle": {}}, ("less_than_equal", "30")),
+        ({"wall": {"depth": 2}}, ("yaml-key-renamed", "obstacle")),
+        ({"side_wall": {"depth": 2}}, ("yaml-key-renamed", "obstacle", "side_wall")),
+        ({"obstacle": {"kind": "side_wall", "depth": 100}}, ("less_than_equal", "60")),
+        ({"obstacle": {"kind": "side_wall", "dept": 1}}, ("extra_forbidden", "dept")),
+        ({"obstacle": {"kind": "side_wall", "tilt_deg": 91}}, ("obstacle-position-given", "tilt_deg")),
+        ({"obstacle": {"kind": "ball", "offset": 2}}, ("obstacle-position-given", "offset", "offsets_mm")),
+        ({"obstacle": {"kind": "ball"}}, ("positions-of-another-obstacle", "offsets_mm", "tilts_deg")),
+        ({"obstacle": {"kind": "pyramid"}}, ("kind-unknown", "pyramid", "ball")),
     ],
 )
 def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], says: tuple[str, ...]) -> None:
@@ -87,11 +91,11 @@ def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], s
 
 def test_a_wrong_number_of_a_wall_at_the_side_is_the_only_error() -> None:
     with refused("extra_forbidden", "dept") as caught:
-        Study.model_validate({**BARREL, "side_wall": {"dept": 1}})
-    assert [error["loc"][0] for error in caught.value.errors()] == ["side_wall"]
+        Study.model_validate({**BARREL, "obstacle": {"kind": "side_wall", "dept": 1}})
+    assert [error["loc"] for error in caught.value.errors()] == [("obstacle", "dept")]
 
 
 def test_a_wall_at_the_side_needs_tilts_of_its_own() -> None:
     without = {name: value for name, value in BARREL.items() if name != "tilts_deg"}
-    with refused("side-wall-not-alone", "tilts_deg", "60", "120"):
+    with refused("positions-of-another-obstacle", "tilts_deg"):
         Study.model_validate(without)

@@ -16,7 +16,7 @@ STUDY = Study.model_validate(
         "tilts_deg": [0, 4, 8, 12],
         "designs": {"markers": [7, 37]},
         "mesh": {"cells": 8},
-        "wall": {"contact": "frictionless", "depth": 3.2},
+        "obstacle": {"contact": "frictionless", "depth": 3.2},
         "built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}},
     }
 )

@@ -54,7 +54,7 @@ def test_the_same_study_has_the_same_keys() -> None:
 @pytest.mark.parametrize(
     ("choices", "changed"),
     [
-        ({"wall": {"depth": 7.0}}, {"press", *AFTER_PRESS}),
+        ({"obstacle": {"depth": 7.0}}, {"press", *AFTER_PRESS}),
         ({"material": {"bulk_ratio": 20}}, {"press", *AFTER_PRESS}),
         ({"camera": {"distance": 50}}, AFTER_PRESS),
         ({"dataset": {"jitter_px": 1.0}}, AFTER_PRESS),

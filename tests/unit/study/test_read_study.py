@@ -47,7 +47,7 @@ def test_best_is_the_papers_48_designs_under_either_contact_law(name: str, conta
     assert study.designs == paper.designs
     assert study.tilts_deg == paper.tilts_deg
     assert len(study.designs.skins()) * len(study.designs.markers) == 48
-    assert (study.wall.contact, study.learning.preset) == (contact, "best")
+    assert (study.obstacle.contact, study.learning.preset) == (contact, "best")
 
 
 def test_the_papers_protocol_on_its_height_of_20_mm_shares_the_presses_of_the_whole_grid() -> None:
@@ -69,7 +69,7 @@ def test_first_is_eight_designs_of_fourteen_presses() -> None:
     assert [(dome.height, dome.thickness) for dome in study.designs.skins()] == [(20, 2), (20, 3)]
     assert [layout.count for layout in study.designs.markers] == [7, 37, 91, 169]
     assert study.tilts_deg == (0, 2, 4, 6, 8, 10, 12)
-    assert (study.wall.contact, study.wall.depth, study.wall.depth_step) == ("no-slip", 8, 0.8)
+    assert (study.obstacle.contact, study.obstacle.depth, study.obstacle.depth_step) == ("no-slip", 8, 0.8)
 
 
 def test_paper_is_its_whole_grid() -> None:
@@ -80,7 +80,7 @@ def test_paper_is_its_whole_grid() -> None:
 def test_a_number_may_carry_its_unit(tmp_path: Path) -> None:
     study = read_study(write(tmp_path, "name: a\ndesigns:\n  heights: [10 mm, 20]\nobstacle: {depth: 4 mm}\n"))
     assert study.designs.heights == (10, 20)
-    assert study.wall.depth == 4
+    assert study.obstacle.depth == 4
 
 
 def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
@@ -92,16 +92,16 @@ def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
     ("text", "says"),
     [
         ("name: a\ndesigns:\n  hights: [20]\n", ("extra_forbidden", "mine.yaml:3", "designs.hights", "heights")),
-        ("name: a\nwal: 3\n", ("extra_forbidden", "mine.yaml:2: wal", "wall?")),
+        ("name: a\nobstacl: 3\n", ("extra_forbidden", "mine.yaml:2: obstacl", "obstacle?")),
         ("name: a\nxyzzy: 3\n", ("extra_forbidden", "mine.yaml:2: xyzzy", "name, seed,")),
         ("name: a\nobstacle: {depth: 4 cm}\n", ("quantity-unit-wrong", "mine.yaml:2: obstacle.depth", "cm", "mm")),
-        ("name: a\n\nwall:\n  depth: 100\n", ("less_than_equal", "mine.yaml:4: wall.depth", "60 mm", 100)),
+        ("name: a\n\nobstacle:\n  depth: 100\n", ("less_than_equal", "mine.yaml:4: obstacle.depth", "60 mm", 100)),
         ("name: a\ndesigns:\n  heights:\n    - 70\n", ("less_than_equal", "mine.yaml:3: designs.heights", 70)),
         ("name: a\ndesigns:\n  markers: [7, 8]\n", ("marker-count-not-rings", "mine.yaml:3: designs.markers.1", 8)),
         ("name: a\ntilts_deg: [0, 40]\n", ("less_than_equal", "mine.yaml:2: tilts_deg", 40, 30)),
-        ("name: a\ntilts_deg: [4, 2]\n", ("tilts-not-growing", "mine.yaml:2: tilts_deg")),
+        ("name: a\ntilts_deg: [4, 2]\n", ("positions-not-ascending", "mine.yaml:2: tilts_deg")),
         ("name: a\ntilts_deg: []\n", ("list-empty", "mine.yaml:2: tilts_deg")),
-        ("name: a\nobstacle: {tilt_deg: 3}\n", ("wall-tilt-given", "mine.yaml:2: obstacle", "tilt_deg")),
+        ("name: a\nobstacle: {tilt_deg: 3}\n", ("obstacle-position-given", "mine.yaml:2: obstacle", "tilt_deg")),
         ("name: a\nmaterial: {name: ecoflex}\n", ("material-unknown", "mine.yaml:2: material.name", "ecoflex")),
         ("seed: 1\n", ("missing", "mine.yaml:1", "name")),
         ("name: a\nseed: [1\n", ("yaml-malformed", "mine.yaml:3")),

@@ -75,7 +75,7 @@ def rows():
                 "travel_mm": None if broken else 1.0,
                 "force_n": None if broken else 0.4,
                 "bistable_from_mm": 3.2,
-                "spec": json.dumps({"camera": {}, "wall": {"contact": "no-slip"}}),
+                "spec": json.dumps({"camera": {}, "obstacle": {"contact": "no-slip"}}),
                 "press_key": "" if broken else " ".join(KEYS.values()),
                 "dataset_key": "",
                 "estimator_key": "",
