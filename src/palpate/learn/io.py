@@ -43,7 +43,7 @@ INPUT = "markers_px"
 """Name of the graph's input."""
 OPSET, IR_VERSION = 17, 8
 """Old enough for runtimes since 2022."""
-AGAIN = "Train the estimator again."
+AGAIN = "Train the estimator again: `palpate run`."
 
 
 def write_estimator(path: Path, estimator: Estimator) -> None:
