@@ -1,23 +1,23 @@
-"""What a command prints, and where it may write: JSON for machines, tables for people, files looked at beforehand."""
+"""Output of a command: JSON or tables on standard output, and checks of the files that it will write."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
+import shutil
 import sys
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from rich.console import Console
-from rich.table import Table
+from cyclopts import Parameter
 
 from palpate.core import PalpateError
+from palpate.core.report import Report, report_text
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
-PIPE_WIDTH = 160
-"""Columns of text where no terminal says how many there are."""
 
 
 def print_json(content: Any) -> None:
@@ -25,15 +25,38 @@ def print_json(content: Any) -> None:
     print(json.dumps(_finite(content), indent=2, allow_nan=False))
 
 
-def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table, numbers to the right, as wide as it must be where no terminal limits it."""
-    console = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH, markup=False)  # an extra is written [so]
-    table = Table(title=title, title_justify="left")
-    for column in columns:
-        table.add_column(column, justify="right" if _are_numbers(rows, columns.index(column)) else "left")
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Output:
+    """Flags of a command that prints results, and the printing.
+
+    Attributes
+    ----------
+    json
+        Whether JSON is printed, and only JSON.
+    wide
+        Whether all columns of a table are printed, with their legend.
+    """
+
+    json: Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")] = False
+    wide: Annotated[bool, Parameter(name="--wide", negative="", help="Print all columns and their meaning.")] = False
+
+    def show(self, data: Any, *reports: Report | str) -> None:
+        """Print the data as JSON if it was asked for, otherwise reports and sentences, one below the other."""
+        if self.json:
+            print_json(data)
+            return
+        for report in reports:
+            if isinstance(report, str):
+                print(report)
+            else:
+                print_report(report, wide=self.wide)
+
+
+def print_report(report: Report, *, wide: bool = False) -> None:
+    """Print a report, as wide as the terminal; with lines of any length if standard output is no terminal."""
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    print(report_text(report, width, wide=wide))
 
 
 def check_file(path: Path | None, *endings: str) -> None:
@@ -79,10 +102,6 @@ def check_folder(path: Path | None) -> None:
             "Choose another folder.",
             code="folder-unwritable",
         )
-
-
-def _are_numbers(rows: list[list[str]], column: int) -> bool:
-    return all(row[column].lstrip("-").replace(".", "", 1).isdigit() for row in rows if row[column])
 
 
 def _finite(content: Any) -> Any:

@@ -1,0 +1,293 @@
+"""Tables of results: one type, written as text for a terminal of any width, as Markdown, HTML and CSV."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+Value = object
+"""Entry of a table: a number, a text, a truth value, or `None` if there is none."""
+
+UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "kpa": "kPa", "n": "N", "px": "px", "s": "s", "ms": "ms", "mj": "mJ"}
+"""Last part of a column's name → its unit."""
+EMPTY = "–"
+GAP = 2
+"""Spaces between the columns of a text."""
+_NUMBER = re.compile(r"[-+±<>≤≥]? ?(\d[\d.]*|∞|–)(e[-+]?\d+)?( ?%)?")
+PROSE = 24
+"""Least width of a column of sentences, in characters."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a report.
+
+    Attributes
+    ----------
+    name
+        Key of the column in a row, in JSON and in CSV.
+    heading
+        Heading for people; the name without its unit if empty.
+    unit
+        Unit; read from the last part of the name if `None`.
+    form
+        Format of a number, e.g. ``".3f"``; three decimals, or none for whole numbers, if empty.
+    meaning
+        One line of the legend; no line if empty.
+    deciding
+        Whether a reader needs the column first: the others are left out of a narrow terminal.
+    prose
+        Whether its texts are sentences, which may go on in a second line. Numbers and names never do.
+    """
+
+    name: str
+    heading: str = ""
+    unit: str | None = None
+    form: str = ""
+    meaning: str = ""
+    deciding: bool = True
+    prose: bool = False
+
+    @property
+    def title(self) -> str:
+        """Heading without the unit."""
+        words, _, last = self.name.rpartition("_")
+        named = words if self.unit is None and last in UNITS and words else self.name
+        return self.heading or named.replace("_", " ").replace("rmse", "RMSE")
+
+    @property
+    def measure(self) -> str:
+        """Unit, empty if there is none."""
+        words, _, last = self.name.rpartition("_")
+        return self.unit if self.unit is not None else UNITS.get(last, "") if words else ""
+
+    @property
+    def label(self) -> str:
+        """Heading with the unit, e.g. ``"travel (mm)"``."""
+        return f"{self.title} ({self.measure})" if self.measure else self.title
+
+    def text(self, value: Value) -> str:
+        """Return a value of this column as people read it."""
+        if value is None or value == "":
+            return EMPTY
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, int | float):
+            if not math.isfinite(value):
+                return EMPTY if math.isnan(value) else "∞" if value > 0 else "-∞"
+            whole = float(value).is_integer() and not self.form
+            return format(value, self.form or (".12g" if whole else ".3f"))
+        if isinstance(value, list | tuple):
+            return ", ".join(self.text(each) for each in value) or EMPTY
+        return str(value)
+
+
+@dataclass(frozen=True)
+class Report:
+    """A table of results.
+
+    Attributes
+    ----------
+    title
+        Title of the table; none if empty.
+    columns
+        The columns, the deciding ones where they read best.
+    rows
+        One mapping a row, from the name of a column to its value. A name that is missing has no value.
+    notes
+        Sentences below the table.
+    file
+        Where all columns can be found besides, e.g. ``"results/first/grid.csv"``.
+    """
+
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Mapping[str, Value]]
+    notes: Sequence[str] = field(default=())
+    file: str = ""
+
+
+def column_table(*columns: str | Column) -> tuple[Column, ...]:
+    """Columns, those given by their name alone with the heading and unit of that name."""
+    return tuple(Column(one) if isinstance(one, str) else one for one in columns)
+
+
+def report_text(report: Report, width: int | None = None, *, wide: bool = False) -> str:
+    """Return a report as text that cuts no number and no name.
+
+    Parameters
+    ----------
+    report
+        The report.
+    width
+        Columns of the terminal; `None` if lines may be of any length. Columns that do not fit are left out and
+        counted below the table, those that are not deciding first. If the deciding ones do not fit, every row
+        becomes a block with a line for each column.
+    wide
+        Whether all columns are written, with their legend, as blocks if they do not fit.
+
+    Returns
+    -------
+    str
+        Lines of at most `width` characters, without spaces at their ends. Only a word that is longer is written
+        beyond it.
+    """
+    columns = [one for one in report.columns if any(row.get(one.name) is not None for row in report.rows)]
+    shown = columns if wide or width is None else _fitting(report, columns, width)
+    lines = [report.title] if report.title else []
+    if width is None or _table_width(report, shown) <= width:
+        lines += _table(report, shown, width)
+    else:
+        lines += _blocks(report, shown, width)
+    hidden = len(columns) - len(shown)
+    if hidden:
+        elsewhere = ["--wide", "--json", *([report.file] if report.file else [])]
+        more = f"{hidden} more column{'s' if hidden > 1 else ''}: "
+        lines += _wrapped(f"{more}{', '.join(elsewhere)}", width, "")
+    if wide:
+        for one in shown:
+            lines += _wrapped(f"{one.title}: {one.meaning}", width, "  ") if one.meaning else []
+    for note in report.notes:
+        lines += _wrapped(note, width, "")
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def report_markdown(report: Report) -> str:
+    """Return the table of a report in Markdown, numbers to the right, without its title and notes."""
+    numbers = [_is_numeric(report, one) for one in report.columns]
+    rows = [[one.text(row.get(one.name)).replace("|", "\\|") for one in report.columns] for row in report.rows]
+    rules = ["---:" if numeric else ":---" for numeric in numbers]
+    lines = [[one.label for one in report.columns], rules, *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines) + "\n"
+
+
+def report_html(report: Report) -> str:
+    """Return the table of a report in HTML, its texts escaped."""
+    head = "".join(f"<th>{html.escape(one.label)}</th>" for one in report.columns)
+    rows = [
+        "".join(f"<td>{html.escape(one.text(row.get(one.name)))}</td>" for one in report.columns)
+        for row in report.rows
+    ]
+    return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+
+
+def csv_text(rows: Iterable[Mapping[str, Value]], columns: Sequence[str] = ()) -> str:
+    """Return rows as CSV (RFC 4180, lines end in ``\\n``).
+
+    Parameters
+    ----------
+    rows
+        One mapping a row, from column to value; `None` and missing values become empty.
+    columns
+        Names of the columns in their order; those of the first row if empty.
+    """
+    listed = list(rows)
+    names = list(columns) or (list(listed[0]) if listed else [])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([row.get(name) for name in names] for row in listed)
+    return text.getvalue()
+
+
+def write_csv(path: Path, rows: Iterable[Mapping[str, Value]], columns: Sequence[str] = ()) -> None:
+    """Write rows to a CSV file, as `csv_text` returns them."""
+    path.write_text(csv_text(rows, columns), encoding="utf-8", newline="")
+
+
+def _is_numeric(report: Report, column: Column) -> bool:
+    values = [row.get(column.name) for row in report.rows]
+    known = [value for value in values if value is not None and value != ""]
+    return bool(known) and all(_NUMBER.fullmatch(column.text(value)) for value in known)
+
+
+def _column_width(report: Report, column: Column) -> int:
+    """Least width in which no number, name or word is cut."""
+    heading = max(map(len, [*column.title.split(), column.measure]), default=1)
+    cells = [column.text(row.get(column.name)) for row in report.rows]
+    longest = max(map(len, cells), default=0)
+    if column.prose and longest > PROSE:
+        longest = max(PROSE, *(len(word) for cell in cells for word in cell.split()))
+    return max(heading, longest)
+
+
+def _table_width(report: Report, columns: Sequence[Column]) -> int:
+    return sum(_column_width(report, one) + GAP for one in columns) - GAP
+
+
+def _fitting(report: Report, columns: Sequence[Column], width: int) -> list[Column]:
+    """The deciding columns, and of the others, in their order, those for which there is room."""
+    chosen = [one for one in columns if one.deciding]
+    for one in columns:
+        if one not in chosen and _table_width(report, [*chosen, one]) <= width:
+            chosen.append(one)
+    return [one for one in columns if one in chosen]
+
+
+def _table(report: Report, columns: Sequence[Column], width: int | None) -> list[str]:
+    """Lines of a table, its headings in as many lines as they need, units in the line above the rule."""
+    widths = [_column_width(report, one) for one in columns]
+    prose = [number for number, one in enumerate(columns) if one.prose]
+    cells = [[one.text(row.get(one.name)) for one in columns] for row in report.rows]
+    for number in prose:
+        free = width - _table_width(report, columns) if width is not None else 10_000
+        full = max(map(len, (row[number] for row in cells)), default=0)
+        widths[number] = max(widths[number], min(full, widths[number] + free // len(prose)))
+    right = [_is_numeric(report, one) for one in columns]
+    heads = [_wrapped(one.title, size, "") for one, size in zip(columns, widths, strict=True)]
+    tall = max(map(len, heads), default=0)
+    units = [[one.measure] for one in columns] if any(one.measure for one in columns) else [[] for _ in columns]
+    head = [[""] * (tall - len(lines)) + lines + unit for lines, unit in zip(heads, units, strict=True)]
+    lines = _aligned(head, widths, right)
+    lines.append((" " * GAP).join("─" * size for size in widths))
+    for row in cells:
+        wrapped = [
+            _wrapped(cell, size, "") if one.prose else [cell]
+            for one, cell, size in zip(columns, row, widths, strict=True)
+        ]
+        lines += _aligned(wrapped, widths, right)
+    return lines
+
+
+def _aligned(cells: Sequence[Sequence[str]], widths: Sequence[int], right: Sequence[bool]) -> list[str]:
+    """Lines of cells that have some lines each."""
+    tall = max(map(len, cells), default=0)
+    padded = [[*lines, *[""] * (tall - len(lines))] for lines in cells]
+    return [
+        (" " * GAP).join(
+            line.rjust(size) if numeric else line.ljust(size)
+            for line, size, numeric in zip(parts, widths, right, strict=True)
+        )
+        for parts in zip(*padded, strict=True)
+    ]
+
+
+def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
+    """A block of lines for each row: heading, value and unit."""
+    wide = max((len(one.title) for one in columns), default=0)
+    lines: list[str] = []
+    for row in report.rows:
+        for number, one in enumerate(columns):
+            value = one.text(row.get(one.name))
+            unit = f" {one.measure}" if one.measure and value != EMPTY else ""
+            mark = "" if number == 0 else "  "
+            lines += _wrapped(
+                f"{mark}{one.title.ljust(wide + 2 - len(mark))}  {value}{unit}", width, " " * (wide + 4)
+            )
+    return lines
+
+
+def _wrapped(text: str, width: int | None, indent: str) -> list[str]:
+    """Lines of a text; a word that is longer than a line stays whole."""
+    if width is None:
+        return [text]
+    return textwrap.wrap(
+        text, max(width, 2 * len(indent)), subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
