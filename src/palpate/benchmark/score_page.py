@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from palpate.benchmark.score import BenchmarkScore, ScoreLine
-from palpate.sensor import markdown_table
+from palpate.core.report import Column, Report
 
 _FIGURES = {"angle": "°", "depth": " mm", "force": " N"}
 SCORE_COLUMNS = (
@@ -22,17 +22,20 @@ def score_rows(score: BenchmarkScore) -> list[list[str]]:
     return [_row(line) for line in score.lines]
 
 
-def score_page(name: str, score: BenchmarkScore) -> str:
-    """A page of scores in Markdown."""
-    return "\n".join([f"# {name}", "", *markdown_table(SCORE_COLUMNS, score_rows(score)), ""])
+def score_report(title: str, score: BenchmarkScore) -> Report:
+    """Scores of one method, a row a group; intervals are not needed first."""
+    columns = [
+        Column(name, name, "", deciding=not name.endswith(("in interval", "half-width"))) for name in SCORE_COLUMNS
+    ]
+    return Report.of(title, columns, score_rows(score))
 
 
-def compare_page(scores: Mapping[str, Iterable[BenchmarkScore]]) -> list[str]:
-    """Lines of a table that holds methods against each other, a row a method and track."""
+def compare_report(scores: Mapping[str, Iterable[BenchmarkScore]]) -> Report:
+    """Scores of several methods, a row a method and track."""
     head = ("method", "track", "images", "angle RMSE", "max", "19 of 20", "worst unit", "depth RMSE", "max")
-    more = ("force RMSE", "angle in interval")
+    more = (Column("force", "force RMSE", "", deciding=False), Column("in", "angle in interval", "", deciding=False))
     rows = [_compare(name, score) for name, own in scores.items() for score in own]
-    return markdown_table((*head, *more), rows)
+    return Report.of("", (*head, *more), rows)
 
 
 def _compare(name: str, score: BenchmarkScore) -> list[str]:

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.core import PalpateError
-from palpate.core.report import Report, report_text
+from palpate.core.report import Report, report_text, wrapped
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
@@ -27,18 +27,37 @@ def print_json(content: Any) -> None:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Output:
-    """Flags of a command that prints results, and the printing.
+class JsonOutput:
+    """Flag of a command that prints sentences, or data.
 
     Attributes
     ----------
     json
         Whether JSON is printed, and only JSON.
+    """
+
+    json: Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")] = False
+
+    def show(self, data: Any, *sentences: str) -> None:
+        """Print the data as JSON if it was asked for, otherwise the sentences."""
+        if self.json:
+            print_json(data)
+            return
+        for sentence in sentences:
+            print_text(sentence)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Output(JsonOutput):
+    """Flags of a command that prints tables.
+
+    Attributes
+    ----------
     wide
         Whether all columns of a table are printed, with their legend.
     """
 
-    json: Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")] = False
     wide: Annotated[bool, Parameter(name="--wide", negative="", help="Print all columns and their meaning.")] = False
 
     def show(self, data: Any, *reports: Report | str) -> None:
@@ -46,17 +65,22 @@ class Output:
         if self.json:
             print_json(data)
             return
+        above: Report | str = ""
         for report in reports:
-            if isinstance(report, str):
-                print(report)
-            else:
-                print_report(report, wide=self.wide)
+            if above and not (isinstance(report, str) and isinstance(above, str)):
+                print()
+            print_text(report if isinstance(report, str) else report_text(report, terminal_width(), wide=self.wide))
+            above = report
 
 
-def print_report(report: Report, *, wide: bool = False) -> None:
-    """Print a report, as wide as the terminal; with lines of any length if standard output is no terminal."""
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-    print(report_text(report, width, wide=wide))
+def terminal_width() -> int | None:
+    """Columns of the terminal; `None` if standard output is no terminal."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def print_text(text: str) -> None:
+    """Print a text, its lines no longer than the terminal is wide."""
+    print("\n".join(wrapped(text, terminal_width())))
 
 
 def check_file(path: Path | None, *endings: str) -> None:

@@ -8,9 +8,12 @@ import io
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TextIO
+
+from palpate.core.files import atomic_write
 
 Value = object
 """Entry of a table: a number, a text, a truth value, or `None` if there is none."""
@@ -21,6 +24,8 @@ EMPTY = "–"
 GAP = 2
 """Spaces between the columns of a text."""
 _NUMBER = re.compile(r"[-+±<>≤≥]? ?(\d[\d.]*|∞|–)(e[-+]?\d+)?( ?%)?")
+_PIECE = re.compile(r"\s+|(?<=\w-)(?=\w)")
+"""Where a heading may go on in a new line: at spaces and behind hyphens."""
 PROSE = 24
 """Least width of a column of sentences, in characters."""
 
@@ -113,10 +118,14 @@ class Report:
     notes: Sequence[str] = field(default=())
     file: str = ""
 
-
-def column_table(*columns: str | Column) -> tuple[Column, ...]:
-    """Columns, those given by their name alone with the heading and unit of that name."""
-    return tuple(Column(one) if isinstance(one, str) else one for one in columns)
+    @classmethod
+    def of(cls, title: str, headings: Sequence[str | Column], rows: Iterable[Sequence[Value]], *notes: str) -> Report:
+        """Table of rows whose values stand in the order of the columns; a text is the heading of its column."""
+        columns = [
+            Column(f"{number} {one}", one, "") if isinstance(one, str) else one for number, one in enumerate(headings)
+        ]
+        names = [one.name for one in columns]
+        return cls(title, columns, [dict(zip(names, row, strict=True)) for row in rows], notes)
 
 
 def report_text(report: Report, width: int | None = None, *, wide: bool = False) -> str:
@@ -139,10 +148,12 @@ def report_text(report: Report, width: int | None = None, *, wide: bool = False)
         Lines of at most `width` characters, without spaces at their ends. Only a word that is longer is written
         beyond it.
     """
-    columns = [one for one in report.columns if any(row.get(one.name) is not None for row in report.rows)]
+    columns = [one for one in report.columns if any(row.get(one.name) not in (None, "") for row in report.rows)]
     shown = columns if wide or width is None else _fitting(report, columns, width)
-    lines = [report.title] if report.title else []
-    if width is None or _table_width(report, shown) <= width:
+    lines = wrapped(report.title, width) if report.title else []
+    if not report.rows:
+        lines.append("No rows.")
+    elif width is None or _table_width(report, shown) <= width:
         lines += _table(report, shown, width)
     else:
         lines += _blocks(report, shown, width)
@@ -150,22 +161,37 @@ def report_text(report: Report, width: int | None = None, *, wide: bool = False)
     if hidden:
         elsewhere = ["--wide", "--json", *([report.file] if report.file else [])]
         more = f"{hidden} more column{'s' if hidden > 1 else ''}: "
-        lines += _wrapped(f"{more}{', '.join(elsewhere)}", width, "")
+        lines += wrapped(f"{more}{', '.join(elsewhere)}", width)
     if wide:
         for one in shown:
-            lines += _wrapped(f"{one.title}: {one.meaning}", width, "  ") if one.meaning else []
+            lines += wrapped(f"{one.title}: {one.meaning}", width, "  ") if one.meaning else []
     for note in report.notes:
-        lines += _wrapped(note, width, "")
+        lines += wrapped(note, width)
     return "\n".join(line.rstrip() for line in lines)
 
 
 def report_markdown(report: Report) -> str:
     """Return the table of a report in Markdown, numbers to the right, without its title and notes."""
     numbers = [_is_numeric(report, one) for one in report.columns]
-    rows = [[one.text(row.get(one.name)).replace("|", "\\|") for one in report.columns] for row in report.rows]
+    rows = [[_markdown(one.text(row.get(one.name))) for one in report.columns] for row in report.rows]
     rules = ["---:" if numeric else ":---" for numeric in numbers]
-    lines = [[one.label for one in report.columns], rules, *rows]
+    lines = [[_markdown(one.label) for one in report.columns], rules, *rows]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines) + "\n"
+
+
+def page_markdown(parts: Iterable[str | Report]) -> str:
+    """Return a page of paragraphs in Markdown and of tables; empty paragraphs are left out."""
+    texts = (part if isinstance(part, str) else report_markdown(part).rstrip() for part in parts)
+    return "\n\n".join(text for text in texts if text) + "\n"
+
+
+def plain_page(parts: Iterable[str | Report]) -> Iterator[str | Report]:
+    """Yield the parts of a page as a terminal shows them: without marks of headings and stress, and pictures."""
+    for part in parts:
+        if not isinstance(part, str):
+            yield part
+        elif part and not part.startswith("!["):
+            yield re.sub(r"^#+ |\*\*", "", part)
 
 
 def report_html(report: Report) -> str:
@@ -178,28 +204,68 @@ def report_html(report: Report) -> str:
     return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
 
 
-def csv_text(rows: Iterable[Mapping[str, Value]], columns: Sequence[str] = ()) -> str:
-    """Return rows as CSV (RFC 4180, lines end in ``\\n``).
+class CsvWriter:
+    """CSV (RFC 4180, lines end in ``\\n``), written row by row.
 
     Parameters
     ----------
-    rows
-        One mapping a row, from column to value; `None` and missing values become empty.
+    file
+        Text file, opened with ``newline=""``.
     columns
-        Names of the columns in their order; those of the first row if empty.
+        Names of the columns, which become the first line.
     """
-    listed = list(rows)
-    names = list(columns) or (list(listed[0]) if listed else [])
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([row.get(name) for name in names] for row in listed)
+
+    def __init__(self, file: TextIO, columns: Sequence[str]) -> None:
+        self._columns = columns
+        self._writer = csv.writer(file, lineterminator="\n")
+        self._writer.writerow(columns)
+
+    def write(self, row: Mapping[str, Value] | Sequence[Value]) -> None:
+        """Write one row: its values by column, or in the order of the columns. `None` becomes empty."""
+        self._writer.writerow([row.get(name) for name in self._columns] if isinstance(row, Mapping) else row)
+
+
+def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
+    """Return rows as CSV with the columns of the first; an empty text if there is none."""
+    listed, text = list(rows), io.StringIO()
+    if listed:
+        _write_csv(text, listed, list(listed[0]))
     return text.getvalue()
 
 
-def write_csv(path: Path, rows: Iterable[Mapping[str, Value]], columns: Sequence[str] = ()) -> None:
-    """Write rows to a CSV file, as `csv_text` returns them."""
-    path.write_text(csv_text(rows, columns), encoding="utf-8", newline="")
+def write_csv(
+    path: Path, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]
+) -> None:
+    """Write a CSV file, replacing it; its rows may come one by one.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        Values by column, or in the order of the columns.
+    columns
+        Names of the columns.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        _write_csv(file, rows, columns)
+
+
+def _write_csv(
+    file: TextIO, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]
+) -> None:
+    table = CsvWriter(file, columns)
+    for row in rows:
+        table.write(row)
+
+
+def _markdown(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
 
 
 def _is_numeric(report: Report, column: Column) -> bool:
@@ -210,7 +276,7 @@ def _is_numeric(report: Report, column: Column) -> bool:
 
 def _column_width(report: Report, column: Column) -> int:
     """Least width in which no number, name or word is cut."""
-    heading = max(map(len, [*column.title.split(), column.measure]), default=1)
+    heading = max(map(len, [*_PIECE.split(column.title), column.measure]), default=1)
     cells = [column.text(row.get(column.name)) for row in report.rows]
     longest = max(map(len, cells), default=0)
     if column.prose and longest > PROSE:
@@ -241,18 +307,18 @@ def _table(report: Report, columns: Sequence[Column], width: int | None) -> list
         full = max(map(len, (row[number] for row in cells)), default=0)
         widths[number] = max(widths[number], min(full, widths[number] + free // len(prose)))
     right = [_is_numeric(report, one) for one in columns]
-    heads = [_wrapped(one.title, size, "") for one, size in zip(columns, widths, strict=True)]
+    heads = [_head(one.title, size) for one, size in zip(columns, widths, strict=True)]
     tall = max(map(len, heads), default=0)
     units = [[one.measure] for one in columns] if any(one.measure for one in columns) else [[] for _ in columns]
     head = [[""] * (tall - len(lines)) + lines + unit for lines, unit in zip(heads, units, strict=True)]
     lines = _aligned(head, widths, right)
     lines.append((" " * GAP).join("─" * size for size in widths))
     for row in cells:
-        wrapped = [
-            _wrapped(cell, size, "") if one.prose else [cell]
+        parts = [
+            wrapped(cell, size) if one.prose else [cell]
             for one, cell, size in zip(columns, row, widths, strict=True)
         ]
-        lines += _aligned(wrapped, widths, right)
+        lines += _aligned(parts, widths, right)
     return lines
 
 
@@ -278,16 +344,46 @@ def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
             value = one.text(row.get(one.name))
             unit = f" {one.measure}" if one.measure and value != EMPTY else ""
             mark = "" if number == 0 else "  "
-            lines += _wrapped(
+            lines += wrapped(
                 f"{mark}{one.title.ljust(wide + 2 - len(mark))}  {value}{unit}", width, " " * (wide + 4)
             )
     return lines
 
 
-def _wrapped(text: str, width: int | None, indent: str) -> list[str]:
-    """Lines of a text; a word that is longer than a line stays whole."""
+def _head(title: str, width: int) -> list[str]:
+    """Lines of a heading."""
+    lines = [""]
+    for piece in _PIECE.split(title):
+        joint = "" if not lines[-1] or lines[-1].endswith("-") else " "
+        fits = len(lines[-1] + joint + piece) <= width
+        lines[-1:] = [lines[-1] + joint + piece] if fits or not lines[-1] else [lines[-1], piece]
+    return lines
+
+
+def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
+    """Return the lines of a text; a word that is longer than a line stays whole.
+
+    Parameters
+    ----------
+    text
+        The text; its own line ends stay.
+    width
+        Greatest length of a line; `None` for any.
+    indent
+        What the second and later lines begin with.
+    """
     if width is None:
-        return [text]
-    return textwrap.wrap(
-        text, max(width, 2 * len(indent)), subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
-    )
+        return text.split("\n")
+    return [
+        line
+        for one in text.split("\n")
+        for line in textwrap.wrap(
+            one,
+            max(width, 2 * len(indent)),
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+            replace_whitespace=False,
+        )
+        or [""]
+    ]

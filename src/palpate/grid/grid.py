@@ -10,30 +10,6 @@ Cell = float | int | str | None
 
 Row = Mapping[str, Cell]
 
-MAIN_COLUMNS = (
-    "height_mm",
-    "thickness_mm",
-    "markers",
-    "built_rmse_deg",
-    "built_p95_deg",
-    "calibrated_rmse_deg",
-    "calibrated_p95_deg",
-    "rmse_deg",
-    "max_error_deg",
-    "rmse_jitter_deg",
-    "max_error_jitter_deg",
-    "rmse_spread_deg",
-    "bound_deg",
-    "rmse_over_bound",
-    "interval_coverage",
-    "travel_mm",
-    "peak_stress_mpa",
-    "force_n",
-    "bistable_from_mm",
-    "samples",
-)
-"""Columns that a person reads first."""
-
 TABLES = ("by_depth", "by_tilt", "presses")
 """The tables beside that of the designs; the first column of each is ``design``."""
 

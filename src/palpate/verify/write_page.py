@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import date
 
 from palpate.core import provenance
+from palpate.core.report import Report, page_markdown
 from palpate.verify.run_cases import CaseOutcome
 
 _HEAD = """# Verification
@@ -13,8 +14,7 @@ _HEAD = """# Verification
 Problems with known answers, solved by the elements, contact and Newton's method of the package itself. Every row is
 the value that deviates most among those compared. A deviation is relative to the reference unless the quantity says
 over what it is taken. References marked *exact* are closed forms, quadratures or ordinary differential equations;
-codes are independent of this package; a *property* needs no number from outside.
-"""
+codes are independent of this package; a *property* needs no number from outside."""
 _NOTES = """
 ## Notes
 
@@ -34,6 +34,7 @@ _NOTES = """
 * *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
   the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
 """
+COLUMNS = ("case", "reference", "quantity", "values", "ours", "reference value", "deviation", "tolerance", "pass")
 _VERSIONS = ("palpate", "python", "numpy", "scipy", "py-mkl-pardiso", "rslab")
 """What the page says it was made with."""
 
@@ -68,28 +69,30 @@ def write_page(outcomes: Sequence[CaseOutcome], command: str) -> str:
     failed = sum(bool(outcome.failure) for outcome in outcomes)
     versions = ", ".join(f"{name} {version}" for name, version in provenance().items() if name in _VERSIONS)
     seconds = sum(item.cpu_s for item in outcomes)
-    lines = [
+    verdicts = [item for outcome in outcomes for item in _rows(outcome)]
+    times = [(item.case.name, f"{item.cpu_s:.1f}") for item in outcomes]
+    parts = [
         _HEAD,
         f"Made by `{command}` on {date.today().isoformat()} in {seconds:.0f} CPU-seconds "
         f"on one core ({versions}). {passed} of {len(rows)} rows pass"
         + (f"; {failed} cases could not be solved." if failed else "."),
-        "",
-        "| case | reference | quantity | values | ours | reference value | deviation | tolerance | pass |",
-        "|---|---|---|---|---|---|---|---|---|",
+        Report.of("", COLUMNS, verdicts),
+        Report.of("", ("case", "CPU s"), times),
+        _NOTES.strip(),
     ]
-    for outcome in outcomes:
-        lines += _lines(outcome)
-    lines += ["", "| case | CPU s |", "|---|---|", *(f"| {item.case.name} | {item.cpu_s:.1f} |" for item in outcomes)]
-    return "\n".join(lines) + "\n" + _NOTES
+    return page_markdown(parts)
 
 
-def _lines(outcome: CaseOutcome) -> list[str]:
-    start = f"| {outcome.case.name} | {outcome.case.reference} |"
+def _rows(outcome: CaseOutcome) -> Iterator[list[str]]:
+    start = [outcome.case.name, outcome.case.reference]
     if outcome.failure:
-        return [f"{start} {outcome.failure} | | | | | | **no** |"]
-    return [
-        f"{start} {row.quantity}{f' at {row.at}' if row.at else ''} | {row.count} | {format_number(row.ours)} "
-        f"| {format_number(row.reference)} | {format_deviation(row.deviation)} | {format_deviation(row.tolerance)} "
-        f"| {'yes' if row.passed else '**no**'} |"
-        for row in outcome.rows
-    ]
+        yield [*start, outcome.failure, *[""] * 5, "**no**"]
+    for row in outcome.rows:
+        yield [
+            *start,
+            f"{row.quantity} at {row.at}" if row.at else row.quantity,
+            str(row.count),
+            *map(format_number, (row.ours, row.reference)),
+            *map(format_deviation, (row.deviation, row.tolerance)),
+            "yes" if row.passed else "**no**",
+        ]
