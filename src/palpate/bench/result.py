@@ -140,14 +140,13 @@ def unit_name(number: int) -> str:
 
 def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str | Report]:
     """Paragraphs and tables of the bench: all units together, then each."""
-    spec, sampled = bench.spec, [result for result in results if result.number]
     return [
         *bench_summary(bench, results),
         "## Every unit",
         Report.of("", COLUMNS, [row for result in results for row in unit_rows(result)]),
         *[f"Unit {result.number}: {result.trial.failure}" for result in results if result.trial.failure],
         "## Tolerances",
-        Report.of("", ("deviation", "either way", "unit"), tolerance_rows(spec.tolerance)),
+        Report.of("", ("deviation", "either way", "unit"), tolerance_rows(bench.spec.tolerance)),
         provenance_line(),
     ]
 

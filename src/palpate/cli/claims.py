@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.claims import ClaimAnswer
 
+_COLUMNS = (
+    Column("claim"),
+    Column("statement", "the paper", prose=True),
+    Column("source", "in", prose=True, deciding=False),
+    Column("figures", prose=True),
+    Column("verdict"),
+)
 _FOLDERS = "Result folders of studies of the paper's designs, of `palpate twin`, and of `palpate convergence --out`."
 
 
@@ -23,7 +29,7 @@ def claims(
     out: Annotated[
         Path | None, Parameter(name=["--out", "-o"], help="Page to write, .md or .html, with pictures beside it.")
     ] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Say of every claim of the paper whether it holds, with the figures that decide.
 
@@ -36,12 +42,8 @@ def claims(
     if out is not None:
         words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
         write_claims(out, answers, grids, shlex.join(words))
-    if json:
-        print_json([_describe(answer) for answer in answers])
-    else:
-        _print(answers)
-        if out is not None:
-            print(f"Page: {out}")
+    table = Report("the paper's claims", _COLUMNS, [_row(answer) for answer in answers], file=str(out or ""))
+    output.show([_describe(answer) for answer in answers], table, *([f"Page: {out}"] if out is not None else []))
 
 
 def _describe(answer: ClaimAnswer) -> dict[str, Any]:
@@ -56,15 +58,7 @@ def _describe(answer: ClaimAnswer) -> dict[str, Any]:
     }
 
 
-def _print(answers: Sequence[ClaimAnswer]) -> None:
-    rows = [
-        [
-            answer.claim.name,
-            answer.claim.statement,
-            answer.source,
-            "; ".join(part for part in (answer.finding.figures, answer.finding.why) if part),
-            str(answer.finding.verdict),
-        ]
-        for answer in answers
-    ]
-    print_table("the paper's claims", ["", "the paper", "in", "figures", "verdict"], rows)
+def _row(answer: ClaimAnswer) -> dict[str, Any]:
+    found = answer.finding
+    figures = "; ".join(part for part in (found.figures, found.why) if part)
+    return {**_describe(answer), "figures": figures}

@@ -80,7 +80,7 @@ def terminal_width() -> int | None:
 
 def print_text(text: str) -> None:
     """Print a text, its lines no longer than the terminal is wide."""
-    print("\n".join(wrapped(text, terminal_width())))
+    print("\n".join(wrapped(text, terminal_width())), flush=True)
 
 
 def check_file(path: Path | None, *endings: str) -> None:

@@ -233,9 +233,7 @@ def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
     return text.getvalue()
 
 
-def write_csv(
-    path: Path, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]
-) -> None:
+def write_csv(path: Path, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]) -> None:
     """Write a CSV file, replacing it; its rows may come one by one.
 
     Parameters
@@ -256,9 +254,7 @@ def write_csv(
         _write_csv(file, rows, columns)
 
 
-def _write_csv(
-    file: TextIO, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]
-) -> None:
+def _write_csv(file: TextIO, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]) -> None:
     table = CsvWriter(file, columns)
     for row in rows:
         table.write(row)
@@ -315,8 +311,7 @@ def _table(report: Report, columns: Sequence[Column], width: int | None) -> list
     lines.append((" " * GAP).join("─" * size for size in widths))
     for row in cells:
         parts = [
-            wrapped(cell, size) if one.prose else [cell]
-            for one, cell, size in zip(columns, row, widths, strict=True)
+            wrapped(cell, size) if one.prose else [cell] for one, cell, size in zip(columns, row, widths, strict=True)
         ]
         lines += _aligned(parts, widths, right)
     return lines
@@ -344,9 +339,7 @@ def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
             value = one.text(row.get(one.name))
             unit = f" {one.measure}" if one.measure and value != EMPTY else ""
             mark = "" if number == 0 else "  "
-            lines += wrapped(
-                f"{mark}{one.title.ljust(wide + 2 - len(mark))}  {value}{unit}", width, " " * (wide + 4)
-            )
+            lines += wrapped(f"{mark}{one.title.ljust(wide + 2 - len(mark))}  {value}{unit}", width, " " * (wide + 4))
     return lines
 
 

@@ -53,9 +53,7 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
 
 def list_wall_touches(walls: Sequence[AlignmentTrial]) -> list[dict[str, Any]]:
     """A row a touch of every wall, by ``wall`` (from 1) and `COLUMNS`."""
-    return [
-        {"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)
-    ]
+    return [{"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)]
 
 
 def describe_alignment(alignment: Alignment) -> dict[str, Any]:

@@ -58,7 +58,9 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
         _draw(rows, fitter.model.posterior.rest_px, left).savefig(folder / "identification.png", dpi=120)
 
 
-def _page(rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]) -> list[str | Report]:
+def _page(
+    rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]
+) -> list[str | Report]:
     table = [
         (row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row)) for row in rows
     ]

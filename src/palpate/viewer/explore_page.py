@@ -20,7 +20,7 @@ from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, rea
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
-from palpate.viewer.words import find_column, jitter_words
+from palpate.viewer.words import column_label, jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
@@ -84,7 +84,7 @@ class ExplorePage:
                 ui.menu_item(label, save).props(f'data-testid="export-{name}"')
 
     def _build_grid(self) -> None:
-        columns = {name: find_column(name).label for name in numeric_columns(self._grid)}
+        columns = {name: column_label(name) for name in numeric_columns(self._grid)}
         with ui.element("div").classes("card"):
             heading("Specification grid")
             ui.select(

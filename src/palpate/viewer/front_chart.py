@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.optimise import SearchFolder
 from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
-from palpate.viewer.words import find_column
+from palpate.viewer.words import column_label
 
 ERROR = "p95_deg"
 """Column of the error that is made least."""
@@ -40,14 +40,14 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
             "itemHeight": 10,
             "textStyle": {"color": ink.text, "fontSize": 10},
         },
-        "xAxis": value_axis(find_column(across).label, ink, 26),
-        "yAxis": value_axis(find_column(ERROR).label, ink, 38),
+        "xAxis": value_axis(column_label(across), ink, 26),
+        "yAxis": value_axis(column_label(ERROR), ink, 38),
         "tooltip": {"appendToBody": True},
         "animation": False,
         "series": series,
         "aria": {
             "enabled": True,
-            "label": {"description": f"{find_column(ERROR).label} over {find_column(across).label} of all designs."},
+            "label": {"description": f"{column_label(ERROR)} over {column_label(across)} of all designs."},
         },
     }
 
@@ -55,7 +55,7 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
 def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
     row = search.rows[number]
     x, y = float(row[across]), float(row[ERROR])
-    words = f"{design_words(search, number)}<br>{find_column(across).label}: {x:.3g}<br>{find_column(ERROR).label}: {y:.3g}"
+    words = f"{design_words(search, number)}<br>{column_label(across)}: {x:.3g}<br>{column_label(ERROR)}: {y:.3g}"
     marked = {"itemStyle": {"color": FIRST, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
     return {"name": f"design {number}", "value": [x, y, number], "tooltip": {"formatter": words}, **marked}
 

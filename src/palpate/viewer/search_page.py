@@ -13,7 +13,7 @@ from palpate.viewer.explore_page import set_chart
 from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
 from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.specimen_cache import DesignCache
-from palpate.viewer.words import find_column
+from palpate.viewer.words import column_label, find_column
 from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0
@@ -67,7 +67,7 @@ class SearchPage:
                 f'data-testid="search-state" data-finished={str(self._search.finished).lower()}'
             )
             ui.select(
-                {column: find_column(column).label for column in COLUMNS.values()},
+                {column: column_label(column) for column in COLUMNS.values()},
                 value=self._across,
                 label="Across",
                 on_change=self._choose_axis,
@@ -92,7 +92,7 @@ class SearchPage:
             for column, cell in self._search.rows[self._shown].items():
                 with ui.element("tr").props(f'data-column="{column}"'):
                     with ui.element("th").props('scope="row"'):
-                        ui.label(find_column(column).label)
+                        ui.label(column_label(column))
                     with ui.element("td"):
                         ui.label(find_column(column).text(cell))
         self._draw()

@@ -14,6 +14,11 @@ def find_column(name: str) -> Column:
     return next((column for column in FRONT_COLUMNS if column.name == name), None) or grid_column(name)
 
 
+def column_label(name: str) -> str:
+    """Heading of a column with its unit, e.g. ``"marker travel (mm)"``."""
+    return find_column(name).label
+
+
 def jitter_words(grid: SpecificationGrid) -> str:
     """How far the pixels of a grid's studies were moved for the errors with jitter, e.g. ``"2 px jitter"``."""
     specs = (json.loads(str(row.get("spec") or "{}")) for row in grid.designs)
