@@ -15,7 +15,7 @@ from palpate.bench.played import MEASURANDS, POSE, ParameterEstimate, UnitTrial,
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
-from palpate.core.report import Column, Report
+from palpate.core.report import Report
 from palpate.sensor import PAPER_TABLE_3, Score, provenance_line, score_readings, write_report
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
@@ -215,7 +215,7 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | R
     played = [result.trial for result in sampled if result.scores]
     if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
-    rows, small_force = [], Column("small", "≤ 2 % or 0.01 N", "", deciding=False)
+    rows, small_force = [], "≤ 2 % or 0.01 N"
     for name in MEASURANDS:
         truth, error, half = collect_estimates(played, name)
         if name in POSE and not known:
@@ -229,7 +229,7 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | R
             [name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{covered_share(error, half):.0%}"]
         )
     head = ("measurand", "images", "rms", "max", "rms share", "max share", small_force, "in the 90 % interval")
-    return ["## What single images tell", Report.of("", head, rows)]
+    return ["## What single images tell", Report.of("", head, rows, details=[small_force])]
 
 
 def _beforehand(spec: VirtualBenchSpec) -> str:

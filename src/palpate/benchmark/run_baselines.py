@@ -164,7 +164,7 @@ def _score(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[Bench
 
 
 def _write(out: Path, scores: dict[str, list[BenchmarkScore]]) -> None:
-    page = ["# Baselines", compare_report({BASELINES[name]: own for name, own in scores.items()})]
+    table = compare_report({BASELINES[name]: own for name, own in scores.items()})
     rows = [[name, score.track, *row] for name, own in scores.items() for score in own for row in score_rows(score)]
     plain = {name: [score.as_dict() for score in own] for name, own in scores.items()}
-    write_report(out, "baselines", plain, page, [["method", "track", *SCORE_COLUMNS], *rows])
+    write_report(out, "baselines", plain, ["# Baselines", table], [["method", "track", *SCORE_COLUMNS], *rows])

@@ -15,6 +15,11 @@ SCORE_COLUMNS = (
     "images",
     *(f"{part} {figure}" for part in _FIGURES for figure in ("RMSE", "max", "19 of 20", "in interval", "half-width")),
 )
+_DETAILS = ("depth maximum", "force RMSE", "angle in interval", "angle maximum")
+_COMPARED = (
+    *("track", "images", "angle RMSE", "angle maximum", "95th percentile", "worst unit", "depth RMSE"),
+    *("depth maximum", "force RMSE", "angle in interval"),
+)
 
 
 def score_rows(score: BenchmarkScore) -> list[list[str]]:
@@ -24,18 +29,14 @@ def score_rows(score: BenchmarkScore) -> list[list[str]]:
 
 def score_report(title: str, score: BenchmarkScore) -> Report:
     """Scores of one method, a row a group; intervals are not needed first."""
-    columns = [
-        Column(name, name, "", deciding=not name.endswith(("in interval", "half-width"))) for name in SCORE_COLUMNS
-    ]
-    return Report.of(title, columns, score_rows(score))
+    details = [name for name in SCORE_COLUMNS if name.endswith(("in interval", "half-width"))]
+    return Report.of(title, SCORE_COLUMNS, score_rows(score), details=details)
 
 
 def compare_report(scores: Mapping[str, Iterable[BenchmarkScore]]) -> Report:
     """Scores of several methods, a row a method and track."""
-    head = ("method", "track", "images", "angle RMSE", "max", "19 of 20", "worst unit", "depth RMSE", "max")
-    more = (Column("force", "force RMSE", "", deciding=False), Column("in", "angle in interval", "", deciding=False))
     rows = [_compare(name, score) for name, own in scores.items() for score in own]
-    return Report.of("", (*head, *more), rows)
+    return Report.of("", (Column("method", prose=True), *_COMPARED), rows, details=_DETAILS)
 
 
 def _compare(name: str, score: BenchmarkScore) -> list[str]:

@@ -6,7 +6,7 @@ import importlib
 import re
 import shutil
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib import metadata
 
@@ -65,7 +65,7 @@ def doctor(*, output: Output = Output()) -> int:
         "solvers": [asdict(check) for check in backends],
         "versions": provenance(),
     }
-    rows = [*content["checks"], *(row | {"name": f"solver {row['name']}"} for row in content["solvers"])]
+    rows = [asdict(check) for check in (*checks, *(replace(one, name=f"solver {one.name}") for one in backends))]
     note = f"Linear solver in use: {used or 'none'}."
     output.show(content, Report(f"palpate {provenance()['palpate']}", _COLUMNS, rows, (note,)))
     return 0 if healthy else 1

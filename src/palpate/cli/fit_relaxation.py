@@ -140,10 +140,10 @@ def relaxation_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
         (f"{term['share']:.5g}", _span(term["share_interval"]), f"{term['time_s']:.4g}", _span(term["time_interval"]))
         for term in facts["terms"]
     ]
-    heads = ("share", f"{interval} of the share", "time (s)", f"{interval} of the time")
+    heads = ["share", f"{interval} of the share", "time (s)", f"{interval} of the time"]
     yield Report.of("relaxation (shares of the instantaneous stress)", heads, terms)
     left = [(f"{item['time_s']:.4g}", f"{item['left']:.4f}", f"{item['modulus']:.4f}") for item in facts["left"]]
-    heads = ("time (s)", "over the instantaneous stress", f"over the {facts['moduli']} stress")
+    heads = ["time (s)", "over the instantaneous stress", f"over the {facts['moduli']} stress"]
     yield Report.of("stress after a step of strain", heads, left)
     greatest, rms = 100 * facts["greatest"], 100 * facts["rms"]
     yield f"{len(facts['terms'])} terms by AICc; within {greatest:.2g} % of the held curve, rms {rms:.2g} %"

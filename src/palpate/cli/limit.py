@@ -24,7 +24,7 @@ _COLUMNS = (
     Column("height_mm"),
     Column("thickness_mm"),
     Column("markers"),
-    Column("depth_mm"),
+    Column("depth_mm", form="g"),
     Column("least_squares_deg", "least-squares bound", form=".3f", meaning="bound of the least-squares estimator"),
     Column("pitman_deg", "Pitman bound", form=".3f", meaning="error of the posterior mean"),
     Column("floor_deg", "bound of any estimator", form=".3f"),

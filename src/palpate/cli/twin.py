@@ -34,7 +34,7 @@ _COLUMNS = (
     Column("rmse_deg", "angle RMSE", form="g", meaning="RMSE of rx and ry over all units"),
     Column("p95_deg", "95th percentile", form="g", meaning="95th percentile over units of the maximum error"),
     Column("depth_rmse_mm", "depth RMSE", form="g"),
-    Column("noise_deg", form="g", meaning="RMSE of rx and ry by image noise alone"),
+    Column("noise_deg", form="g", deciding=False, meaning="RMSE of rx and ry by image noise alone"),
     Column("twin_error_mm", form="g", meaning="RMS distance of the twin from presses between its own"),
 )
 _MUCH_MM = 0.03

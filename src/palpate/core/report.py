@@ -8,7 +8,7 @@ import io
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
@@ -119,17 +119,28 @@ class Report:
     file: str = ""
 
     @classmethod
-    def of(cls, title: str, headings: Sequence[str | Column], rows: Iterable[Sequence[Value]], *notes: str) -> Report:
-        """Table of rows whose values stand in the order of the columns; a text is the heading of its column."""
+    def of(
+        cls,
+        title: str,
+        headings: Sequence[str | Column],
+        rows: Iterable[Sequence[Value]],
+        *notes: str,
+        details: Container[str] = (),
+    ) -> Report:
+        """Table of rows whose values stand in the order of the columns.
+
+        A text among `headings` is the heading of its column, which is not deciding if it is among `details`.
+        """
         columns = [
-            Column(f"{number} {one}", one, "") if isinstance(one, str) else one for number, one in enumerate(headings)
+            Column(f"{number} {one}", one, "", deciding=one not in details) if isinstance(one, str) else one
+            for number, one in enumerate(headings)
         ]
         names = [one.name for one in columns]
         return cls(title, columns, [dict(zip(names, row, strict=True)) for row in rows], notes)
 
 
 def report_text(report: Report, width: int | None = None, *, wide: bool = False) -> str:
-    """Return a report as text that cuts no number and no name.
+    """Return a report as text that cuts no number and no name; a column without any value is left out.
 
     Parameters
     ----------
@@ -148,7 +159,7 @@ def report_text(report: Report, width: int | None = None, *, wide: bool = False)
         Lines of at most `width` characters, without spaces at their ends. Only a word that is longer is written
         beyond it.
     """
-    columns = [one for one in report.columns if any(row.get(one.name) not in (None, "") for row in report.rows)]
+    columns = [one for one in report.columns if any(one.text(row.get(one.name)) != EMPTY for row in report.rows)]
     shown = columns if wide or width is None else _fitting(report, columns, width)
     lines = wrapped(report.title, width) if report.title else []
     if not report.rows:
@@ -187,11 +198,16 @@ def page_markdown(parts: Iterable[str | Report]) -> str:
 
 def plain_page(parts: Iterable[str | Report]) -> Iterator[str | Report]:
     """Yield the parts of a page as a terminal shows them: without marks of headings and stress, and pictures."""
-    for part in parts:
-        if not isinstance(part, str):
+    texts: list[str] = []
+    for part in (*parts, None):
+        if isinstance(part, str):
+            texts += [re.sub(r"^#+ |\*\*", "", part)] if part and not part.startswith("![") else []
+            continue
+        if texts:
+            yield "\n\n".join(texts)
+        texts = []
+        if part is not None:
             yield part
-        elif part and not part.startswith("!["):
-            yield re.sub(r"^#+ |\*\*", "", part)
 
 
 def report_html(report: Report) -> str:

@@ -7,40 +7,8 @@ from pathlib import Path
 
 from palpate.core import PalpateError, atomic_write, load_extra
 from palpate.core.report import Report, report_html, report_markdown, write_csv
-from palpate.grid.columns import MAIN_COLUMNS, grid_column
+from palpate.grid.columns import CSV_COLUMNS, MAIN_COLUMNS, grid_column
 from palpate.grid.grid import TABLES, Row, SpecificationGrid, column_unit, design_label
-
-CSV_COLUMNS = (
-    "height_mm",
-    "base_radius_mm",
-    "thickness_mm",
-    "shape",
-    "markers",
-    "rmse_deg",
-    "max_error_deg",
-    "rmse_jitter_deg",
-    "max_error_jitter_deg",
-    "rmse_spread_deg",
-    "rmse_depth_mm",
-    "bound_deg",
-    "bound_pitman_deg",
-    "rmse_over_bound",
-    "interval_coverage",
-    "interval_half_width_deg",
-    "travel_mm",
-    "peak_stress_mpa",
-    "peak_stress_straight_mpa",
-    "force_n",
-    "bistable_from_mm",
-    "presses",
-    "presses_inverted",
-    "samples",
-    "dropped",
-    "ended",
-    "seed",
-    "failure",
-)
-"""Columns of a design in CSV, behind its name: those that decide. SQLite, JSON and Parquet have all."""
 
 
 def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:

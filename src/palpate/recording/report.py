@@ -73,7 +73,7 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
         f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
         f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
         f"{about['test']} judged. No press is in two of these.",
-        Report.of("", head, rows),
+        Report.of("", head, rows, details=[f"{name} max" for name in names]),
         "The estimator was chosen by the presses that choose, not by those in the table.",
         "## What must be known about the recording",
         "\n".join(f"* {note}" for note in seen.notes),

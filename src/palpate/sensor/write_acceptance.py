@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.core import wrap_write_errors
-from palpate.core.report import Column, Report
+from palpate.core.report import Report
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
 _CHECKS = ("figure", "value", f"{LEVEL:.0%} interval", "tolerance", "result")
+_PAPER = "the paper's RMSE / MAE / max / SD"
 
 
 def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
@@ -39,12 +40,11 @@ def acceptance_page(found: Acceptance, title: str) -> list[str | Report]:
         figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
         of_paper = " / ".join(f"{value:.2f}" for value in (paper.rmse, paper.mae, paper.max, paper.sd))
         table.append((f"{score.component} {score.unit}", *(f"{value:.3f}" for value in figures), of_paper))
-    paper_column = Column("paper", "the paper's RMSE / MAE / max / SD", "", deciding=False)
     return [
         f"# Acceptance: {title}",
         f"**{verdict(found)}**",
         Report.of("", _CHECKS, map(_row, found.checks)),
-        Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", paper_column), table),
+        Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
         "\n".join(basis(found)),
         provenance_line(),
     ]

@@ -221,7 +221,7 @@ def _page(item: Published, suite: str) -> str:
         rows += [[cell.strip() for cell in line.strip("|").split("|")] for line in found]
     failed = sum(row[-1] != "yes" for row in rows)
     verdict = f"All {len(rows)} rows pass." if not failed else f"{failed} of {len(rows)} rows do not pass."
-    parts = [
+    parts: list[str | Report] = [
         f"# {item.title}",
         f"**Source.** {item.source}",
         f"**Read, and its error.** {item.read}",

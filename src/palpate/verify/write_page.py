@@ -71,7 +71,7 @@ def write_page(outcomes: Sequence[CaseOutcome], command: str) -> str:
     seconds = sum(item.cpu_s for item in outcomes)
     verdicts = [item for outcome in outcomes for item in _rows(outcome)]
     times = [(item.case.name, f"{item.cpu_s:.1f}") for item in outcomes]
-    parts = [
+    parts: list[str | Report] = [
         _HEAD,
         f"Made by `{command}` on {date.today().isoformat()} in {seconds:.0f} CPU-seconds "
         f"on one core ({versions}). {passed} of {len(rows)} rows pass"
