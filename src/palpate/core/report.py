@@ -348,14 +348,14 @@ def _aligned(cells: Sequence[Sequence[str]], widths: Sequence[int], right: Seque
 
 def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
     """A block of lines for each row: heading, value and unit."""
-    wide = max((len(one.title) for one in columns), default=0)
+    room = min(max(len(one.title) for one in columns), max(2 * width // 3 - 4, 0))
     lines: list[str] = []
     for row in report.rows:
         for number, one in enumerate(columns):
             value = one.text(row.get(one.name))
             unit = f" {one.measure}" if one.measure and value != EMPTY else ""
-            mark = "" if number == 0 else "  "
-            lines += wrapped(f"{mark}{one.title.ljust(wide + 2 - len(mark))}  {value}{unit}", width, " " * (wide + 4))
+            title = f"{'  ' if number else ''}{one.title}".ljust(room + 2)
+            lines += wrapped(f"{title}  {value}{unit}", width, " " * (room + 4))
     return lines
 
 
@@ -388,7 +388,7 @@ def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
         for one in text.split("\n")
         for line in textwrap.wrap(
             one,
-            max(width, 2 * len(indent)),
+            width,
             subsequent_indent=indent,
             break_long_words=False,
             break_on_hyphens=False,

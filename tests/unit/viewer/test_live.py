@@ -17,6 +17,7 @@ pytest.importorskip("PIL")
 from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
+from palpate.core.report import csv_text
 from palpate.design import TILT_SPACE, MarkerSpec, place_markers
 from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
