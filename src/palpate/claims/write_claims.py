@@ -13,7 +13,7 @@ from palpate.claims.claim import CLAIMS, ClaimAnswer, Verdict
 from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import name_sources
 from palpate.core import PAPER, PalpateError, atomic_write, atomic_write_into, wrap_write_errors
-from palpate.core.report import Report, page_markdown, report_html
+from palpate.core.report import Column, Report, page_markdown, report_html
 from palpate.grid import SpecificationGrid, check_plot_request, draw_plot, plot_file_name
 
 if TYPE_CHECKING:
@@ -33,7 +33,14 @@ PICTURES = {
     "C14": ("heat", "max_error_deg"),
 }
 """Kind and metric of the picture that shows what decides a claim."""
-COLUMNS = ("claim", "the paper", "it holds if", "in", "figures", "verdict")
+COLUMNS = (
+    Column("claim"),
+    Column("statement", "the paper", prose=True),
+    Column("test", "it holds if", deciding=False, prose=True),
+    Column("source", "in", deciding=False, prose=True),
+    Column("figures", prose=True),
+    Column("verdict", prose=True),
+)
 
 OF_DOMES = ("C3", "C4", "C5")
 """Claims about domes, whose figures all layouts share: one panel is enough."""
@@ -102,7 +109,7 @@ def describe_claims(
 def _describe_in_html(
     answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures
 ) -> str:
-    table = report_html(Report.of("", COLUMNS, _cells(answers)))
+    table = report_html(claim_report(answers))
     shown = {path: html.escape(f"{claim}, {source}") for (claim, source), path in pictures.items()}
     images = "".join(f'<p><img src="{html.escape(path)}" width="480" alt="{alt}"></p>' for path, alt in shown.items())
     intro = "".join(f"<p>{html.escape(line)}</p>" for line in _intro(answers, grids))
@@ -113,6 +120,11 @@ def _describe_in_html(
         f"<style>{style}table{{border-collapse:collapse}}</style></head><body><h1>The paper's claims</h1>{intro}"
         f"<pre>{html.escape(command)}</pre>{table}{images}{origin}</body></html>\n"
     )
+
+
+def claim_report(answers: Sequence[ClaimAnswer]) -> Report:
+    """Answers as a table, a row a claim and source."""
+    return Report.of("", COLUMNS, _cells(answers))
 
 
 def _intro(answers: Sequence[ClaimAnswer], grids: Sequence[Evidence]) -> list[str]:

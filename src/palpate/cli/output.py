@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import shutil
 import sys
@@ -14,15 +12,10 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.core import PalpateError
-from palpate.core.report import Report, report_text, wrapped
+from palpate.core.report import Report, json_text, report_text, wrapped
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
-
-
-def print_json(content: Any) -> None:
-    """Print `content` as strict JSON on standard output; numbers that are not finite become null."""
-    print(json.dumps(_finite(content), indent=2, allow_nan=False))
 
 
 @Parameter(name="*")
@@ -41,7 +34,7 @@ class JsonOutput:
     def show(self, data: Any, *sentences: str) -> None:
         """Print the data as JSON if it was asked for, otherwise the sentences."""
         if self.json:
-            print_json(data)
+            print(json_text(data))
             return
         for sentence in sentences:
             print_text(sentence)
@@ -63,7 +56,7 @@ class Output(JsonOutput):
     def show(self, data: Any, *reports: Report | str) -> None:
         """Print the data as JSON if it was asked for, otherwise reports and sentences, one below the other."""
         if self.json:
-            print_json(data)
+            print(json_text(data))
             return
         above: Report | str = ""
         for report in reports:
@@ -126,13 +119,3 @@ def check_folder(path: Path | None) -> None:
             "Choose another folder.",
             code="folder-unwritable",
         )
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {str(key): _finite(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [_finite(value) for value in content]
-    if isinstance(content, float) and not math.isfinite(content):
-        return None
-    return content

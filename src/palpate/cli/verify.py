@@ -10,22 +10,11 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.output import Output, check_file
-from palpate.core.report import Column, Report
-from palpate.verify import CaseOutcome, choose_cases, format_deviation, format_number, run_cases, write_page
+from palpate.verify import CaseOutcome, choose_cases, outcome_report, run_cases, write_page
 
 OUTSIDE = 1
 """Exit code where a row is outside its tolerance."""
 _ONLY = "Run the cases whose name holds this; * and ? stand for what they do in file names."
-_COLUMNS = (
-    Column("case"),
-    Column("reference", deciding=False, prose=True),
-    Column("quantity", prose=True),
-    Column("ours", deciding=False),
-    Column("expected", deciding=False, meaning="value of the reference"),
-    Column("deviation", meaning="difference from the reference, as a share of it"),
-    Column("tolerance", meaning="largest deviation that passes"),
-    Column("pass"),
-)
 
 
 def verify(
@@ -66,29 +55,3 @@ def describe_outcomes(outcomes: list[CaseOutcome]) -> dict[str, Any]:
 def _command(only: str | None, quick: bool, markdown: Path) -> str:
     words = ["palpate verify", *(["--only", only] if only else []), *(["--quick"] if quick else [])]
     return " ".join([*words, "--markdown", markdown.as_posix()])
-
-
-def outcome_report(outcomes: list[CaseOutcome]) -> Report:
-    """Rows of the cases with their deviations, one row for a case that failed."""
-    rows: list[dict[str, Any]] = [
-        {
-            "case": outcome.case.name,
-            "reference": outcome.case.reference,
-            "quantity": f"{row.quantity} at {row.at}" if row.at else row.quantity,
-            "ours": format_number(row.ours),
-            "expected": format_number(row.reference),
-            "deviation": format_deviation(row.deviation),
-            "tolerance": format_deviation(row.tolerance),
-            "pass": "yes" if row.passed else "NO",
-        }
-        for outcome in outcomes
-        for row in outcome.rows
-    ]
-    rows += [
-        {"case": each.case.name, "reference": each.case.reference, "quantity": each.failure, "pass": "NO"}
-        for each in outcomes
-        if each.failure
-    ]
-    passed = sum(row["pass"] == "yes" for row in rows)
-    seconds = sum(outcome.cpu_s for outcome in outcomes)
-    return Report("verification", _COLUMNS, rows, (f"{passed} of {len(rows)} rows pass, {seconds:.1f} CPU-seconds.",))

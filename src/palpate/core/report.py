@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
+import json
 import math
 import re
 import textwrap
@@ -23,9 +24,7 @@ UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "kpa": "kPa", "n": "N", "px": "p
 EMPTY = "–"
 GAP = 2
 """Spaces between the columns of a text."""
-_NUMBER = re.compile(r"[-+±<>≤≥]? ?(\d[\d.]*|∞|–)(e[-+]?\d+)?( ?%)?")
-_PIECE = re.compile(r"\s+|(?<=\w-)(?=\w)")
-"""Where a heading may go on in a new line: at spaces and behind hyphens."""
+_NUMBER = re.compile(r"[-+±<>≤≥]? ?(\d[\d.]*|∞)(e[-+]?\d+)?( ?%)?")
 PROSE = 24
 """Least width of a column of sentences, in characters."""
 
@@ -159,11 +158,11 @@ def report_text(report: Report, width: int | None = None, *, wide: bool = False)
         Lines of at most `width` characters, without spaces at their ends. Only a word that is longer is written
         beyond it.
     """
-    columns = [one for one in report.columns if any(one.text(row.get(one.name)) != EMPTY for row in report.rows)]
+    columns = [one for one in report.columns if set(_texts(report, one)) - {EMPTY}]
     shown = columns if wide or width is None else _fitting(report, columns, width)
     lines = wrapped(report.title, width) if report.title else []
-    if not report.rows:
-        lines.append("No rows.")
+    if not shown:
+        lines += [] if report.rows else ["No rows."]
     elif width is None or _table_width(report, shown) <= width:
         lines += _table(report, shown, width)
     else:
@@ -241,6 +240,11 @@ class CsvWriter:
         self._writer.writerow([row.get(name) for name in self._columns] if isinstance(row, Mapping) else row)
 
 
+def json_text(content: object) -> str:
+    """Return data as strict JSON; numbers that are not finite become null."""
+    return json.dumps(_finite(content), indent=2, allow_nan=False)
+
+
 def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
     """Return rows as CSV with the columns of the first; an empty text if there is none."""
     listed, text = list(rows), io.StringIO()
@@ -270,6 +274,14 @@ def write_csv(path: Path, rows: Iterable[Mapping[str, Value] | Sequence[Value]],
         _write_csv(file, rows, columns)
 
 
+def _finite(content: object) -> object:
+    if isinstance(content, dict):
+        return {str(key): _finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content
+
+
 def _write_csv(file: TextIO, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]) -> None:
     table = CsvWriter(file, columns)
     for row in rows:
@@ -280,20 +292,27 @@ def _markdown(text: str) -> str:
     return text.replace("|", "\\|").replace("\n", " ")
 
 
+def _texts(report: Report, column: Column) -> list[str]:
+    return [column.text(row.get(column.name)) for row in report.rows]
+
+
 def _is_numeric(report: Report, column: Column) -> bool:
-    values = [row.get(column.name) for row in report.rows]
-    known = [value for value in values if value is not None and value != ""]
-    return bool(known) and all(_NUMBER.fullmatch(column.text(value)) for value in known)
+    known = set(_texts(report, column)) - {EMPTY}
+    return bool(known) and all(map(_NUMBER.fullmatch, known))
 
 
 def _column_width(report: Report, column: Column) -> int:
     """Least width in which no number, name or word is cut."""
-    heading = max(map(len, [*_PIECE.split(column.title), column.measure]), default=1)
-    cells = [column.text(row.get(column.name)) for row in report.rows]
+    cells = _texts(report, column)
     longest = max(map(len, cells), default=0)
     if column.prose and longest > PROSE:
         longest = max(PROSE, *(len(word) for cell in cells for word in cell.split()))
-    return max(heading, longest)
+    return max([longest, *map(len, _heading(column, 1)), len(column.measure)])
+
+
+def _heading(column: Column, width: int) -> list[str]:
+    """Lines of a heading, which may end at spaces and behind hyphens."""
+    return textwrap.wrap(column.title, width, break_long_words=False)
 
 
 def _table_width(report: Report, columns: Sequence[Column]) -> int:
@@ -312,30 +331,27 @@ def _fitting(report: Report, columns: Sequence[Column], width: int) -> list[Colu
 def _table(report: Report, columns: Sequence[Column], width: int | None) -> list[str]:
     """Lines of a table, its headings in as many lines as they need, units in the line above the rule."""
     widths = [_column_width(report, one) for one in columns]
-    prose = [number for number, one in enumerate(columns) if one.prose]
-    cells = [[one.text(row.get(one.name)) for one in columns] for row in report.rows]
-    for number in prose:
-        free = width - _table_width(report, columns) if width is not None else 10_000
-        full = max(map(len, (row[number] for row in cells)), default=0)
-        widths[number] = max(widths[number], min(full, widths[number] + free // len(prose)))
     right = [_is_numeric(report, one) for one in columns]
-    heads = [_head(one.title, size) for one, size in zip(columns, widths, strict=True)]
-    tall = max(map(len, heads), default=0)
-    units = [[one.measure] for one in columns] if any(one.measure for one in columns) else [[] for _ in columns]
-    head = [[""] * (tall - len(lines)) + lines + unit for lines, unit in zip(heads, units, strict=True)]
-    lines = _aligned(head, widths, right)
-    lines.append((" " * GAP).join("─" * size for size in widths))
-    for row in cells:
-        parts = [
-            wrapped(cell, size) if one.prose else [cell] for one, cell, size in zip(columns, row, widths, strict=True)
-        ]
-        lines += _aligned(parts, widths, right)
+    texts = [_texts(report, one) for one in columns]
+    prose = [number for number, one in enumerate(columns) if one.prose]
+    free = 10_000 if width is None else width - _table_width(report, columns)
+    for number in prose:
+        widths[number] = max(widths[number], min(max(map(len, texts[number])), widths[number] + free // len(prose)))
+    heads = [_heading(one, size) for one, size in zip(columns, widths, strict=True)]
+    tall = max(map(len, heads))
+    heads = [[""] * (tall - len(lines)) + lines for lines in heads]
+    if any(one.measure for one in columns):
+        heads = [[*lines, one.measure] for one, lines in zip(columns, heads, strict=True)]
+    lines = [*_aligned(heads, widths, right), (" " * GAP).join("─" * size for size in widths)]
+    for row in zip(*texts, strict=True):
+        cells = zip(columns, row, widths, strict=True)
+        lines += _aligned([wrapped(cell, size) if one.prose else [cell] for one, cell, size in cells], widths, right)
     return lines
 
 
 def _aligned(cells: Sequence[Sequence[str]], widths: Sequence[int], right: Sequence[bool]) -> list[str]:
     """Lines of cells that have some lines each."""
-    tall = max(map(len, cells), default=0)
+    tall = max(map(len, cells))
     padded = [[*lines, *[""] * (tall - len(lines))] for lines in cells]
     return [
         (" " * GAP).join(
@@ -359,16 +375,6 @@ def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
     return lines
 
 
-def _head(title: str, width: int) -> list[str]:
-    """Lines of a heading."""
-    lines = [""]
-    for piece in _PIECE.split(title):
-        joint = "" if not lines[-1] or lines[-1].endswith("-") else " "
-        fits = len(lines[-1] + joint + piece) <= width
-        lines[-1:] = [lines[-1] + joint + piece] if fits or not lines[-1] else [lines[-1], piece]
-    return lines
-
-
 def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
     """Return the lines of a text; a word that is longer than a line stays whole.
 
@@ -383,16 +389,5 @@ def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
     """
     if width is None:
         return text.split("\n")
-    return [
-        line
-        for one in text.split("\n")
-        for line in textwrap.wrap(
-            one,
-            width,
-            subsequent_indent=indent,
-            break_long_words=False,
-            break_on_hyphens=False,
-            replace_whitespace=False,
-        )
-        or [""]
-    ]
+    wrapper = textwrap.TextWrapper(width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return [line for one in text.split("\n") for line in wrapper.wrap(one) or [""]]

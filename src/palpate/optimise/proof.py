@@ -192,19 +192,9 @@ def _figures(found: PredictedAccuracy | SimulatedAccuracy) -> FloatArray:
 
 
 def _table(designs: Sequence[ValidatedDesign]) -> Report:
-    head = [
-        "design",
-        "skin",
-        "dots",
-        "camera, mm",
-        "force, N",
-        "RMSE foreseen",
-        "played",
-        "by other units",
-        "19 of 20 foreseen",
-        "played",
-        "by other units",
-    ]
+    head = ["design", "skin", "dots", "camera, mm", "force, N"]
+    for figure in ("RMSE", "19 of 20"):
+        head += [f"{figure} foreseen", "played", "by other units"]
     trained = any(one.trained for one in designs)
     head += ["network: RMSE", "19 of 20"] if trained else []
     rows = []

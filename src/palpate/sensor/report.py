@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from palpate.core import provenance, wrap_write_errors
-from palpate.core.report import Report, page_markdown, write_csv
+from palpate.core.report import Report, json_text, page_markdown, write_csv
 
 Rows = Sequence[Sequence[str]]
 
@@ -35,8 +33,7 @@ def write_report(folder: Path, name: str, content: Any, page: Iterable[str | Rep
     """
     with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(_finite(content), indent=2, allow_nan=False)
-        (folder / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+        (folder / f"{name}.json").write_text(json_text(content) + "\n", encoding="utf-8")
         (folder / f"{name}.md").write_text(page_markdown(page), encoding="utf-8")
         if table:
             write_csv(folder / f"{name}.csv", table[1:], table[0])
@@ -45,11 +42,3 @@ def write_report(folder: Path, name: str, content: Any, page: Iterable[str | Rep
 def provenance_line() -> str:
     """The sentence that names the versions a report was made with."""
     return "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + "."
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {key: _finite(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [_finite(value) for value in content]
-    return None if isinstance(content, float) and not math.isfinite(content) else content
