@@ -65,7 +65,8 @@ NOT_RUN = {
 }
 """Verb → why the inventory does not run it."""
 PASSING = {
-    "cpu_s", "wall_s", "bytes", "seconds", "elapsed_s", "time_s", "made_by", "versions", "version", "out", "folder", "path", "python",
+    "cpu_s", "wall_s", "bytes", "seconds", "elapsed_s", "time_s", "made_by", "versions", "version", "out", "folder",
+    "path", "python",
     "platform", "made", "latency_ms", "checks",
 }  # fmt: skip
 """Keys whose values change from run to run or from machine to machine."""

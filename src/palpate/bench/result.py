@@ -15,7 +15,8 @@ from palpate.bench.played import MEASURANDS, POSE, ParameterEstimate, UnitTrial,
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
-from palpate.sensor import PAPER_TABLE_3, Score, markdown_table, provenance_line, score_readings, write_report
+from palpate.core.report import Report
+from palpate.sensor import PAPER_TABLE_3, Score, provenance_line, score_readings, write_report
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""
@@ -137,36 +138,33 @@ def unit_name(number: int) -> str:
     return str(number) if number else "nominal"
 
 
-def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> str:
-    """The bench as a Markdown page."""
+def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str | Report]:
+    """Paragraphs and tables of the bench: all units together, then each."""
+    return [
+        *bench_summary(bench, results),
+        "## Every unit",
+        Report.of("", COLUMNS, [row for result in results for row in unit_rows(result)]),
+        *[f"Unit {result.number}: {result.trial.failure}" for result in results if result.trial.failure],
+        "## Tolerances",
+        Report.of("", ("deviation", "either way", "unit"), tolerance_rows(bench.spec.tolerance)),
+        provenance_line(),
+    ]
+
+
+def bench_summary(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str | Report]:
+    """Paragraphs and tables of all units together."""
     spec, sampled = bench.spec, [result for result in results if result.number]
-    lines = [
+    return [
         f"# Virtual bench: {bench.name}",
-        "",
         f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.min_depth:g} to {spec.depth:g} "
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
         f"{spec.solver}; seed {spec.seed}. {_beforehand(spec)}",
-        "",
-        *markdown_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
-        "",
+        Report.of("", ("units", "component", "RMSE", "MAE", "max", "SD"), _summary(results)),
         f"{sum(result.meets_paper for result in sampled)} of {len(sampled)} sampled units have "
         f"RMSE ≤ {WANTED_RMSE_DEG}° and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
-        "",
         *_parameter_lines(sampled),
         *_single_lines(sampled, known=bool(spec.calibration_presses)),
-        "## Every unit",
-        "",
-        *markdown_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
-        *[f"\nUnit {result.number}: {result.trial.failure}" for result in results if result.trial.failure],
-        "",
-        "## Tolerances",
-        "",
-        *markdown_table(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
-        "",
-        provenance_line(),
-        "",
     ]
-    return "\n".join(lines)
 
 
 def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
@@ -194,7 +192,7 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
 
 
-def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str]:
+def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str | Report]:
     """What known presses told of the units, against what they are."""
     estimates: dict[str, list[ParameterEstimate]] = {}
     for learnt in (each for result in sampled for each in result.trial.parameters):
@@ -208,23 +206,16 @@ def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str]:
         figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())
         share = covered_share(error, NormalDist().inv_cdf(0.95) * sd)
         rows.append([name, str(len(each)), *(f"{value:.4f}" for value in figures), f"{share:.0%}"])
-    head = ("number", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
-    return [
-        "## What known presses told",
-        "",
-        "In mm, degrees, px, shares and 1/µ.",
-        "",
-        *markdown_table(head, rows),
-        "",
-    ]
+    head = ("parameter", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
+    return ["## What known presses told", "In mm, degrees, px, shares and 1/µ.", Report.of("", head, rows)]
 
 
-def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
+def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | Report]:
     """How well single images tell force and friction, and how often intervals hold."""
     played = [result.trial for result in sampled if result.scores]
     if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
-    rows = []
+    rows, small_force = [], "≤ 2 % or 0.01 N"
     for name in MEASURANDS:
         truth, error, half = collect_estimates(played, name)
         if name in POSE and not known:
@@ -237,8 +228,8 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
         rows.append(
             [name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{covered_share(error, half):.0%}"]
         )
-    head = ("", "images", "rms", "max", "rms share", "max share", "≤ 2 % or 0.01 N", "in the 90 % interval")
-    return ["## What single images tell", "", *markdown_table(head, rows), ""]
+    head = ("measurand", "images", "rms", "max", "rms share", "max share", small_force, "in the 90 % interval")
+    return ["## What single images tell", Report.of("", head, rows, details=[small_force])]
 
 
 def _beforehand(spec: VirtualBenchSpec) -> str:

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from palpate.bench.bench import VirtualBench
 from palpate.bench.budget import BudgetLine, recommend_randomisation, total
 from palpate.core import wrap_write_errors
-from palpate.sensor import markdown_table, write_report
+from palpate.core.report import Report
+from palpate.sensor import write_report
 
 BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg", "depth RMS mm", "units")
 
@@ -47,30 +48,21 @@ def budget_row(line: BudgetLine) -> list[str]:
     return [line.label, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
 
 
-def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> str:
-    """The budget as a Markdown page."""
+def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> list[str | Report]:
+    """Paragraphs and tables of the budget."""
     advice = recommend_randomisation(lines, bench.spec.tolerance)
-    return "\n".join(
-        [
-            f"# Error budget: {bench.name}",
-            "",
-            "Each imperfection alone at its tolerance; how much it changes the readings of the same poses. Model "
-            f"{bench.model_sha256[:12]}, seed {bench.spec.seed}.",
-            "",
-            *markdown_table(BUDGET_COLUMNS, map(budget_row, lines)),
-            "",
-            f"All at once, as root of the sum of squares: {total(lines):.3f}°.",
-            "",
-            "![budget](budget.png)",
-            "",
-            "## Recommended randomisation of the training",
-            "",
-            *(f"* `{name}: {value:g}`" for name, value in advice.items()),
-            *([] if advice else ["None: nothing that a training could see costs more than the model itself."]),
-            *[f"\n{line.label}: {failure}" for line in lines for failure in line.failures],
-            "",
-        ]
-    )
+    return [
+        f"# Error budget: {bench.name}",
+        "Each imperfection alone at its tolerance; how much it changes the readings of the same poses. Model "
+        f"{bench.model_sha256[:12]}, seed {bench.spec.seed}.",
+        Report.of("", BUDGET_COLUMNS, map(budget_row, lines)),
+        f"All at once, as root of the sum of squares: {total(lines):.3f}°.",
+        "![budget](budget.png)",
+        "## Recommended randomisation of the training",
+        "\n".join(f"* `{name}: {value:g}`" for name, value in advice.items())
+        or "None: nothing that a training could see costs more than the model itself.",
+        *[f"{line.label}: {failure}" for line in lines for failure in line.failures],
+    ]
 
 
 def draw_budget(lines: Sequence[BudgetLine]) -> Figure:

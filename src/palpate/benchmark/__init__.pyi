@@ -7,7 +7,7 @@ from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_bench
 from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers, SplitTable, read_set
 from palpate.benchmark.run_baselines import BASELINES, run_baselines
 from palpate.benchmark.score import BenchmarkScore, ErrorLine, ScoreLine, score_file, score_predictions
-from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_page, score_rows
+from palpate.benchmark.score_page import SCORE_COLUMNS, compare_report, score_report, score_rows
 from palpate.benchmark.spec import (
     PRESETS,
     TINY_BASELINES,
@@ -37,7 +37,7 @@ __all__ = [
     "SplitTable",
     "TwinPressSpec",
     "UnitImages",
-    "compare_page",
+    "compare_report",
     "deviation_of",
     "make_benchmark",
     "read_baseline_spec",
@@ -46,8 +46,8 @@ __all__ = [
     "read_set",
     "run_baselines",
     "score_file",
-    "score_page",
     "score_predictions",
+    "score_report",
     "score_rows",
     "simulate_unit",
     "write_predictions",

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.benchmark.set_files import write_table
 from palpate.core import FloatArray, IntArray, PalpateError, wrap_write_errors
+from palpate.core.report import write_csv
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
 FORCE = "force_n"
@@ -117,7 +117,7 @@ def write_predictions(path: Path, predictions: Predictions) -> None:
     names = [name for name in KNOWN if name in predictions.values]
     columns = [np.round(predictions.values[name], 6).tolist() for name in names]
     with wrap_write_errors(path):
-        write_table(path, ("image", *names), zip(predictions.image.tolist(), *columns, strict=True))
+        write_csv(path, zip(predictions.image.tolist(), *columns, strict=True), ("image", *names))
 
 
 def _check_head(path: Path, head: Sequence[str]) -> None:

@@ -15,7 +15,7 @@ from palpate.benchmark.learnt_baselines import LEARNERS, predict_by_images, pred
 from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
 from palpate.benchmark.read_set import BenchmarkSet
 from palpate.benchmark.score import BenchmarkScore, score_predictions, select_track
-from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_rows
+from palpate.benchmark.score_page import SCORE_COLUMNS, compare_report, score_rows
 from palpate.benchmark.set_files import CHECKSUMS, digest
 from palpate.benchmark.spec import BaselineSpec
 from palpate.benchmark.unit_task import plan_design_twin
@@ -164,7 +164,7 @@ def _score(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[Bench
 
 
 def _write(out: Path, scores: dict[str, list[BenchmarkScore]]) -> None:
-    page = ["# Baselines", "", *compare_page({BASELINES[name]: own for name, own in scores.items()}), ""]
+    table = compare_report({BASELINES[name]: own for name, own in scores.items()})
     rows = [[name, score.track, *row] for name, own in scores.items() for score in own for row in score_rows(score)]
     plain = {name: [score.as_dict() for score in own] for name, own in scores.items()}
-    write_report(out, "baselines", plain, "\n".join(page), [["method", "track", *SCORE_COLUMNS], *rows])
+    write_report(out, "baselines", plain, ["# Baselines", table], [["method", "track", *SCORE_COLUMNS], *rows])

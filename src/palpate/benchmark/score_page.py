@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from palpate.benchmark.score import BenchmarkScore, ScoreLine
-from palpate.sensor import markdown_table
+from palpate.core.report import Column, Report
 
 _FIGURES = {"angle": "°", "depth": " mm", "force": " N"}
 SCORE_COLUMNS = (
@@ -15,6 +15,11 @@ SCORE_COLUMNS = (
     "images",
     *(f"{part} {figure}" for part in _FIGURES for figure in ("RMSE", "max", "19 of 20", "in interval", "half-width")),
 )
+_DETAILS = ("depth maximum", "force RMSE", "angle in interval", "angle maximum")
+_COMPARED = (
+    *("track", "images", "angle RMSE", "angle maximum", "95th percentile", "worst unit", "depth RMSE"),
+    *("depth maximum", "force RMSE", "angle in interval"),
+)
 
 
 def score_rows(score: BenchmarkScore) -> list[list[str]]:
@@ -22,17 +27,16 @@ def score_rows(score: BenchmarkScore) -> list[list[str]]:
     return [_row(line) for line in score.lines]
 
 
-def score_page(name: str, score: BenchmarkScore) -> str:
-    """A page of scores in Markdown."""
-    return "\n".join([f"# {name}", "", *markdown_table(SCORE_COLUMNS, score_rows(score)), ""])
+def score_report(title: str, score: BenchmarkScore) -> Report:
+    """Scores of one method, a row a group; intervals are not needed first."""
+    details = [name for name in SCORE_COLUMNS if name.endswith(("in interval", "half-width"))]
+    return Report.of(title, SCORE_COLUMNS, score_rows(score), details=details)
 
 
-def compare_page(scores: Mapping[str, Iterable[BenchmarkScore]]) -> list[str]:
-    """Lines of a table that holds methods against each other, a row a method and track."""
-    head = ("method", "track", "images", "angle RMSE", "max", "19 of 20", "worst unit", "depth RMSE", "max")
-    more = ("force RMSE", "angle in interval")
+def compare_report(scores: Mapping[str, Iterable[BenchmarkScore]]) -> Report:
+    """Scores of several methods, a row a method and track."""
     rows = [_compare(name, score) for name, own in scores.items() for score in own]
-    return markdown_table((*head, *more), rows)
+    return Report.of("", (Column("method", prose=True), *_COMPARED), rows, details=_DETAILS)
 
 
 def _compare(name: str, score: BenchmarkScore) -> list[str]:

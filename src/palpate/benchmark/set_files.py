@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import zipfile
 from collections.abc import Iterable, Sequence
@@ -19,6 +18,7 @@ from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, Split
 from palpate.benchmark.unit_images import LABELS, UnitImages
 from palpate.built import UNIT_PARAMETERS, Deviation
 from palpate.core import IntArray, PalpateError, load_opencv
+from palpate.core.report import write_csv
 from palpate.design import build_skin, place_markers
 
 SET = "set"
@@ -80,10 +80,10 @@ def write_split(folder: Path, split: Split, parts: Sequence[SplitPart]) -> tuple
     rows.sort()
     count = len(SIGHT_COLUMNS)
     if split == "test":
-        write_table(folder / "test.csv", SIGHT_COLUMNS, (row[:count] for row in rows))
-        write_table(folder / HIDDEN, ("image", *LABEL_COLUMNS), ((row[0], *row[count:]) for row in rows))
+        write_csv(folder / "test.csv", (row[:count] for row in rows), SIGHT_COLUMNS)
+        write_csv(folder / HIDDEN, ((row[0], *row[count:]) for row in rows), ("image", *LABEL_COLUMNS))
     else:
-        write_table(folder / f"{split}.csv", (*SIGHT_COLUMNS, *LABEL_COLUMNS), rows)
+        write_csv(folder / f"{split}.csv", rows, (*SIGHT_COLUMNS, *LABEL_COLUMNS))
     _write_markers(folder / f"{split}.h5", parts)
     pictures = _write_pictures(folder / f"{split}_pictures.zip", split, parts)
     return len(rows), pictures
@@ -100,8 +100,8 @@ def write_designs(folder: Path, spec: BenchmarkSpec) -> None:
         designs.append((design.name, *size, len(layout), round(float(layout.diameter), 6)))
         places = np.round(layout.positions, 6).tolist()
         dots += [(design.name, number, *place) for number, place in enumerate(places)]
-    write_table(folder / "designs.csv", head, designs)
-    write_table(folder / "layouts.csv", ("design", "marker", "x_mm", "y_mm", "z_mm"), dots)
+    write_csv(folder / "designs.csv", designs, head)
+    write_csv(folder / "layouts.csv", dots, ("design", "marker", "x_mm", "y_mm", "z_mm"))
 
 
 def write_units(folder: Path, split: Split, built: Iterable[tuple[str, Deviation]]) -> None:
@@ -111,7 +111,7 @@ def write_units(folder: Path, split: Split, built: Iterable[tuple[str, Deviation
     for design, deviation in built:
         values = asdict(deviation)
         rows.append((design, deviation.unit, *(round(values[key], 9) for key in MADE)))
-    write_table(folder / name, ("design", "unit", *MADE), rows)
+    write_csv(folder / name, rows, ("design", "unit", *MADE))
 
 
 def list_files(folder: Path) -> tuple[int, str]:
@@ -130,14 +130,6 @@ def digest(path: Path) -> str:
     """SHA-256 of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Write a table of text and numbers, every number so that it is read back as it was."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(rows)
 
 
 def _write_markers(path: Path, parts: Sequence[SplitPart]) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from palpate.benchmark.columns import TABLES
 from palpate.benchmark.spec import SPLITS, BenchmarkSpec
+from palpate.core.report import Report, report_markdown
 
 CARD = "README.md"
 _PAGE = """\
@@ -19,10 +20,7 @@ presses.
 
 ## What it holds
 
-| split | units of each design | presses | images | rendered images |
-|---|---|---|---|---|
 {counts}
-
 No unit and no press has images in two splits. Image numbers are in a random order over the whole set, so that
 neither number nor place in a file tells anything. `train` is to learn from, `calibrate` to choose settings and
 intervals by, `test` to be judged on once.
@@ -92,12 +90,12 @@ class SetCounts:
 def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
     """Write the card into the folder of the set."""
     units = {"train": spec.train_units, "calibrate": spec.calibrate_units, "test": spec.test_units}
-    lines = []
-    for split in SPLITS:
-        figures = (units[split], counts.presses[split], counts.images[split], counts.pictures[split])
-        lines.append(f"| {split} | " + " | ".join(str(figure) for figure in figures) + " |")
+    rows = [
+        (split, units[split], counts.presses[split], counts.images[split], counts.pictures[split]) for split in SPLITS
+    ]
+    head = ("split", "units of each design", "presses", "images", "rendered images")
     page = _PAGE.format(
-        counts="\n".join(lines),
+        counts=report_markdown(Report.of("", head, rows)),
         tables="\n".join(_tables()),
         material=spec.material,
         tilt=spec.max_tilt_deg,
@@ -115,9 +113,8 @@ def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
 
 def _tables() -> Iterator[str]:
     for name, columns in TABLES.items():
-        yield from (f"### {name}", "", "| column | unit | meaning |", "|---|---|---|")
-        yield from (f"| {column.name} | {column.unit} | {column.meaning} |" for column in columns)
-        yield ""
+        rows = [(column.name, column.unit, column.meaning) for column in columns]
+        yield from (f"### {name}", "", report_markdown(Report.of("", ("column", "unit", "meaning"), rows)))
 
 
 def _error_text(twins: Mapping[str, float]) -> str:

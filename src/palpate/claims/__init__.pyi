@@ -3,7 +3,7 @@
 from palpate.claims.claim import Claim, ClaimAnswer, ClaimFinding, Verdict
 from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import assess_claims, read_evidence
-from palpate.claims.write_claims import write_claims
+from palpate.claims.write_claims import claim_report, write_claims
 
 __all__ = [
     "Claim",
@@ -12,6 +12,7 @@ __all__ = [
     "Evidence",
     "Verdict",
     "assess_claims",
+    "claim_report",
     "read_evidence",
     "write_claims",
 ]

@@ -13,6 +13,7 @@ from palpate.claims.claim import CLAIMS, ClaimAnswer, Verdict
 from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import name_sources
 from palpate.core import PAPER, PalpateError, atomic_write, atomic_write_into, wrap_write_errors
+from palpate.core.report import Column, Report, page_markdown, report_html
 from palpate.grid import SpecificationGrid, check_plot_request, draw_plot, plot_file_name
 
 if TYPE_CHECKING:
@@ -32,7 +33,14 @@ PICTURES = {
     "C14": ("heat", "max_error_deg"),
 }
 """Kind and metric of the picture that shows what decides a claim."""
-COLUMNS = ("claim", "the paper", "it holds if", "in", "figures", "verdict")
+COLUMNS = (
+    Column("claim"),
+    Column("statement", "the paper", prose=True),
+    Column("test", "it holds if", deciding=False, prose=True),
+    Column("source", "in", deciding=False, prose=True),
+    Column("figures", prose=True),
+    Column("verdict", prose=True),
+)
 
 OF_DOMES = ("C3", "C4", "C5")
 """Claims about domes, whose figures all layouts share: one panel is enough."""
@@ -87,36 +95,36 @@ def describe_claims(
     answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
 ) -> str:
     """The page as Markdown; for parameters see `write_claims`."""
-    lines = ["# The paper's claims", "", *_intro(answers, grids), "", "```", command, "```", ""]
-    lines += [_line(COLUMNS), _line(["---"] * len(COLUMNS))]
-    for answer, cells in zip(answers, _cells(answers), strict=True):
+    rows = _cells(answers)
+    for answer, words in zip(answers, rows, strict=True):
         picture = (pictures or {}).get((answer.claim.name, answer.source))
-        words = [cell.replace("|", "\\|") for cell in cells]
         words[-1] = f"**{answer.finding.verdict}**" + words[-1].removeprefix(str(answer.finding.verdict))
         words[4] += f" ([picture]({picture}))" if picture else ""
-        lines.append(_line(words))
-    lines += ["", *_provenance(grids)]
-    return "\n".join(lines).rstrip() + "\n"
+    table = Report.of("", COLUMNS, rows)
+    return page_markdown(
+        ["# The paper's claims", *_intro(answers, grids), f"```\n{command}\n```", table, *_provenance(grids)]
+    )
 
 
 def _describe_in_html(
     answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures
 ) -> str:
-    body = []
-    for answer, cells in zip(answers, _cells(answers), strict=True):
-        picture = pictures.get((answer.claim.name, answer.source))
-        shown = [html.escape(cell) for cell in cells]
-        shown[4] += f'<br><img src="{html.escape(picture)}" width="480" alt="{shown[0]}">' if picture else ""
-        body.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in shown) + "</tr>")
-    head = "".join(f"<th>{name}</th>" for name in COLUMNS)
-    intro = "".join(f"<p>{html.escape(line)}</p>" for line in _intro(answers, grids) if line)
-    origin = "".join(f"<p>{html.escape(line)}</p>" for line in _provenance(grids) if line)
+    table = report_html(claim_report(answers))
+    shown = {path: html.escape(f"{claim}, {source}") for (claim, source), path in pictures.items()}
+    images = "".join(f'<p><img src="{html.escape(path)}" width="480" alt="{alt}"></p>' for path, alt in shown.items())
+    intro = "".join(f"<p>{html.escape(line)}</p>" for line in _intro(answers, grids))
+    origin = "".join(f"<p>{html.escape(line)}</p>" for line in _provenance(grids))
     style = "body{font:15px sans-serif;margin:2em}td,th{border:1px solid #ccc;padding:.4em;vertical-align:top}"
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>The paper\'s claims</title>'
         f"<style>{style}table{{border-collapse:collapse}}</style></head><body><h1>The paper's claims</h1>{intro}"
-        f"<pre>{html.escape(command)}</pre><table><tr>{head}</tr>{''.join(body)}</table>{origin}</body></html>\n"
+        f"<pre>{html.escape(command)}</pre>{table}{images}{origin}</body></html>\n"
     )
+
+
+def claim_report(answers: Sequence[ClaimAnswer]) -> Report:
+    """Answers as a table, a row a claim and source."""
+    return Report.of("", COLUMNS, _cells(answers))
 
 
 def _intro(answers: Sequence[ClaimAnswer], grids: Sequence[Evidence]) -> list[str]:
@@ -153,7 +161,7 @@ def _provenance(grids: Sequence[Evidence]) -> list[str]:
         facts = [json.loads(str(row["versions"])) for row in evidence.grid.designs if row.get("versions")]
         versions = sorted({" ".join(f"{name}={version}" for name, version in one.items()) for one in facts})
         seeds = sorted({str(row["seed"]) for row in evidence.grid.designs})
-        lines += [f"{name}: seed {', '.join(seeds)}; {' / '.join(versions)}", ""]
+        lines.append(f"{name}: seed {', '.join(seeds)}; {' / '.join(versions)}")
     return lines
 
 
@@ -190,7 +198,3 @@ def _write_picture(path: Path, figure: Figure) -> None:
 def _plain(name: str) -> str:
     """A name as part of a file's name."""
     return "_".join("".join(c if c.isalnum() else " " for c in name).split())
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.camera import read_image
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.core.report import plain_page
 from palpate.design import TILT_SPACE
 from palpate.recording import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import AcceptanceSpec
@@ -51,7 +52,6 @@ class ReportFlags:
 
     name: Annotated[str, Parameter(help=_NAME)] = "unit"
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
-    json: JsonFlag = False
 
 
 def accept(
@@ -61,9 +61,17 @@ def accept(
     built: UnitFlags = UnitFlags(),
     wanted: Annotated[AcceptanceSpec, flags_of(AcceptanceSpec, group="Tolerances")] = AcceptanceSpec(),
     report: ReportFlags = ReportFlags(),
+    output: Output = Output(),
 ) -> int:
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
-    from palpate.sensor import accept_unit, open_model, read_ground_truth, read_readings, write_acceptance
+    from palpate.sensor import (
+        accept_unit,
+        acceptance_page,
+        open_model,
+        read_ground_truth,
+        read_readings,
+        write_acceptance,
+    )
 
     if estimator.reads.model is not None and estimator.readings is not None:
         raise PalpateError(
@@ -83,13 +91,11 @@ def accept(
             unit = built.unit()
             estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
-    page = write_acceptance(report.out, found, report.name)
     if report.out is not None:
+        write_acceptance(report.out, found, report.name)
         print(f"Report: {report.out / 'accept.pdf'}", file=sys.stderr)
-    if report.json:
-        print_json({"unit": report.name, **found.as_dict()})
-    else:
-        print(page)
+    page = acceptance_page(found, report.name)
+    output.show({"unit": report.name, **found.as_dict()}, *plain_page(page))
     return 0 if found.passed else OUTSIDE
 
 

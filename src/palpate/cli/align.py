@@ -9,10 +9,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 from palpate.design import build_skin, place_markers
 from palpate.robot import (
     AlignmentScenario,
@@ -22,6 +23,7 @@ from palpate.robot import (
     VirtualUnit,
     describe_wall,
     list_touches,
+    list_wall_touches,
     write_alignments,
 )
 from palpate.sensor import Unit, check_model, open_model
@@ -31,7 +33,20 @@ _OUT = "Folder for touches.csv and alignment.json."
 _WALLS = "Walls to square to, each of another tilt, friction and distance."
 _NUMBER = "Which virtual unit, from 1; it decides what is not as designed about it."
 _KNOWN = "Known presses at a jig by which the unit is identified first; 0: it is not."
-_SHOWN = ("touch", "rx_deg", "ry_deg", "depth_mm", "angle_deg", "half_width_deg", "turned_deg", "force_n", "friction")
+_COLUMNS = (
+    Column("wall"),
+    Column("touch"),
+    Column("rx_deg", form=".3f", meaning="estimated tilt about x", deciding=False),
+    Column("ry_deg", form=".3f", meaning="estimated tilt about y", deciding=False),
+    Column("depth_mm", form=".3f"),
+    Column("angle_deg", form=".3f", meaning="estimated angle between tool and wall normal"),
+    Column("half_width_deg", "half-width", form=".3f", meaning="half-width of the interval of the angle"),
+    Column("turned_deg", form=".3f", meaning="turn of the tool after the touch"),
+    Column("force_n", form=".3f"),
+    Column("friction", form=".3f", meaning="estimated coefficient of friction; none if nothing slips"),
+    Column("force_upper_n", "force, upper end", form=".3f", deciding=False),
+    Column("images", meaning="images averaged", deciding=False),
+)
 _SEED = "Seed of units, walls and the robot's errors."
 
 
@@ -67,7 +82,7 @@ def align(
         SimulatedRobotSpec, flags_of(SimulatedRobotSpec, group="Simulated robot")
     ] = SimulatedRobotSpec(),
     run: AlignFlags = AlignFlags(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Touch, read, turn and touch again until a drill is square: a virtual unit on a simulated robot.
 
@@ -111,28 +126,16 @@ def align(
     }
     if run.out is not None:
         write_alignments(run.out, walls, facts)
-    if json:
-        touches = [list_touches(wall.alignment) for wall in walls]
-        described = (describe_wall(wall) for wall in walls)
-        print_json(facts | {"walls": [wall | {"each": each} for wall, each in zip(described, touches, strict=True)]})
-        return
-    _print(walls)
+    described = [describe_wall(wall) | {"each": list_touches(wall.alignment)} for wall in walls]
+    file = str(run.out / "touches.csv") if run.out is not None else ""
+    table = Report("touches", _COLUMNS, list_wall_touches(walls), file=file)
+    output.show(facts | {"walls": described}, table, *map(_sentence, range(1, len(walls) + 1), walls))
 
 
-def _print(walls: list[AlignmentTrial]) -> None:
-    rows = [
-        [str(number), *(_text(row[name]) for name in _SHOWN)]
-        for number, wall in enumerate(walls, start=1)
-        for row in list_touches(wall.alignment)
-    ]
-    print_table("touches", ["wall", *_SHOWN], rows)
-    for number, wall in enumerate(walls, start=1):
-        said = wall.alignment
-        print(
-            f"Wall {number}: {said.outcome}; {wall.final_deg:.3f}° is left in truth (said: {said.residual_deg:.3f} ± "
-            f"{said.residual_half_width_deg:.3f}), greatest force {wall.max_force_n:.3f} N."
-        )
-
-
-def _text(value: object) -> str:
-    return f"{value:.3f}" if isinstance(value, float) else str(value or "")
+def _sentence(number: int, wall: AlignmentTrial) -> str:
+    estimate = wall.alignment
+    return (
+        f"Wall {number}: {estimate.outcome}; true residual angle {wall.final_deg:.3f}°, estimated "
+        f"{estimate.residual_deg:.3f}° ± {estimate.residual_half_width_deg:.3f}°, maximum force "
+        f"{wall.max_force_n:.3f} N."
+    )

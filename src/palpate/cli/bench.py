@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +13,12 @@ from palpate.bench import ToleranceSpec, VirtualBenchSpec
 from palpate.built import AccuracySpec, predict_budget
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import RESULTS, check_folder, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import RESULTS, Output, check_folder
 from palpate.cli.progress import Lines
 from palpate.cli.unit import DesignFlags, ModelFlags
-from palpate.core import ArtefactStore, PalpateError, atomic_write
+from palpate.core import ArtefactStore, PalpateError
+from palpate.core.report import Column, Report, plain_page, write_csv
 from palpate.twin import Twin, twin_path
 
 if TYPE_CHECKING:
@@ -27,6 +27,20 @@ if TYPE_CHECKING:
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
 _BUDGET = "Measure every imperfection alone instead of sampled units; calculated where a twin reads."
+_PREDICTED = (
+    Column("imperfection", prose=True),
+    Column("tolerance"),
+    Column("alone_deg", "angle RMSE alone", meaning="RMSE of rx and ry by this imperfection alone"),
+    Column("saved_deg", "saved by its absence", meaning="decrease of the total RMSE, in squares"),
+)
+_SIMULATED = (
+    Column("label", "imperfection", prose=True),
+    Column("tolerance"),
+    Column("angle_deg", "angle RMS", form=".3f", meaning="RMS change of rx and ry"),
+    Column("angle_max_deg", "angle maximum", form=".3f", meaning="maximum change of rx and ry"),
+    Column("depth", "depth RMS", "mm", form=".3f", meaning="RMS change of the depth"),
+    Column("units", deciding=False, meaning="simulated units"),
+)
 _CLEAN = "Images without uneven light, blur, noise and dirt."
 
 
@@ -55,7 +69,7 @@ def bench(
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     flags: BenchFlags = BenchFlags(),
     budget: Annotated[bool, Parameter(negative="", help=_BUDGET)] = False,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
     from palpate.bench import VirtualBench
@@ -68,9 +82,9 @@ def bench(
     played.check()
     announce_compilation()
     if budget and isinstance(played.opened_model, Twin):
-        _predicted(played, played.opened_model, out, json)
+        _predicted(played, played.opened_model, out, output)
     else:
-        (_budget if budget else _units)(played, out, json)
+        (_budget if budget else _units)(played, out, output)
 
 
 def _model(flags: BenchFlags) -> Path:
@@ -94,8 +108,8 @@ def _model(flags: BenchFlags) -> Path:
     return twin_path(RESULTS / study.name, skin.build())
 
 
-def _units(trials: VirtualBench, out: Path, json: bool) -> None:
-    from palpate.bench import describe_bench, run_bench, write_bench
+def _units(trials: VirtualBench, out: Path, output: Output) -> None:
+    from palpate.bench import bench_summary, describe_bench, run_bench, write_bench
 
     results = []
     for result in run_bench(trials):
@@ -104,34 +118,22 @@ def _units(trials: VirtualBench, out: Path, json: bool) -> None:
         name = f"unit {result.number}" if result.number else "nominal unit"
         _print_result(f"[{len(results)}/{trials.spec.units + 1}] {name}: {result.trial.failure or angles}")
         write_bench(out, trials, results)
-    described = describe_bench(trials, results)
-    if json:
-        print_json(described)
-        return
-    print((out / "bench.md").read_text(encoding="utf-8").split("## Every unit")[0].strip())
-    print(f"\nTables: {out}")
+    page = bench_summary(trials, results)
+    output.show(describe_bench(trials, results), *plain_page(page), f"Tables: {out}")
 
 
-def _predicted(trials: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
+def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
     costs = predict_budget(twin, trials.layout, build_camera(trials.camera), trials.spec.tolerance, spec)
-    rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
-    names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
+    rows = [(cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}") for cost in costs]
     out.mkdir(parents=True, exist_ok=True)
-    with atomic_write(out / "budget.csv") as draft, draft.open("w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([names, *rows])
-    if json:
-        print_json({"lines": [cost._asdict() for cost in costs]})
-        return
-    print_table("error budget, foreseen", names, rows)
-    print(
-        "RMSE of rx and ry: of each alone, and what its absence would take from all together (squares). "
-        f"Table: {out / 'budget.csv'}"
-    )
+    write_csv(out / "budget.csv", rows, [column.name for column in _PREDICTED])
+    table = Report.of("error budget, predicted", _PREDICTED, rows, f"Table: {out / 'budget.csv'}")
+    output.show({"lines": [cost._asdict() for cost in costs]}, table)
 
 
-def _budget(trials: VirtualBench, out: Path, json: bool) -> None:
+def _budget(trials: VirtualBench, out: Path, output: Output) -> None:
     from palpate.bench import describe_budget, run_budget, write_budget
 
     lines = []
@@ -140,16 +142,8 @@ def _budget(trials: VirtualBench, out: Path, json: bool) -> None:
         _print_result(f"{line.label}: {line.angle_deg:.3f}°")
         write_budget(out, trials, lines)
     described = describe_budget(trials, lines)
-    if json:
-        print_json(described)
-        return
-    names = ["words", "tolerance", "angle_deg", "angle_max_deg", "depth", "units"]
-    print_table("error budget", names, [[_text(line[name]) for name in names] for line in described["lines"]])
-    print(f"All at once, root of the sum of squares: {described['total_angle_deg']:.3f}°. Tables and chart: {out}")
-
-
-def _text(value: object) -> str:
-    return f"{value:.3f}" if isinstance(value, float) else str(value)
+    total = f"All at once, root of the sum of squares: {described['total_angle_deg']:.3f}°. Tables and chart: {out}"
+    output.show(described, Report("error budget", _SIMULATED, described["lines"], (total,)))
 
 
 def read_tolerance(texts: tuple[str, ...]) -> ToleranceSpec:

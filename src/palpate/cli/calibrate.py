@@ -19,9 +19,10 @@ from palpate.camera import (
     write_board,
     write_calibration,
 )
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_file
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 _FOLDER = "Folder of images of the board."
 _BOARD = "charuco, chessboard or circles, with COLUMNSxROWS:SQUARE_MM[:MARKER_MM] if wished: chessboard:9x6:25."
 _OUT = "YAML file for OpenCV and ROS; without it, nothing is written."
+_PARAMETERS = ("parameter", "value", "standard deviation")
+_IMAGES = ("image", Column("rms_px", "RMS residual", form=".3f", meaning="RMS distance of the board's points"))
 _PRINT = "PDF of the board in true size; then no folder is needed."
 
 
@@ -39,7 +42,7 @@ def calibrate(
     spec: Annotated[CalibrationSpec, flags_of(CalibrationSpec, without="board")] = CalibrationSpec(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Find the focal length, centre and distortion of a camera from images of a board."""
     chosen = read_board(board)
@@ -60,10 +63,7 @@ def calibrate(
     found = calibrate_camera(_read(folder), spec.model_copy(update={"board": chosen}))
     if out is not None:
         write_calibration(out, found)
-    if json:
-        print_json(_describe(found))
-    else:
-        _print(found)
+    output.show(_describe(found), *_reports(found))
 
 
 def _read(folder: Path) -> Iterator[tuple[str, NDArray[Any] | str]]:
@@ -90,13 +90,12 @@ def _describe(found: Calibration) -> dict[str, Any]:
     }
 
 
-def _print(found: Calibration) -> None:
+def _reports(found: Calibration) -> Iterator[Report | str]:
     names = ["fx px", "fy px", "cx px", "cy px", *found.lens.parameters()]
     values = [*found.intrinsics_px, *found.distortion]
-    rows = [[name, f"{value:.5g}", f"{sd:.2g}"] for name, value, sd in zip(names, values, found.sd, strict=True)]
-    print_table(f"{found.model} camera, {found.width_px} × {found.height_px} px", ["what", "value", "sd"], rows)
-    images = [[name, f"{rms:.3f}"] for name, rms in zip(found.image_names, found.image_rms_px, strict=True)]
-    print_table("images", ["image", "rms px"], images)
+    rows = [(name, f"{value:.5g}", f"{sd:.2g}") for name, value, sd in zip(names, values, found.sd, strict=True)]
+    yield Report.of(f"{found.model} camera, {found.width_px} × {found.height_px} px", _PARAMETERS, rows)
+    yield Report.of("images", _IMAGES, zip(found.image_names, map(float, found.image_rms_px), strict=True))
     for name, reason in found.rejected:
-        print(f"left out: {name}: {reason}")
-    print(f"rms {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells")
+        yield f"left out: {name}: {reason}"
+    yield f"rms {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells"

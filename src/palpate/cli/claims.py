@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
 
 if TYPE_CHECKING:
     from palpate.claims import ClaimAnswer
@@ -23,25 +21,21 @@ def claims(
     out: Annotated[
         Path | None, Parameter(name=["--out", "-o"], help="Page to write, .md or .html, with pictures beside it.")
     ] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Say of every claim of the paper whether it holds, with the figures that decide.
 
     Give one result folder, or one a contact law. A claim whose designs are not there is not decided.
     """
-    from palpate.claims import assess_claims, read_evidence, write_claims
+    from palpate.claims import assess_claims, claim_report, read_evidence, write_claims
 
     grids, meshes = read_evidence(results)
     answers = assess_claims(grids, meshes)
     if out is not None:
         words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
         write_claims(out, answers, grids, shlex.join(words))
-    if json:
-        print_json([_describe(answer) for answer in answers])
-    else:
-        _print(answers)
-        if out is not None:
-            print(f"Page: {out}")
+    page = [f"Page: {out}"] if out is not None else []
+    output.show([_describe(answer) for answer in answers], "The paper's claims", claim_report(answers), *page)
 
 
 def _describe(answer: ClaimAnswer) -> dict[str, Any]:
@@ -54,17 +48,3 @@ def _describe(answer: ClaimAnswer) -> dict[str, Any]:
         "figures": answer.finding.figures,
         "why": answer.finding.why,
     }
-
-
-def _print(answers: Sequence[ClaimAnswer]) -> None:
-    rows = [
-        [
-            answer.claim.name,
-            answer.claim.statement,
-            answer.source,
-            "; ".join(part for part in (answer.finding.figures, answer.finding.why) if part),
-            str(answer.finding.verdict),
-        ]
-        for answer in answers
-    ]
-    print_table("the paper's claims", ["", "the paper", "in", "figures", "verdict"], rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
@@ -12,15 +11,26 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_folder
 from palpate.cli.press import PressFlags
+from palpate.core.report import Column, Report, write_csv
 from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 from palpate.mesh import MeshSpec
 
 _CELLS = "Cells from pole to rim of each mesh."
 _MARKERS = "Markers that are followed on every mesh."
+_COLUMNS = (
+    Column("cells", meaning="cells from pole to rim"),
+    Column("elements"),
+    Column("unknowns", deciding=False),
+    Column("peak_stress", "peak stress", "MPa", form=".4f", meaning="maximum von Mises stress"),
+    Column("stress_error", "stress error", "%", form="+.2f"),
+    Column("force", "force", "N", form=".4f"),
+    Column("force_error", "force error", "%", form="+.2f"),
+    Column("marker_error", "marker error", "%", form=".3f", meaning="RMS distance of the markers over the depth"),
+)
 _OUT = "Folder for convergence.csv, .png and .svg; without it, only the table is printed."
 
 
@@ -38,7 +48,7 @@ def convergence(
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
     markers: Annotated[int, Parameter(help=_MARKERS)] = 169,
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
     points = place_markers(flags.build(), MarkerSpec(count=markers)).positions
@@ -47,10 +57,7 @@ def convergence(
     results = study_convergence(*flags.problem(), points, meshes, _print_mesh)
     if out is not None:
         _write_results(out, results)
-    if json:
-        print_json([asdict(result) for result in results])
-    else:
-        _print_results(results)
+    output.show([asdict(result) for result in results], _report(results, out))
 
 
 def _print_mesh(cells: int, press: Press) -> None:
@@ -59,29 +66,16 @@ def _print_mesh(cells: int, press: Press) -> None:
 
 def _write_results(out: Path, results: Sequence[MeshResult]) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    with (out / "convergence.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([field.name for field in fields(MeshResult)])
-        writer.writerows([[f"{value:.6g}" for value in asdict(result).values()] for result in results])
+    rows = [[f"{value:.6g}" for value in asdict(result).values()] for result in results]
+    write_csv(out / "convergence.csv", rows, [field.name for field in fields(MeshResult)])
     figure = plot_convergence(results)
     for suffix in ("png", "svg"):
         figure.savefig(out / f"convergence.{suffix}", dpi=160)
 
 
-def _print_results(results: Sequence[MeshResult]) -> None:
-    columns = ["cells", "elements", "unknowns", "stress MPa", "error %", "force N", "error %", "markers rms %"]
-    rows = [
-        [
-            str(result.cells),
-            str(result.elements),
-            str(result.unknowns),
-            f"{result.peak_stress:.4f}",
-            f"{100 * result.stress_error:+.2f}",
-            f"{result.force:.4f}",
-            f"{100 * result.force_error:+.2f}",
-            f"{100 * result.marker_error:.3f}",
-        ]
-        for result in results
-    ]
-    print_table(f"convergence at {results[-1].depth:.3g} mm", columns, rows)
-    print("Errors are against the finest mesh; markers over the depth.")
+def _report(results: Sequence[MeshResult], out: Path | None) -> Report:
+    errors = ("stress_error", "force_error", "marker_error")
+    rows = [asdict(result) | {name: 100 * getattr(result, name) for name in errors} for result in results]
+    note = "Errors are differences from the finest mesh."
+    file = str(out / "convergence.csv") if out is not None else ""
+    return Report(f"convergence at {results[-1].depth:.3g} mm", _COLUMNS, rows, (note,), file)

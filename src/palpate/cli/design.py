@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
 from palpate.cli.unit import DesignFlags
+from palpate.core.report import Column, Report
 from palpate.design import (
     Finding,
     MarkerLayout,
@@ -18,24 +18,25 @@ from palpate.design import (
 )
 
 
-def design(*, flags: DesignFlags = DesignFlags(), json: JsonFlag = False) -> None:
+def design(*, flags: DesignFlags = DesignFlags(), output: Output = Output()) -> None:
     """Radius, shape, marker positions and limits of one design."""
     built = build_skin(flags.skin_spec())
     layout = place_markers(built, flags.markers)
     findings = check_design(built, layout)
-    if json:
-        print_json(_describe(built, layout, findings))
-        return
-    print(
+    shape = (
         f"{built.shape}: height {built.height:g} mm, base radius {built.base_radius:g} mm, "
         f"thickness {built.thickness:g} mm\n"
         f"inner radius {built.radius:.4g} mm at the apex, widest inside {2 * built.widest[0]:.4g} mm at "
         f"z = {built.widest[1]:.4g} mm"
     )
-    rows = [[str(i), *(f"{value:.3f}" for value in point)] for i, point in enumerate(layout.positions)]
-    print_table(f"{len(layout)} markers of {layout.diameter:g} mm", ["marker", "x mm", "y mm", "z mm"], rows)
-    for finding in findings:
-        print(f"{finding.severity}: {finding.message} {finding.remedy}")
+    columns = [Column("marker"), *(Column(f"{axis}_mm", form=".3f") for axis in "xyz")]
+    rows = ((number, *map(float, point)) for number, point in enumerate(layout.positions))
+    output.show(
+        _describe(built, layout, findings),
+        shape,
+        Report.of(f"{len(layout)} markers of {layout.diameter:g} mm", columns, rows),
+        *(f"{finding.severity}: {finding.message} {finding.remedy}" for finding in findings),
+    )
 
 
 def _describe(skin: Skin, layout: MarkerLayout, findings: tuple[Finding, ...]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import importlib
 import re
 import shutil
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib import metadata
 
@@ -14,13 +14,19 @@ from packaging.markers import Marker
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
 from palpate.core import installed_version, provenance
+from palpate.core.report import Column, Report
 
 FOR_DEVELOPERS = {"all", "docs", "test"}
 """Extras that a user of palpate does not need."""
 
+_COLUMNS = (
+    Column("name"),
+    Column("ok", "installed"),
+    Column("detail", prose=True),
+    Column("remedy", prose=True),
+)
 SYSTEM_PACKAGES = {
     "libGL.so.1": "libgl1",
     "libgomp.so.1": "libgomp1",
@@ -41,7 +47,7 @@ class InstallCheck:
     remedy: str = ""
 
 
-def doctor(*, json: JsonFlag = False) -> int:
+def doctor(*, output: Output = Output()) -> int:
     """Say what is installed, which solver backend is used, and name what is missing."""
     needed = _needed()
     _modules_by_distribution.cache_clear()  # packages may have been installed since
@@ -52,20 +58,16 @@ def doctor(*, json: JsonFlag = False) -> int:
     checks.append(_check_calculix())
     used = next((check.name for check in backends if check.ok), None)
     healthy = required_ok and used is not None
-    if json:
-        content = {
-            "healthy": healthy,
-            "solver": used,
-            "checks": [asdict(check) for check in checks],
-            "solvers": [asdict(check) for check in backends],
-            "versions": provenance(),
-        }
-        print_json(content)
-        return 0 if healthy else 1
-    rows = [[check.name, "yes" if check.ok else "no", check.detail, check.remedy] for check in checks]
-    rows += [[f"solver {check.name}", "yes" if check.ok else "no", check.detail, check.remedy] for check in backends]
-    print_table(f"palpate {provenance()['palpate']}", ["what", "there", "detail", "remedy"], rows)
-    print(f"Linear solver in use: {used or 'none'}.")
+    content = {
+        "healthy": healthy,
+        "solver": used,
+        "checks": [asdict(check) for check in checks],
+        "solvers": [asdict(check) for check in backends],
+        "versions": provenance(),
+    }
+    rows = [asdict(check) for check in (*checks, *(replace(one, name=f"solver {one.name}") for one in backends))]
+    note = f"Linear solver in use: {used or 'none'}."
+    output.show(content, Report(f"palpate {provenance()['palpate']}", _COLUMNS, rows, (note,)))
     return 0 if healthy else 1
 
 

@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from palpate.camera import CameraSpec, build_camera, read_calibration
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json
+from palpate.cli.flag import flags_of
+from palpate.cli.output import JsonOutput
 from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
 from palpate.design import DomeSpec, build_skin, read_skin
 from palpate.fea import WallSpec, solve_press
@@ -51,7 +51,7 @@ def export(
     to: Annotated[AssetFormat, Parameter(help=_TO)],
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     flags: AssetFlags = AssetFlags(),
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write a sensor as an asset: its mesh, mass, camera and frames, and how far it yields by a press of it."""
     check_asset(out)
@@ -62,12 +62,10 @@ def export(
     press = solve_press(mesh, flags.material.material(), flags.wall)
     asset = build_asset(press, build_camera(lens), flags.spec)
     path = export_asset(out, asset, to)
-    if json:
-        print_json({"file": str(path), **describe_asset(asset)})
-        return
     centre = asset.body.centre_mm[2]
-    print(
+    output.show(
+        {"file": str(path), **describe_asset(asset)},
         f"{path}: {1e3 * asset.body.mass_kg:.3f} g, centre {centre:.2f} mm over the base; "
         f"{asset.stiffness:.1f} N/m to {1e3 * asset.reach:.1f} mm (rms {1e3 * asset.stiffness_rms:.0f} mN), "
-        f"as a curve rms {1e3 * asset.spring_rms:.1f} mN"
+        f"as a curve rms {1e3 * asset.spring_rms:.1f} mN",
     )

@@ -17,11 +17,12 @@ from palpate.cli.fit_relaxation import (
     find_law,
     fit_tests,
     is_relaxation,
-    print_relaxation,
+    relaxation_reports,
 )
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_file
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 from palpate.material import (
     SECANT_TOLERANCE,
     Fit,
@@ -50,6 +51,31 @@ _MODEL = f"Model: {', '.join(list_models())}."
 _OUT = "Write the material to this YAML file; studies and presses take it as their material."
 _FIGURE = "Picture of samples, mean and model (.png, .svg or .pdf)."
 _RANK = "Fit one model only: no ranking and no error of tests that were not made."
+_SAMPLES = (
+    Column("name", "file"),
+    Column("test"),
+    Column("rows", deciding=False),
+    Column("stretch", meaning="range of the stretch"),
+    Column("greatest_kpa", "maximum stress", meaning="maximum nominal stress"),
+    Column("notes", prose=True, deciding=False),
+)
+_MODES = (
+    Column("mode"),
+    Column("data"),
+    Column("stretch", meaning="range of the stretch"),
+    Column("r2", "R²", form=".6f", deciding=False, meaning="coefficient of determination"),
+    Column("rmse_kpa", "RMSE", form=".4g", deciding=False),
+    Column("relative", "error over maximum stress", meaning="RMSE over the maximum stress", prose=True),
+)
+_RANKING = (
+    Column("model"),
+    Column("behind", "ΔAICc", form=".1f", meaning="corrected Akaike criterion above that of the best model"),
+    Column("relative", "error", "%", form=".3g", meaning="greatest RMSE of a mode over its maximum stress"),
+    Column("left_out", "cross-validation error", "%", form=".3g", meaning="error of one sample left out of the fit"),
+    Column("condition", form=".2g", meaning="condition number of the least squares"),
+    Column("stable", meaning="Drucker stability in all modes"),
+    Column("failure", prose=True),
+)
 _SENSED = 1.5
 """Stretch to which a pressed dome is strained at the most (docs/results/materials)."""
 _UNTOLD = 1e3
@@ -88,7 +114,7 @@ class CurveFlags:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class OutputFlags:
+class OutputFlags(Output):
     """What is written, and how much is printed."""
 
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], help=_OUT)] = None
@@ -97,7 +123,6 @@ class OutputFlags:
     figure: Annotated[Path | None, Parameter(help=_FIGURE)] = Path("fit.png")
     no_figure: Annotated[bool, Parameter(negative="", help="Draw nothing.")] = False
     alone: Annotated[bool, Parameter(negative="", help=_RANK)] = False
-    json: JsonFlag = False
 
     @property
     def draws(self) -> Path | None:
@@ -155,10 +180,7 @@ def fit(
         write_material(out.output, material)
         written.append(str(out.output))
     facts["files"] = written
-    if out.json:
-        print_json(facts)
-    else:
-        _print(facts)
+    out.show(facts, *_reports(facts))
 
 
 def _save(path: Path, figure: Any) -> str:
@@ -290,82 +312,77 @@ def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
     )
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _reports(facts: dict[str, Any]) -> Iterator[Report | str]:
     if "model" in facts:
-        _print_law(facts)
+        yield from _law_reports(facts)
     if "relaxation" in facts:
-        print_relaxation(facts["relaxation"])
+        yield from relaxation_reports(facts["relaxation"])
     for path in facts["files"]:
-        print(f"Written: {path}")
+        yield f"Written: {path}"
 
 
-def _print_law(facts: dict[str, Any]) -> None:
-    rows = [
-        [
-            item["name"],
-            item["test"],
-            str(item["rows"]),
-            f"{item['low']:.4g} … {item['high']:.4g}",
-            f"{1e3 * item['greatest_mpa']:.4g}",
-            "; ".join(item["notes"]),
-        ]
+def _law_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
+    samples = [
+        item | {"stretch": _span(item["low"], item["high"], 4), "greatest_kpa": f"{1e3 * item['greatest_mpa']:.4g}"}
         for item in facts["samples"]
     ]
-    print_table("samples", ["file", "test", "rows", "stretch", "greatest kPa", "notes"], rows)
+    yield Report("samples", _SAMPLES, samples)
     interval = f"{100 * facts['confidence']:g} % interval, from differences between {facts['intervals_from']}"
-    rows = [
-        [item["name"], f"{item['value']:.8g}", "-" if math.isnan(item["low"]) else _span(item["low"], item["high"])]
-        for item in facts["constants"]
+    constants = [
+        (item["name"], f"{item['value']:.8g}", _span(item["low"], item["high"])) for item in facts["constants"]
     ]
-    print_table(f"{facts['model']} (MPa; exponents, Jm, lm: 1)", ["constant", "value", interval], rows)
+    yield Report.of(f"{facts['model']} (MPa; exponents, Jm, lm: 1)", ("constant", "value", interval), constants)
     for item in facts["secants"]:
         moduli = f"data {1e3 * item['measured_mpa']:.4g} kPa, fit {1e3 * item['fitted_mpa']:.4g} kPa"
-        print(f"secant modulus at 10 % strain, {item['test']}: {moduli}")
-    print(f"initial shear modulus {1e3 * facts['shear_modulus_mpa']:.4g} kPa, condition {facts['condition']:.3g}")
-    _print_modes(facts)
+        yield f"secant modulus at 10 % strain, {item['test']}: {moduli}"
+    yield f"initial shear modulus {1e3 * facts['shear_modulus_mpa']:.4g} kPa, condition {facts['condition']:.3g}"
+    yield _mode_report(facts)
     for warning in facts["warnings"]:
-        print(f"Warning: {warning}")
+        yield f"Warning: {warning}"
     if facts["stable_fit"]:
         held = facts["stable_fit"]
-        constants = ", ".join(f"{name} {value:.6g}" for name, value in held["constants"].items())
-        print(f"With --stable: {constants}; R² {held['r2']:.5f}, error {100 * held['relative']:.2g} %.")
+        values = ", ".join(f"{name} {value:.6g}" for name, value in held["constants"].items())
+        yield f"With --stable: {values}; R² {held['r2']:.5f}, error {100 * held['relative']:.2g} %."
     if "ranking" in facts:
-        _print_ranking(facts["ranking"])
+        yield _ranking_report(facts["ranking"])
 
 
-def _print_modes(facts: dict[str, Any]) -> None:
-    rows = [
-        [
-            item["mode"],
-            "measured",
-            f"{item['low']:.4g} … {item['high']:.4g}",
-            f"{item['r2']:.6f}",
-            f"{1e3 * item['rmse']:.4g}",
-            f"{100 * item['relative']:.3g} %",
-        ]
+def _mode_report(facts: dict[str, Any]) -> Report:
+    rows: list[dict[str, Any]] = [
+        {
+            "mode": item["mode"],
+            "data": "measured",
+            "stretch": _span(item["low"], item["high"], 4),
+            "r2": item["r2"],
+            "rmse_kpa": 1e3 * item["rmse"],
+            "relative": f"{100 * item['relative']:.3g} %",
+        }
         for item in facts["modes"]
     ]
     for item in facts.get("unseen", []):
         predicted = f"about {100 * item['relative']:.2g} %, up to {100 * item['upper']:.2g} %"
         predicted = "unknown" if math.isnan(item["relative"]) else predicted
-        rows.append([item["mode"], "not measured", f"1 … {item['high']:.4g}", "", "", predicted])
-    print_table("modes", ["mode", "", "stretch", "R²", "rms kPa", "error over greatest stress"], rows)
+        stretch = _span(1.0, item["high"], 4)
+        rows.append({"mode": item["mode"], "data": "not measured", "stretch": stretch, "relative": predicted})
+    return Report("modes", _MODES, rows)
 
 
-def _print_ranking(ranking: list[dict[str, Any]]) -> None:
+def _ranking_report(ranking: list[dict[str, Any]]) -> Report:
     rows = [
-        [
-            item["model"],
-            "-" if item["failure"] else f"{item['behind']:.1f}",
-            "-" if item["failure"] else f"{100 * item['relative']:.3g} %",
-            "-" if math.isnan(item["left_out"]) else f"{100 * item['left_out']:.3g} %",
-            "-" if item["failure"] else f"{item['condition']:.2g}",
-            item["failure"] or ("until it locks" if item["locks"] else "yes" if item["stable"] else "NO"),
-        ]
+        {"model": item["model"], "failure": item["failure"]}
+        if item["failure"]
+        else {
+            "model": item["model"],
+            "behind": item["behind"],
+            "relative": 100 * item["relative"],
+            "left_out": 100 * item["left_out"],
+            "condition": item["condition"],
+            "stable": "until it locks" if item["locks"] else "yes" if item["stable"] else "NO",
+        }
         for item in ranking
     ]
-    print_table("models", ["model", "AICc behind", "error", "one sample left out", "condition", "stable"], rows)
+    return Report("models", _RANKING, rows)
 
 
-def _span(low: float, high: float) -> str:
-    return f"{low:.6g} … {high:.6g}"
+def _span(low: float, high: float, digits: int = 6) -> str:
+    return "" if math.isnan(low) else f"{low:.{digits}g} to {high:.{digits}g}"

@@ -12,8 +12,8 @@ from typing import Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from palpate.cli.output import print_table
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 from palpate.material import Material, TestFileSpec, get_material, read_relaxation
 from palpate.relaxation import Moduli, RelaxationFit, RelaxationTest, fit_relaxation
 
@@ -21,6 +21,12 @@ _FILES = "Files of relaxation tests: time and stress under a strain that stays; 
 _MODULI = "Which moduli the law's constants are: long-term (a slow bench) or instantaneous."
 _ONTO = "Material whose law the relaxation is for, where no other test is given: name in the library, or file."
 _IS_RELAXATION = re.compile(r"relax(?!ed)", re.I)
+_TESTS = (
+    Column("name", "file"),
+    Column("rows"),
+    Column("came_s", "strain ramp", form=".3g", meaning="duration of the strain ramp"),
+    Column("notes", prose=True),
+)
 _POOR = 0.01
 """Difference between fit and curve above which it is said."""
 
@@ -126,28 +132,24 @@ def _warnings(found: RelaxationFit) -> Iterator[str]:
         yield "A term lies at the end of the measured times, so least squares gives it no interval."
 
 
-def print_relaxation(facts: dict[str, Any]) -> None:
-    """Print what `describe_relaxation` found."""
-    rows = [
-        [item["name"], str(item["rows"]), f"{item['came_s']:.3g}", "; ".join(item["notes"])]
-        for item in facts["samples"]
-    ]
-    print_table("relaxation tests", ["file", "rows", "strain came in s", "notes"], rows)
+def relaxation_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
+    """Yield tables and sentences of what `describe_relaxation` found."""
+    yield Report("relaxation tests", _TESTS, facts["samples"])
     interval = f"{100 * facts['confidence']:g} % interval"
-    rows = [
-        [f"{term['share']:.5g}", _span(term["share_interval"]), f"{term['time_s']:.4g}", _span(term["time_interval"])]
+    terms = [
+        (f"{term['share']:.5g}", _span(term["share_interval"]), f"{term['time_s']:.4g}", _span(term["time_interval"]))
         for term in facts["terms"]
     ]
-    print_table("relaxation (shares of the instantaneous stress)", ["share", interval, "time s", interval], rows)
-    rows = [[f"{item['time_s']:.4g}", f"{item['left']:.4f}", f"{item['modulus']:.4f}"] for item in facts["left"]]
-    print_table(
-        "stress left after a step of strain", ["time s", "of the instantaneous", f"of the {facts['moduli']}"], rows
-    )
+    heads = ["share", f"{interval} of the share", "time (s)", f"{interval} of the time"]
+    yield Report.of("relaxation (shares of the instantaneous stress)", heads, terms)
+    left = [(f"{item['time_s']:.4g}", f"{item['left']:.4f}", f"{item['modulus']:.4f}") for item in facts["left"]]
+    heads = ["time (s)", "over the instantaneous stress", f"over the {facts['moduli']} stress"]
+    yield Report.of("stress after a step of strain", heads, left)
     greatest, rms = 100 * facts["greatest"], 100 * facts["rms"]
-    print(f"{len(facts['terms'])} terms by AICc; within {greatest:.2g} % of the held curve, rms {rms:.2g} %")
+    yield f"{len(facts['terms'])} terms by AICc; within {greatest:.2g} % of the held curve, rms {rms:.2g} %"
     for warning in facts["warnings"]:
-        print(f"Warning: {warning}")
+        yield f"Warning: {warning}"
 
 
 def _span(ends: Sequence[float]) -> str:
-    return "-" if math.isnan(ends[0]) else f"{ends[0]:.4g} … {ends[1]:.4g}"
+    return "" if math.isnan(ends[0]) else f"{ends[0]:.4g} to {ends[1]:.4g}"

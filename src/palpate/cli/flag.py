@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Annotated, get_args
+from typing import get_args
 
 from cyclopts import Group, Parameter, default_name_transform
 from pydantic import BaseModel
 
 from palpate.core import flag_name
-
-JsonFlag = Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")]
-"""`--json` of every command."""
 
 
 def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group: str | None = None) -> Parameter:

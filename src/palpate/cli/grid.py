@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import JsonOutput, Output
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.grid import Comparison, SpecificationGrid
@@ -24,13 +24,12 @@ Sort = Annotated[
 
 
 @app.command
-def show(directory: Directory, *, where: Where = None, sort: Sort = None, json: JsonFlag = False) -> None:
+def show(directory: Directory, *, where: Where = None, sort: Sort = None, output: Output = Output()) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
+    from palpate.grid import grid_report
+
     rows = _choose(directory, where, sort).designs
-    if json:
-        print_json(rows)
-    else:
-        print_grid(str(directory), rows)
+    output.show(rows, grid_report(rows, title=str(directory), file=str(directory / "grid.csv")))
 
 
 @app.command
@@ -44,7 +43,7 @@ def plot(
     ] = "heat",
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder; without it, the result's.")] = None,
     where: Where = None,
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Draw one metric of a grid as PNG and SVG."""
     from palpate.grid import default_metric, plot_grid
@@ -52,10 +51,8 @@ def plot(
     grid = _choose(directory, where, None)
     first = {"travel": "travel_mm", "depth": "rmse_deg", "tilt": "rmse_deg"}
     paths = plot_grid(grid, kind, metric or first.get(kind) or default_metric(grid), out or directory)
-    if json:
-        print_json({"files": [str(path) for path in paths]})
-    else:
-        print("\n".join(str(path) for path in paths))
+    files = [str(path) for path in paths]
+    output.show({"files": files}, *files)
 
 
 @app.command
@@ -95,33 +92,14 @@ def compare(
     metric: Annotated[
         tuple[str, ...] | None, Parameter(negative="", help="Columns to compare; without it, the main errors.")
     ] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Put two grids side by side: ratios of the same designs, and what differs in spec, seeds and versions."""
     from palpate.grid import METRICS, compare_grids, read_grid
 
     metrics = metric or METRICS
     comparison = compare_grids(read_grid(first), read_grid(second), metrics)
-    if json:
-        print_json(_describe(comparison))
-    else:
-        _print_comparison(comparison, metrics, (str(first), str(second)))
-
-
-def print_grid(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Print the main columns of a grid.
-
-    Parameters
-    ----------
-    title
-        Name of the study or of its folder.
-    rows
-        One mapping a design, from column to value.
-    """
-    from palpate.grid import MAIN_COLUMNS
-
-    columns = [name for name in MAIN_COLUMNS if any(name in row for row in rows)]
-    print_table(title, [name.replace("_", " ") for name in columns], [_cells(row, columns) for row in rows])
+    output.show(_describe(comparison), *_reports(comparison, metrics, (str(first), str(second))))
 
 
 def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
@@ -133,32 +111,37 @@ def _choose(directory: Path, where: str | None, sort: str | None) -> Specificati
     return grid.select(rows if sort is None else sort_rows(rows, sort))
 
 
-def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> None:
-    print(f"A is {names[0]}, B is {names[1]}.")
-    columns = ["height_mm", "thickness_mm", "markers"]
-    columns += [f"{metric}_{part}" for metric in metrics for part in ("a", "b", "ratio")]
-    heads = [name.replace("_", " ").replace("ratio", "B/A") for name in columns]
-    print_table("designs of both", heads, [_cells(row, columns) for row in comparison.rows])
-    _print_moved(comparison)
+def _reports(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> Iterator[Report | str]:
+    from palpate.grid import grid_column
+
+    yield f"A is {names[0]}, B is {names[1]}."
+    columns = [grid_column(name) for name in ("height_mm", "thickness_mm", "markers")]
+    for metric in metrics:
+        one, first = grid_column(metric), metric == metrics[0]
+        columns += [
+            Column(f"{metric}_{side}", f"{one.title} {side.upper()}", one.measure, one.form, deciding=first)
+            for side in "ab"
+        ]
+        columns.append(Column(f"{metric}_ratio", f"{one.title} B/A", "", deciding=first))
+    yield Report("designs of both", columns, comparison.rows)
+    yield from _moved(comparison)
     for name, rows in zip("AB", (comparison.only_first, comparison.only_second), strict=True):
         designs = ", ".join(f"H{r['height_mm']:g} T{r['thickness_mm']:g} {r['markers']}" for r in rows)
         if designs:
-            print(f"Only {name} has {designs}.")
-    differences = [[item.name, item.first, item.second] for item in comparison.differences]
-    if differences:
-        print_table("what differs", ["", "A", "B"], differences)
-    else:
-        print("Spec, seeds and versions are the same.")
+            yield f"Only {name} has {designs}."
+    differences = [(item.name, item.first, item.second) for item in comparison.differences]
+    heads = (Column("name"), Column("A", prose=True), Column("B", prose=True))
+    yield Report.of("differences", heads, differences) if differences else "Spec, seeds and versions are the same."
 
 
-def _print_moved(comparison: Comparison) -> None:
-    """Say which rows moved by more than training again moves them."""
+def _moved(comparison: Comparison) -> Iterator[str]:
+    """Sentences on the rows that differ by more than the spread over repeats."""
     for row in comparison.moved:
         design = f"H{row['height_mm']:g} T{row['thickness_mm']:g} {row['markers']}"
-        print(f"{design} moved: rmse_deg by {row['moved']:+.1f} standard deviations of its spread over repeats.")
+        yield f"{design} moved: rmse_deg by {row['moved']:+.1f} standard deviations of its spread over repeats."
     judged = sum(row["moved"] is not None for row in comparison.rows)
     if judged and not comparison.moved:
-        print(f"{judged} rows differ by no more than the spread over repeats.")
+        yield f"{judged} rows differ by no more than the spread over repeats."
 
 
 def _describe(comparison: Comparison) -> dict[str, Any]:
@@ -169,13 +152,3 @@ def _describe(comparison: Comparison) -> dict[str, Any]:
         "only_b": comparison.only_second,
         "differences": [{"name": item.name, "a": item.first, "b": item.second} for item in comparison.differences],
     }
-
-
-def _cells(row: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
-    return [_cell(row.get(name)) for name in columns]
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return "–"
-    return f"{value:.3f}" if isinstance(value, float) and not value.is_integer() else f"{value:g}"

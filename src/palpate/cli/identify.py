@@ -11,15 +11,21 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from palpate.camera import read_image
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import check_file, check_folder, print_json, print_table
+from palpate.cli.output import Output, check_file, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import FloatArray, PalpateError
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.built import RobotUncertainty
     from palpate.sensor import GroundTruth
 
+_COLUMNS = (
+    Column("name", "parameter"),
+    Column("mean", form=".4g", meaning="mean of the posterior"),
+    Column("sd", "standard deviation", form=".2g", meaning="standard deviation of the posterior"),
+    Column("before", "prior standard deviation", form=".2g"),
+)
 _TRUTH = (
     "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
     "lie beside it, press 'rest' is untouched."
@@ -72,7 +78,7 @@ def identify(
     files: IdentificationFlags = IdentificationFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
     from palpate.built import IdentifiedUnit, write_unit
@@ -100,24 +106,11 @@ def identify(
     if files.report is not None:
         write_identification(files.report, found, sensor, robot.spec())
     rows = found.rows(unit.tolerance)
-    if json:
-        print_json(
-            {
-                "known": rows,
-                "misfit": found.misfit,
-                "presses": len(presses),
-                "out": str(files.out) if files.out else None,
-            }
-        )
-        return
-    print_table(
-        f"{unit.skin.name}, {len(presses)} presses",
-        ["number", "found", "± (1 sd)", "before"],
-        [[row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"± {row['before']:.2g}"] for row in rows],
-    )
-    print(
-        f"Dots are {found.misfit**0.5:.2f} times as far from the model as their noise."
-        + (f" Unit: {files.out}" if files.out else "")
+    written = str(files.out) if files.out else None
+    output.show(
+        {"known": rows, "misfit": found.misfit, "presses": len(presses), "out": written},
+        Report(f"{unit.skin.name}, {len(presses)} presses", _COLUMNS, rows),
+        f"RMS marker residual: {found.misfit**0.5:.2f} times the noise." + (f" Unit: {written}" if written else ""),
     )
 
 

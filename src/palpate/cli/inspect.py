@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from palpate.camera import list_images, read_image
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_file
 from palpate.cli.unit import PrintFlags
 from palpate.core import wrap_write_errors
+from palpate.core.report import Column, Report, write_csv
 from palpate.sensor import Inspection, InspectionSpec, draw_inspection, inspect_unit
 
 if TYPE_CHECKING:
@@ -21,6 +22,27 @@ if TYPE_CHECKING:
 OUTSIDE = 1
 """Exit code where a dot is missing or out of place, as in `palpate verify`."""
 
+_COLUMNS = (
+    Column("marker"),
+    *(Column(f"{axis}_mm", form=".4f", meaning="nominal position", deciding=False) for axis in "xyz"),
+    Column("meridian_mm", "error along the meridian", form=".4f"),
+    Column("ring_mm", "error along the ring", form=".4f"),
+    Column("distance_mm", "error", form=".4f", meaning="distance from the nominal position"),
+    Column("mm_per_px", "resolution", "mm/px", form=".4f", deciding=False),
+    Column("verdict"),
+)
+_RINGS = (
+    Column("ring"),
+    Column("dots", "markers"),
+    Column("designed_mm", "design radius", form=".3f"),
+    Column("found_mm", "radius", form=".3f"),
+    Column("growth", form=".4f", meaning="radius over that of the design"),
+    Column("centre_x_mm", form=".3f", deciding=False),
+    Column("centre_y_mm", form=".3f", deciding=False),
+    Column("flatness", form=".4f", meaning="ellipticity of the ring", deciding=False),
+    Column("flat_deg", "direction of the short axis", form=".1f", deciding=False),
+    Column("turn_deg", "rotation", form=".2f"),
+)
 _IMAGE = "Image of the finished, untouched dome, or a folder of several, which are averaged."
 _OUT = "File for the table, .csv."
 _PICTURE = "File for a picture of the errors, .png, .svg or .pdf."
@@ -33,7 +55,7 @@ def inspect(
     wanted: Annotated[InspectionSpec, flags_of(InspectionSpec)] = InspectionSpec(),
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> int:
     """Tell the print error of every marker against its nominal place."""
     check_file(out, ".csv")
@@ -41,15 +63,13 @@ def inspect(
     inspection = inspect_unit(_read_images(image), built.unit(), wanted)
     rows = _rows(inspection)
     if out:
-        _write_table(out, rows)
+        write_csv(out, rows, list(rows[0]))
     if picture:
         _write_picture(picture, inspection)
-    if json:
-        law = inspection.distortion
-        shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
-        print_json(shown | ({"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}))
-    else:
-        _print(str(image), inspection, rows)
+    law = inspection.distortion
+    shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
+    shown |= {"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}
+    output.show(shown, *_reports(Report(str(image), _COLUMNS, rows, file=str(out or "")), inspection))
     return 0 if inspection.passed else OUTSIDE
 
 
@@ -82,15 +102,22 @@ def _verdict(inspection: Inspection, number: int) -> str:
     return "outside" if number in inspection.outside else "within"
 
 
-def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> None:
-    print_table(title, list(rows[0]), [["" if cell is None else str(cell) for cell in row.values()] for row in rows])
+def _reports(markers: Report, inspection: Inspection) -> Iterator[Report | str]:
+    yield markers
     distance = inspection.distance[~(inspection.distance != inspection.distance)]
-    print(
-        f"{len(distance)} of {len(rows)} dots found; rms {float((distance**2).mean()) ** 0.5:.3f} mm, "
-        f"greatest {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
+    yield (
+        f"{len(distance)} of {len(markers.rows)} dots found; rms {float((distance**2).mean()) ** 0.5:.3f} mm, "
+        f"maximum {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
         f"The image fits to {inspection.registration.rms_px:.3f} px."
     )
-    _print_law(inspection)
+    law = inspection.distortion
+    if law is not None:
+        yield Report("rings", _RINGS, _rings(inspection))
+        yield (
+            "The print is distorted as a whole: the radii of its rings differ by "
+            f"{law.growth.min() - 1.0:+.1%} to {law.growth.max() - 1.0:+.1%} from the design. With the ring "
+            f"model the image fits to {law.rms_px:.2f} px."
+        )
 
 
 def _rings(inspection: Inspection) -> list[dict[str, Any]]:
@@ -113,24 +140,6 @@ def _rings(inspection: Inspection) -> list[dict[str, Any]]:
         }
         for number in range(len(law.rings))
     ]
-
-
-def _print_law(inspection: Inspection) -> None:
-    rows, law = _rings(inspection), inspection.distortion
-    if law is None:
-        return
-    print_table("Rings", list(rows[0]), [[str(cell) for cell in row.values()] for row in rows])
-    print(
-        f"The print is bent as a whole: its rings are {law.growth.min() - 1.0:+.1%} to {law.growth.max() - 1.0:+.1%} "
-        f"of the design's radius. With this law the image fits to {law.rms_px:.2f} px."
-    )
-
-
-def _write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    with wrap_write_errors(path), path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(rows[0]))
-        table.writeheader()
-        table.writerows(rows)
 
 
 def _write_picture(path: Path, inspection: Inspection) -> None:

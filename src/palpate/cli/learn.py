@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output, check_folder
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
+from palpate.core.report import page_markdown, plain_page
 from palpate.recording import ColumnMapping, RecordingSpec
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def learn(
     start: Annotated[Path | None, Parameter(name="--from", help=_START)] = None,
     table: TableFlags = TableFlags(),
     spec: Annotated[RecordingSpec, flags_of(RecordingSpec, group="Learning")] = RecordingSpec(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
     from palpate.recording import (
@@ -88,7 +89,7 @@ def learn(
         _write(out, first)
     learnt = train_on_recording(found, spec, store, _print_line, begin, first)
     _write(out, learnt)
-    print_json(recording_report(learnt)) if json else print(recording_page(learnt))
+    output.show(recording_report(learnt), *plain_page(recording_page(learnt)))
 
 
 def _write(out: Path, result: RecordingResult) -> None:
@@ -99,7 +100,7 @@ def _write(out: Path, result: RecordingResult) -> None:
     write_model(out / "model.h5", result.model)
     draw_recording_report(out, result)
     with wrap_write_errors(out, "Choose another folder."):
-        (out / "report.md").write_text(recording_page(result), encoding="utf-8")
+        (out / "report.md").write_text(page_markdown(recording_page(result)), encoding="utf-8")
         (out / "report.json").write_text(json.dumps(recording_report(result), indent=2) + "\n", encoding="utf-8")
     _print_line(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
     try:

@@ -10,17 +10,25 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import RESULTS, print_json, print_table
+from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.grid import Row
     from palpate.study import DesignBounds
 
 _SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
-_COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
+_COLUMNS = (
+    Column("height_mm"),
+    Column("thickness_mm"),
+    Column("markers"),
+    Column("depth_mm", form="g"),
+    Column("least_squares_deg", "least-squares bound", form=".3f", meaning="bound of the least-squares estimator"),
+    Column("pitman_deg", "Pitman bound", form=".3f", meaning="error of the posterior mean"),
+    Column("floor_deg", "bound of any estimator", form=".3f"),
+)
 
 
 def limit(
@@ -28,7 +36,7 @@ def limit(
     *,
     out: Annotated[Path | None, Parameter(help="Result folder of the study; without it, results/NAME.")] = None,
     workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> int:
     """Bound the error of any estimator for every design and depth, from the simulated Jacobian alone.
 
@@ -36,10 +44,7 @@ def limit(
     """
     folder = Path(source)
     designs = _read(folder) if folder.is_dir() else _compute(source, out, workers)
-    if json:
-        print_json({"designs": designs})
-    else:
-        _print(source, designs)
+    output.show({"designs": designs}, _report(source, designs))
     failed = [design for design in designs if design["failure"]]
     for design in failed:
         name = f"H{design['height_mm']:g} T{design['thickness_mm']:g} {design['markers']} markers"
@@ -109,13 +114,11 @@ def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def _print(title: str, designs: list[dict[str, Any]]) -> None:
+def _report(title: str, designs: list[dict[str, Any]]) -> Report:
     rows = []
     for design in designs:
-        head = [f"{design[name]:g}" for name in ("height_mm", "thickness_mm", "markers")]
-        for bound in design["by_depth"]:
-            bounds = (bound[name] for name in ("least_squares_deg", "pitman_deg", "floor_deg"))
-            rows.append([*head, f"{bound['depth_mm']:g}", *(f"{value:.3f}" for value in bounds)])
+        rows += [{**design, **bound} for bound in design["by_depth"]]
         if design["bound_deg"] is not None:
-            rows.append([*head, "all", f"{design['bound_deg']:.3f}", f"{design['bound_pitman_deg']:.3f}", ""])
-    print_table(title, _COLUMNS, rows)
+            pooled = {"least_squares_deg": design["bound_deg"], "pitman_deg": design["bound_pitman_deg"]}
+            rows.append({**design, **pooled, "depth_mm": "all"})
+    return Report(title, _COLUMNS, rows)

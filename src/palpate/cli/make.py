@@ -9,8 +9,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.camera import CameraSpec, read_calibration, read_window
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json
+from palpate.cli.flag import flags_of
+from palpate.cli.output import JsonOutput, check_folder
 from palpate.cli.unit import DesignFlags
 from palpate.design import MountSpec
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
@@ -47,17 +47,16 @@ def make(
     *,
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     flags: PackFlags = PackFlags(),
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write mold, print pattern, enclosure and instructions of one design."""
     check_folder(out)
     pack = write_pack(out, flags.spec())
-    if json:
-        print_json(_describe(pack))
-        return
-    print(f"{len(pack.files) + 1} files in {pack.folder}; begin with instructions.pdf")
-    for finding in pack.findings:
-        print(f"{finding.severity}: {finding.message} {finding.remedy}")
+    output.show(
+        _describe(pack),
+        f"{len(pack.files) + 1} files in {pack.folder}; begin with instructions.pdf",
+        *(f"{finding.severity}: {finding.message} {finding.remedy}" for finding in pack.findings),
+    )
 
 
 def _describe(pack: FabricationPack) -> dict[str, object]:

@@ -3,63 +3,67 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import JsonOutput, Output
+from palpate.core.report import Column, Report
 from palpate.material import Material, find_stable_ranges, get_material, list_materials
 
 app = App(name="material", help="Look at the library of materials.")
 
+_COLUMNS = (
+    Column("name"),
+    Column("law"),
+    Column("young_kpa", "Young's modulus", form=".1f", meaning="initial Young's modulus"),
+    Column("stretch", meaning="range of the uniaxial stretch of the tests"),
+    Column("stable", meaning="Drucker stability in all modes", prose=True, deciding=False),
+    Column("quality", "fit", prose=True, deciding=False),
+)
 _NAME = "Name in the library, material file (.yaml), or law and constants (yeoh:C10,C20,C30 in MPa)."
 
 
 @app.command(name="list")
-def list_library(*, json: JsonFlag = False) -> None:
+def list_library(*, output: Output = Output()) -> None:
     """List the materials of the library."""
     facts = [describe_material(get_material(name)) for name in list_materials()]
-    if json:
-        print_json(facts)
-        return
     rows = [
-        [
-            item["name"],
-            item["law"],
-            f"{1e3 * item['young_modulus_mpa']:.1f}",
-            _range(item["stretch_range"]),
-            _stable(item),
-            item["quality"],
-        ]
+        item
+        | {
+            "young_kpa": 1e3 * item["young_modulus_mpa"],
+            "stretch": _range(item["stretch_range"]),
+            "stable": _stable(item),
+        }
         for item in facts
     ]
-    print_table("materials", ["name", "law", "E kPa", "stretch", "stable", "fit"], rows)
+    output.show(facts, Report("materials", _COLUMNS, rows))
 
 
 @app.command
-def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False) -> None:
+def show(name: Annotated[str, Parameter(help=_NAME)], *, output: JsonOutput = JsonOutput()) -> None:
     """Show a material: constants, moduli, range, stability, source and licence."""
     facts = describe_material(get_material(name))
-    if json:
-        print_json(facts)
-        return
-    print(f"{facts['name']}: {facts['law']}")
+    output.show(facts, *_sentences(facts))
+
+
+def _sentences(facts: dict[str, Any]) -> Iterator[str]:
+    yield f"{facts['name']}: {facts['law']}"
     for key, value in facts["constants"].items():
-        print(f"  {key} = {value:.8g}")
-    print(
-        f"E {1e3 * facts['young_modulus_mpa']:.4g} kPa, mu {1e3 * facts['shear_modulus_mpa']:.4g} kPa at rest;",
-        end=" ",
+        yield f"  {key} = {value:.8g}"
+    yield (
+        f"E {1e3 * facts['young_modulus_mpa']:.4g} kPa, mu {1e3 * facts['shear_modulus_mpa']:.4g} kPa at rest; "
+        f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}"
     )
-    print(f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}")
-    print(f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {_stable(facts)}")
+    yield f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {_stable(facts)}"
     if facts["relaxation"]:
         series = facts["relaxation"]
         terms = ", ".join(f"{a:.4g} in {b:.4g} s" for a, b in zip(series["shares"], series["times"], strict=True))
-        print(f"relaxation, moduli {series['moduli']}: shares {terms}")
+        yield f"relaxation, moduli {series['moduli']}: shares {terms}"
     for key in ("source", "licence", "quality", "caution"):
         if facts[key]:
-            print(f"{key}: {facts[key]}")
+            yield f"{key}: {facts[key]}"
 
 
 def describe_material(material: Material) -> dict[str, Any]:
@@ -92,4 +96,4 @@ def _stable(facts: dict[str, Any]) -> str:
 
 def _range(ends: list[float]) -> str:
     low, high = ends
-    return f"{low:.3g} … {high:.3g}" if math.isfinite(high) else "unknown"
+    return f"{low:.3g} to {high:.3g}" if math.isfinite(high) else "unknown"

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import RESULTS, print_json, print_table
+from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.cli.run import ClusterFlags
 from palpate.core import PalpateError, load_extra
+from palpate.core.report import Report
 
 if TYPE_CHECKING:
     from palpate.optimise import RequirementsSpec
 
-_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "p95_deg", "force_n")
 _PROVE = (
     "Play winner and rivals on the bench, read by their twins, or by trained networks as well; without it, as the "
     "requirements say."
@@ -74,7 +73,7 @@ def optimise(
     ] = None,
     search: SearchFlags = SearchFlags(),
     worker_flags: ClusterFlags = ClusterFlags(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
 
@@ -83,6 +82,7 @@ def optimise(
     winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
     from palpate.optimise import (
+        FRONT_COLUMNS,
         describe_front,
         optimise_design,
         read_requirements,
@@ -108,12 +108,10 @@ def optimise(
     if search.packs:
         write_packs(folder, front)
     told = describe_front(front)
-    if json:
-        print_json({"out": str(folder), **told})
-    else:
-        print_table(
-            f"{spec.name}: front", list(_SHOWN), [[str(row[name]) for name in _SHOWN] for row in told["front"]]
-        )
-        print(front.shortfall or "The requirements are met.")
-        print(f"Report: {folder / 'report.md'}")
+    output.show(
+        {"out": str(folder), **told},
+        Report(f"{spec.name}: front", FRONT_COLUMNS, told["front"], file=str(folder / "front.csv")),
+        front.shortfall or "The requirements are met.",
+        f"Report: {folder / 'report.md'}",
+    )
     return 1 if front.shortfall else 0

@@ -1,39 +1,79 @@
-"""What a command prints, and where it may write: JSON for machines, tables for people, files looked at beforehand."""
+"""Output of a command: JSON or tables on standard output, and checks of the files that it will write."""
 
 from __future__ import annotations
 
-import json
-import math
 import os
+import shutil
 import sys
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from rich.console import Console
-from rich.table import Table
+from cyclopts import Parameter
 
 from palpate.core import PalpateError
+from palpate.core.report import Report, json_text, report_text, wrapped
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
-PIPE_WIDTH = 160
-"""Columns of text where no terminal says how many there are."""
 
 
-def print_json(content: Any) -> None:
-    """Print `content` as strict JSON on standard output; numbers that are not finite become null."""
-    print(json.dumps(_finite(content), indent=2, allow_nan=False))
+@Parameter(name="*")
+@dataclass(frozen=True)
+class JsonOutput:
+    """Flag of a command that prints sentences, or data.
+
+    Attributes
+    ----------
+    json
+        Whether JSON is printed, and only JSON.
+    """
+
+    json: Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")] = False
+
+    def show(self, data: Any, *sentences: str) -> None:
+        """Print the data as JSON if it was asked for, otherwise the sentences."""
+        if self.json:
+            print(json_text(data))
+            return
+        for sentence in sentences:
+            print_text(sentence)
 
 
-def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table, numbers to the right, as wide as it must be where no terminal limits it."""
-    console = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH, markup=False)  # an extra is written [so]
-    table = Table(title=title, title_justify="left")
-    for column in columns:
-        table.add_column(column, justify="right" if _are_numbers(rows, columns.index(column)) else "left")
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Output(JsonOutput):
+    """Flags of a command that prints tables.
+
+    Attributes
+    ----------
+    wide
+        Whether all columns of a table are printed, with their legend.
+    """
+
+    wide: Annotated[bool, Parameter(name="--wide", negative="", help="Print all columns and their meaning.")] = False
+
+    def show(self, data: Any, *reports: Report | str) -> None:
+        """Print the data as JSON if it was asked for, otherwise reports and sentences, one below the other."""
+        if self.json:
+            print(json_text(data))
+            return
+        above: Report | str = ""
+        for report in reports:
+            if above and not (isinstance(report, str) and isinstance(above, str)):
+                print()
+            print_text(report if isinstance(report, str) else report_text(report, terminal_width(), wide=self.wide))
+            above = report
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal; `None` if standard output is no terminal."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def print_text(text: str) -> None:
+    """Print a text, its lines no longer than the terminal is wide."""
+    print("\n".join(wrapped(text, terminal_width())), flush=True)
 
 
 def check_file(path: Path | None, *endings: str) -> None:
@@ -79,17 +119,3 @@ def check_folder(path: Path | None) -> None:
             "Choose another folder.",
             code="folder-unwritable",
         )
-
-
-def _are_numbers(rows: list[list[str]], column: int) -> bool:
-    return all(row[column].lstrip("-").replace(".", "", 1).isdigit() for row in rows if row[column])
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {str(key): _finite(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [_finite(value) for value in content]
-    if isinstance(content, float) and not math.isfinite(content):
-        return None
-    return content

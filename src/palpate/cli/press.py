@@ -10,10 +10,11 @@ import numpy as np
 from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import Output
 from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
 from palpate.core import FloatArray, PalpateError, flag_name
+from palpate.core.report import Column, Report
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import (
     PRESS_SOLVERS,
@@ -33,6 +34,22 @@ from palpate.study import MaterialSpec
 if TYPE_CHECKING:
     from palpate.fea import Press
 
+_COLUMNS = (
+    Column("depth_mm", form=".2f"),
+    *(Column(f"force_{axis}_n", f"F{axis}", form=".4f", meaning=f"contact force, {axis}") for axis in "xyz"),
+    Column("energy_mj", form=".4f", meaning="strain energy of the skin"),
+    Column("work_mj", form=".4f", meaning="work of the obstacle", deciding=False),
+    Column("peak_stress_mpa", "peak stress", form=".4f", meaning="maximum von Mises stress"),
+    Column("contact_area_mm2", "contact area", "mm²", form=".1f"),
+    Column(
+        "hold_tension_kpa",
+        "stabilisation tension",
+        form=".2f",
+        meaning="maximum tension by contact stabilisation",
+        deciding=False,
+    ),
+    Column("branch", meaning="family of equilibria: flat or inverted"),
+)
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
 _SOLVER = "Who solves: palpate, calculix (apt install calculix-ccx), or that of an installed package."
 _OBSTACLE = "What presses, as KIND:NAME=VALUE, for instance ball:radius=8; travel and contact law are the wall's."
@@ -127,7 +144,7 @@ def press(
     how: SolveFlags = SolveFlags(),
     points: Annotated[Path | None, Parameter(help=_POINTS)] = None,
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
     how.chosen(flags.obstacle_spec())
@@ -139,10 +156,8 @@ def press(
     solved = how.solve(flags.problem())
     if export is not None:
         export_press(export, solved)
-    if json:
-        print_json(describe_press(solved, followed))
-    else:
-        _print_press(solved)
+    facts = describe_press(solved, followed)
+    output.show(facts, _report(facts, str(export / "force.csv") if export is not None else ""))
 
 
 def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, Any]:
@@ -199,34 +214,15 @@ def _read_inner_points(path: Path, skin: Skin) -> FloatArray:
     return points
 
 
-def _print_press(press: Press) -> None:
-    columns = [
-        "depth mm",
-        "Fx N",
-        "Fy N",
-        "Fz N",
-        "energy mJ",
-        "work mJ",
-        "stress MPa",
-        "contact mm²",
-        "pull kPa",
-        "branch",
-    ]
+def _report(facts: dict[str, Any], file: str) -> Report:
     rows = [
-        [
-            f"{image['depth_mm']:.2f}",
-            *(f"{force:.4f}" for force in image["force_n"]),
-            f"{image['energy_mj']:.4f}",
-            f"{image['work_mj']:.4f}",
-            f"{image['peak_stress_mpa']:.4f}",
-            f"{image['contact_area_mm2']:.1f}",
-            f"{1e3 * image['hold_tension_mpa']:.2f}",
-            image["branch"],
-        ]
-        for image in describe_press(press)["images"]
+        image
+        | dict(zip(("force_x_n", "force_y_n", "force_z_n"), image["force_n"], strict=True))
+        | {"hold_tension_kpa": 1e3 * image["hold_tension_mpa"]}
+        for image in facts["images"]
     ]
-    print_table("press", columns, rows)
-    print(
-        f"ended: {press.ended} at {press.ended_depth:.2f} mm; {press.unknowns} unknowns, "
-        f"{press.newton_iterations} Newton iterations, {press.cpu_s:.1f} CPU-seconds"
+    note = (
+        f"ended: {facts['ended']} at {facts['ended_depth_mm']:.2f} mm; {facts['unknowns']} unknowns, "
+        f"{facts['newton_iterations']} Newton iterations, {facts['cpu_s']:.1f} CPU-seconds"
     )
+    return Report("press", _COLUMNS, rows, (note,), file)

@@ -12,12 +12,10 @@ from cyclopts import Parameter
 
 from palpate.cli.border import INTERRUPTED
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag
-from palpate.cli.grid import print_grid
-from palpate.cli.output import RESULTS, print_json
+from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Bars, Lines, make_progress
 from palpate.core import PalpateError
-from palpate.grid import evaluate_grid, write_grid
+from palpate.grid import evaluate_grid, grid_report, write_grid
 from palpate.study import Study, StudyResult, available_cores, check_cluster_address, read_study, run_study
 
 MOST_WORKERS = 1024
@@ -86,7 +84,7 @@ def run(
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> int:
     """Run a study: every design through the whole chain, on real finite-element solutions.
 
@@ -98,17 +96,17 @@ def run(
     worker_flags.check()
     folder = out or RESULTS / chosen.name
     try:
-        result = _run_watched(chosen, folder, worker_flags, quiet=json)
+        result = _run_watched(chosen, folder, worker_flags, quiet=output.json)
     except KeyboardInterrupt:
         print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
         return INTERRUPTED
     grid = evaluate_grid(result.designs)
     write_grid(folder, grid)
-    if json:
-        print_json({"out": str(folder), **_tally(result), "designs": grid.designs})
-    else:
-        print_grid(chosen.name, grid.designs)
-        print(f"{_sentence(result)} Results: {folder}")
+    output.show(
+        {"out": str(folder), **_tally(result), "designs": grid.designs},
+        grid_report(grid.designs, title=chosen.name, file=str(folder / "grid.csv")),
+        f"{_sentence(result)} Results: {folder}",
+    )
     for failure in result.failures:
         print(f"{failure.task}: {failure.reason}", file=sys.stderr)
     return 1 if result.failures else 0

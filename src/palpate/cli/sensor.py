@@ -14,10 +14,11 @@ from cyclopts import Parameter
 
 from palpate.camera import Source, list_images, open_source, read_image
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_file, check_folder, print_json, print_table
+from palpate.cli.flag import flags_of
+from palpate.cli.output import JsonOutput, Output, check_file, check_folder, print_text
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.recording import RecordedModel, is_recorded_model, read_model
@@ -29,6 +30,16 @@ if TYPE_CHECKING:
     from palpate.material import Material
     from palpate.sensor import ReferencePress, Sensor, Unit
 
+_COLUMNS = (
+    Column("image"),
+    Column("dots", "markers", meaning="detected markers"),
+    Column("polarity"),
+    Column("diameter_px", form="g", meaning="median diameter of a marker"),
+    Column("noise", form="g", meaning="standard deviation of the grey values"),
+    Column("reason", prose=True, meaning="why nothing was detected"),
+)
+_WIDTH = 7
+"""Least width of a column of readings, which are printed one by one."""
 _FOLDER = "Folder of images."
 _SOURCE = (
     "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
@@ -44,7 +55,7 @@ def find(
     folder: Annotated[Path, Parameter(help=_FOLDER)],
     *,
     spec: Annotated[DetectSpec, flags_of(DetectSpec)] = DetectSpec(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Find the dots of every image, with size, polarity and mask read from each."""
     rows: list[dict[str, Any]] = []
@@ -59,11 +70,7 @@ def find(
         row = {"image": path.name, "dots": len(blobs), "polarity": "dark" if detector.dark else "bright"}
         row |= {"diameter_px": round(detector.diameter_px, 2), "noise": round(blobs.noise, 2), "reason": ""}
         rows.append(row | {"positions_px": blobs.positions_px.round(4).tolist()})
-    if json:
-        print_json(rows)
-        return
-    names = ["image", "dots", "polarity", "diameter_px", "noise", "reason"]
-    print_table(str(folder), names, [[str(row.get(name, "") or "") for name in names] for row in rows])
+    output.show(rows, Report(str(folder), _COLUMNS, rows))
 
 
 @Parameter(name="*")
@@ -84,7 +91,7 @@ def live(
     reads: ModelFlags = ModelFlags(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     flags: LiveFlags = LiveFlags(),
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> int:
     """Estimate the pose of what presses in every image of a camera or a recording, as it comes."""
     from palpate.sensor import describe_reading, open_model, open_sensor, run_sensor, write_readings
@@ -99,7 +106,7 @@ def live(
         check_file(out, ".csv", ".jsonl", ".rosbag2")
     model = reads.find(flags.built)
     if is_recorded_model(model):
-        return _live_recorded(read_model(model), source, out, flags, json)
+        return _live_recorded(read_model(model), source, out, flags, output.json)
     unit, many, material = flags.built.unit(), flags.rig.rest_images, reads.material.material()
     reads_with = open_model(model, unit.skin)
     with _open(source, unit, material) as opened:
@@ -117,7 +124,7 @@ def live(
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
         written = write_readings(out, readings, sensor.estimator.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
-        _print_json(rows) if json else _print_lines(rows, sensor.estimator.space)
+        _print_json(rows) if output.json else _print_lines(rows, sensor.estimator.space)
         if sensor.rest is not None:
             print(sensor.rest.summary(), file=sys.stderr)
     return 0
@@ -204,11 +211,11 @@ def _print_json(rows: Iterator[dict[str, Any]]) -> None:
 def _print_lines(rows: Iterator[dict[str, Any]], space: PoseSpace) -> None:
     """Print a line a reading as they come; nothing is kept."""
     names = ["image", *space.names, "touching", "found", "latency_ms", "flags"]
-    print(" ".join(f"{name:>10}" for name in names))
+    print(" ".join(f"{name:>{_WIDTH}}" for name in names))
     for row in rows:
-        text = [_show(row[name]) for name in names]
+        cells = [_show(row[name]).rjust(max(_WIDTH, len(name))) for name in names]
         reason = f" ({row['reason']})" if row["reason"] else ""
-        print(" ".join(f"{cell:>10}" for cell in text).rstrip() + reason, flush=True)
+        print_text(" ".join(cells).rstrip() + reason)
 
 
 def _show(value: Any) -> str:

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json
+from palpate.cli.flag import flags_of
+from palpate.cli.output import JsonOutput, check_folder
 from palpate.fabricate import ProcessSpec, write_specimen_molds
 
 _OUT = "New folder for the molds."
@@ -20,12 +20,9 @@ def specimens(
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     count: Annotated[int, Parameter(help=_COUNT)] = 5,
     process: Annotated[ProcessSpec, flags_of(ProcessSpec, only="shrinkage_percent")] = ProcessSpec(),
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write molds of dumbbells (ASTM D412 die C) and cylinders (ASTM D395 type 1)."""
     check_folder(out)
     files = write_specimen_molds(out, process, count)
-    if json:
-        print_json({"folder": str(out), "sha256": files})
-    else:
-        print(f"{len(files) + 1} files in {out}")
+    output.show({"folder": str(out), "sha256": files}, f"{len(files) + 1} files in {out}")

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import numpy as np
 from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
 from palpate.cli.press import WallPressFlags
+from palpate.core.report import Column, Report
 from palpate.fea import Stability, find_stability
 
+_COLUMNS = (
+    Column("depth_mm", form=".2f"),
+    Column("flat_energy_mj", form=".4f", meaning="potential energy of the flat branch"),
+    Column("inverted_energy_mj", form=".4f", meaning="potential energy of the inverted branch"),
+    Column("flat_force_n", form=".4f", meaning="contact force of the flat branch"),
+    Column("inverted_force_n", form=".4f", meaning="contact force of the inverted branch"),
+)
 _TILTS = "Tilts in deg that are followed; without it, the one of --tilt."
 
 
@@ -20,18 +26,16 @@ def stability(
     *,
     flags: WallPressFlags = WallPressFlags(),
     tilts: Annotated[tuple[float, ...], Parameter(help=_TILTS, consume_multiple=True)] = (),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Follow both stable states of a dome: where the inverted one exists, where the flat one ends, their energy."""
     walls = [flags.wall.model_validate({**dict(flags.wall), "tilt_deg": tilt}) for tilt in tilts] or [flags.wall]
     mesh, material, _ = flags.problem()
     announce_compilation()
     found = [find_stability(mesh, material, wall) for wall in walls]
-    if json:
-        print_json([describe_stability(one) for one in found])
-        return
-    for one in found:
-        _print_stability(one)
+    facts = [describe_stability(one) for one in found]
+    tables = (Report(f"tilt {one['tilt_deg']:g}°", _COLUMNS, one["depths"], (one["message"],)) for one in facts)
+    output.show(facts, *tables)
 
 
 def describe_stability(found: Stability) -> dict[str, Any]:
@@ -50,17 +54,3 @@ def describe_stability(found: Stability) -> dict[str, Any]:
         "message": found.message,
         "depths": [{name: float(values[i]) for name, values in columns.items()} for i in range(len(found.depth))],
     }
-
-
-def _print_stability(found: Stability) -> None:
-    rows = [
-        [f"{row['depth_mm']:.2f}", *(_text(row[name]) for name in list(row)[1:])]
-        for row in describe_stability(found)["depths"]
-    ]
-    columns = ["depth mm", "flat mJ", "inverted mJ", "flat N", "inverted N"]
-    print_table(f"tilt {found.obstacle.radial:g}°", columns, rows)
-    print(found.message)
-
-
-def _text(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.4f}"

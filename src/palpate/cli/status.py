@@ -8,21 +8,28 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import Output
 from palpate.core import PalpateError
+from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.study import StudyStatus
 
-COLUMNS = ["artefact", "made", "of", "at work", "quarantined", "left, s on one core"]
+_COLUMNS = (
+    Column("kind", "artefact"),
+    Column("made"),
+    Column("total"),
+    Column("working", "in progress"),
+    Column("quarantined", meaning="broken files that were set aside"),
+    Column("remaining_s", "remaining, one core", form=".0f"),
+)
 
 
 def status(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Its result folder; without it, results/NAME.")] = None,
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> None:
     """Say how far a study is: what is made, at work, broken or failed, and the time that is left.
 
@@ -39,10 +46,10 @@ def status(
             code="study-folder-empty",
         )
     found = find_status(chosen, folder)
-    if json:
-        print_json(_describe(found, folder))
-    else:
-        _print(found, chosen.name)
+    facts = _describe(found, folder)
+    rows = [part | {"kind": kind} for kind, part in facts["kinds"].items()]
+    failures = (f"failed in the last run: {failure.task}: {failure.reason}" for failure in found.failures)
+    output.show(facts, Report(chosen.name, _COLUMNS, rows), *failures)
 
 
 def _describe(found: StudyStatus, folder: Path) -> dict[str, Any]:
@@ -54,13 +61,3 @@ def _describe(found: StudyStatus, folder: Path) -> dict[str, Any]:
         "remaining_s": sum(part.remaining_s for part in found.kinds.values()),
         "failures": [asdict(failure) for failure in found.failures],
     }
-
-
-def _print(found: StudyStatus, name: str) -> None:
-    rows = [
-        [kind, str(part.made), str(part.total), str(part.working), str(part.quarantined), f"{part.remaining_s:.0f}"]
-        for kind, part in found.kinds.items()
-    ]
-    print_table(name, COLUMNS, rows)
-    for failure in found.failures:
-        print(f"failed in the last run: {failure.task}: {failure.reason}")

@@ -7,8 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json
+from palpate.cli.output import JsonOutput
 from palpate.core import PalpateError, check_store, clean_store
 
 app = App(name="store", help="Verify or clean the artefacts of a result folder.")
@@ -17,19 +16,17 @@ Folder = Annotated[Path, Parameter(help="Result folder of one or several studies
 
 
 @app.command
-def check(folder: Folder, *, json: JsonFlag = False) -> int:
+def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
     """Read every artefact and set the broken ones aside; a run of their study makes them again.
 
     Leaves with 1 where something was broken.
     """
     read, broken = check_store(_store(folder))
-    if json:
-        listed = [{"path": str(item.path), "reason": item.reason} for item in broken]
-        print_json({"read": read, "broken": listed})
-    else:
-        for item in broken:
-            print(f"{item.path}: {item.reason}")
-        print(f"{read} artefacts read, {len(broken)} broken" + (" and set aside." if broken else "."))
+    output.show(
+        {"read": read, "broken": [{"path": str(item.path), "reason": item.reason} for item in broken]},
+        *(f"{item.path}: {item.reason}" for item in broken),
+        f"{read} artefacts read, {len(broken)} broken" + (" and set aside." if broken else "."),
+    )
     return 1 if broken else 0
 
 
@@ -38,7 +35,7 @@ def gc(
     folder: Folder,
     *studies: Annotated[str, Parameter(help="YAML files, or presets, of every study that shall keep its artefacts.")],
     dry_run: Annotated[bool, Parameter(negative="", help="Only say what would be removed.")] = False,
-    json: JsonFlag = False,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Remove artefacts that none of the studies needs, quarantined files, and what killed processes left.
 
@@ -55,13 +52,12 @@ def gc(
         )
     removed = clean_store(store, needed_keys(read_study(study) for study in studies), dry_run=dry_run)
     size = sum(item.size for item in removed)
-    if json:
-        listed = [{"path": str(item.path), "bytes": item.size, "reason": item.reason} for item in removed]
-        print_json({"dry_run": dry_run, "bytes": size, "removed": listed})
-        return
-    for item in removed:
-        print(f"{item.path}: {item.reason}")
-    print(f"{'Would remove' if dry_run else 'Removed'} {len(removed)} files, {size / 1e6:.1f} MB.")
+    listed = [{"path": str(item.path), "bytes": item.size, "reason": item.reason} for item in removed]
+    output.show(
+        {"dry_run": dry_run, "bytes": size, "removed": listed},
+        *(f"{item.path}: {item.reason}" for item in removed),
+        f"{'Would remove' if dry_run else 'Removed'} {len(removed)} files, {size / 1e6:.1f} MB.",
+    )
 
 
 def _store(folder: Path) -> Path:

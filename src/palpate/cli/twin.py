@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -12,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.bench import read_tolerance
-from palpate.cli.flag import JsonFlag
-from palpate.cli.output import RESULTS, print_json, print_table
+from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
 from palpate.cli.unit import DesignFlags, MaterialFlags
-from palpate.core import PalpateError, atomic_write
+from palpate.core import PalpateError
+from palpate.core.report import Column, Report, write_csv
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
@@ -28,15 +27,15 @@ _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `ben
 _KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
 _TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate bench`."
 _COLUMNS = (
-    "height_mm",
-    "thickness_mm",
-    "markers",
-    "calibration_presses",
-    "rmse_deg",
-    "p95_deg",
-    "depth_rmse_mm",
-    "noise_deg",
-    "twin_error_mm",
+    Column("height_mm"),
+    Column("thickness_mm"),
+    Column("markers"),
+    Column("calibration_presses", meaning="presses by which each unit was identified"),
+    Column("rmse_deg", "angle RMSE", form="g", meaning="RMSE of rx and ry over all units"),
+    Column("p95_deg", "95th percentile", form="g", meaning="95th percentile over units of the maximum error"),
+    Column("depth_rmse_mm", "depth RMSE", form="g"),
+    Column("noise_deg", form="g", deciding=False, meaning="RMSE of rx and ry by image noise alone"),
+    Column("twin_error_mm", form="g", meaning="RMS distance of the twin from presses between its own"),
 )
 _MUCH_MM = 0.03
 """Beyond this a twin is off by several times the noise of dots."""
@@ -83,7 +82,7 @@ def twin(
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     worker_flags: WorkerFlags = WorkerFlags(),
     flags: TwinFlags = TwinFlags(),
-    json: JsonFlag = False,
+    output: Output = Output(),
 ) -> int:
     """Make the twin of a design, or of every skin of a study, and foresee the errors of built units.
 
@@ -104,18 +103,8 @@ def twin(
     found = run_twins(study, folder, worker_flags.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)
-    if json:
-        print_json({"out": str(folder / "twins"), "designs": rows})
-    else:
-        print_table(
-            f"{study.name}: built units", list(_COLUMNS), [[_text(row[name]) for name in _COLUMNS] for row in rows]
-        )
-        print(
-            "rmse_deg: rx and ry of all units; p95_deg: greatest error that 19 of 20 units stay below; "
-            "calibration_presses: presses by which each unit was identified; "
-            "twin_error_mm: root mean square by which the twin differs from "
-            f"presses between its own. Twins: {folder / 'twins'}"
-        )
+    table = Report(f"{study.name}: built units", _COLUMNS, rows, file=str(folder / "twins" / "built.csv"))
+    output.show({"out": str(folder / "twins"), "designs": rows}, table, f"Twins: {folder / 'twins'}")
     for name, off in {design.skin.build().name: _twin_error(design.twin) for design in found if design.twin}.items():
         if off > _MUCH_MM:
             print(
@@ -160,11 +149,4 @@ def _keep(folder: Path, designs: tuple[DesignAccuracy, ...], rows: list[dict[str
 
     folder.mkdir(parents=True, exist_ok=True)
     export_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
-    with atomic_write(folder / "built.csv") as draft, draft.open("w", newline="") as file:
-        table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
-
-
-def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    write_csv(folder / "built.csv", rows, [column.name for column in _COLUMNS])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError, atomic_folder, provenance
+from palpate.core.report import write_csv
 from palpate.design import (
     ContactModule,
     Finding,
@@ -200,12 +200,11 @@ def _write_print(work: Path, made: _Made) -> None:
         write_pdf(work / "artwork.pdf", artwork, _title(made))
     if made.window is not None:
         write_cut(work / "window.dxf", made.window.line)
-    with (work / "markers.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["marker", "x_mm", "y_mm", "z_mm", *([] if artwork is None else ["page_x_mm", "page_y_mm"])])
-        pages = np.empty((len(made.layout), 0)) if artwork is None else artwork.dots
-        for number, (place, page) in enumerate(zip(made.layout.positions, pages, strict=True)):
-            writer.writerow([number, *(f"{value:.4f}" for value in (*place, *page))])
+    columns = ["marker", "x_mm", "y_mm", "z_mm", *([] if artwork is None else ["page_x_mm", "page_y_mm"])]
+    pages = np.empty((len(made.layout), 0)) if artwork is None else artwork.dots
+    places = np.hstack([made.layout.positions, pages])
+    rows = ([number, *(f"{value:.4f}" for value in place)] for number, place in enumerate(places))
+    write_csv(work / "markers.csv", rows, columns)
 
 
 def _title(made: _Made) -> str:

@@ -12,7 +12,6 @@ directions (VTK_TRIQUADRATIC_HEXAHEDRON). Fields at nodes:
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,6 +19,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError, atomic_folder, load_extra, provenance
+from palpate.core.report import write_csv
 from palpate.fea.nodal_stress import clamped_solid, nodal_stress
 from palpate.fea.press import Press
 from palpate.mechanics import BRICK, Solid, von_mises
@@ -132,8 +132,6 @@ def _write_force(path: Path, press: Press) -> None:
         "apex_gap_mm": press.apex_gap,
         "peak_von_mises_mpa": press.peak_stress,
     }
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*columns, "branch"])
-        for row, branch in zip(np.column_stack([*columns.values()]), press.branch, strict=True):
-            writer.writerow([*(f"{value:.10g}" for value in row), branch])
+    numbers = np.column_stack([*columns.values()])
+    rows = ([*(f"{value:.10g}" for value in row), one] for row, one in zip(numbers, press.branch, strict=True))
+    write_csv(path, rows, [*columns, "branch"])

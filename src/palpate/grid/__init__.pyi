@@ -1,10 +1,11 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
+from palpate.grid.columns import MAIN_COLUMNS, grid_column
 from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
 from palpate.grid.draw import write_picture
 from palpate.grid.evaluate_grid import evaluate_grid
-from palpate.grid.export import export_grid, html_rows
-from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, column_unit, design_label, rows_for_design
+from palpate.grid.export import export_grid, grid_report, html_rows
+from palpate.grid.grid import Cell, Row, SpecificationGrid, column_unit, design_label, rows_for_design
 from palpate.grid.io import is_grid, read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
@@ -45,6 +46,8 @@ __all__ = [
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "grid_column",
+    "grid_report",
     "html_rows",
     "is_grid",
     "plot_file_name",

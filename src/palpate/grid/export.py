@@ -2,50 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import html
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from palpate.core import PalpateError, atomic_write, load_extra
-from palpate.grid.grid import MAIN_COLUMNS, TABLES, Cell, Row, SpecificationGrid, column_unit, design_label
-
-CSV_COLUMNS = (
-    "height_mm",
-    "base_radius_mm",
-    "thickness_mm",
-    "shape",
-    "markers",
-    "rmse_deg",
-    "max_error_deg",
-    "rmse_jitter_deg",
-    "max_error_jitter_deg",
-    "rmse_mm",
-    "max_error_mm",
-    "rmse_jitter_mm",
-    "max_error_jitter_mm",
-    "rmse_spread_deg",
-    "rmse_depth_mm",
-    "bound_deg",
-    "bound_mm",
-    "bound_pitman_deg",
-    "rmse_over_bound",
-    "interval_coverage",
-    "interval_half_width_deg",
-    "travel_mm",
-    "peak_stress_mpa",
-    "peak_stress_straight_mpa",
-    "force_n",
-    "bistable_from_mm",
-    "presses",
-    "presses_inverted",
-    "samples",
-    "dropped",
-    "ended",
-    "seed",
-    "failure",
-)
-"""Columns of a design in CSV, behind its name: those that decide. SQLite, JSON and Parquet have all."""
+from palpate.core.report import Report, report_html, report_markdown, write_csv
+from palpate.grid.columns import CSV_COLUMNS, MAIN_COLUMNS, grid_column
+from palpate.grid.grid import TABLES, Row, SpecificationGrid, column_unit, design_label
 
 
 def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
@@ -84,7 +47,7 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
     return tuple(path.parent / name for name in names)
 
 
-def write_csv(path: Path, grid: SpecificationGrid, other: str = "{stem}_{table}") -> None:
+def write_tables(path: Path, grid: SpecificationGrid, other: str = "{stem}_{table}") -> None:
     """Write the four tables as CSV; a cell without a figure is empty.
 
     Parameters
@@ -98,19 +61,13 @@ def write_csv(path: Path, grid: SpecificationGrid, other: str = "{stem}_{table}"
     """
     names = [design_label(row) for row in grid.designs]
     columns = [name for name in CSV_COLUMNS if name in grid.columns]
-    rows = zip(names, grid.designs, strict=True)
-    _write_rows(path, [{"name": name, **{column: row[column] for column in columns}} for name, row in rows])
+    designs = [{"name": name, **row} for name, row in zip(names, grid.designs, strict=True)]
+    write_csv(path, designs, ["name", *columns])
     for table in TABLES:
         numbered: Sequence[Row] = getattr(grid, table)
         file = path.with_name(other.format(stem=path.stem, table=table) + path.suffix)
-        _write_rows(file, [{"name": names[int(str(row["design"]))], **row} for row in numbered])
-
-
-def _write_rows(path: Path, rows: Sequence[Row]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]) if rows else ["name"])
-        writer.writeheader()
-        writer.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in rows)
+        rows = [{"name": names[int(str(row["design"]))], **row} for row in numbered]
+        write_csv(file, rows, ["name", *(numbered[0] if numbered else ())])
 
 
 def _write_parquet(path: Path, grid: SpecificationGrid) -> None:
@@ -136,40 +93,32 @@ def _write_columns(path: Path, rows: Sequence[Row]) -> None:
 
 
 def _write_markdown(path: Path, grid: SpecificationGrid) -> None:
-    columns = [name for name in MAIN_COLUMNS if name in grid.columns]
-    lines = [_line([_heading(name) for name in columns]), _line(["---:"] * len(columns))]
-    lines += [_line([_text(row[name]) for name in columns]) for row in grid.designs]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path.write_text(report_markdown(grid_report(grid.designs, MAIN_COLUMNS)), encoding="utf-8")
 
 
 def html_rows(grid: SpecificationGrid) -> str:
     """The main columns as an HTML table, a row a design, its texts escaped."""
-    columns = [name for name in MAIN_COLUMNS if name in grid.columns]
-    head = "".join(f"<th>{html.escape(_heading(name))}</th>" for name in columns)
-    rows = ["".join(f"<td>{html.escape(_text(row[name]))}</td>" for name in columns) for row in grid.designs]
-    return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+    return report_html(grid_report(grid.designs, MAIN_COLUMNS))
+
+
+def grid_report(rows: Sequence[Row], columns: Sequence[str] = (), title: str = "", file: str = "") -> Report:
+    """Designs of a grid as a table.
+
+    Parameters
+    ----------
+    rows
+        One a design.
+    columns
+        Names of the columns, of which those that the rows have are shown; the main ones and those of a CSV if empty.
+    title, file
+        Title of the table, and a file that has all columns.
+    """
+    names = columns or dict.fromkeys((*MAIN_COLUMNS, *CSV_COLUMNS))
+    return Report(title, [grid_column(name) for name in names if any(name in row for row in rows)], rows, (), file)
 
 
 _WRITERS: dict[str, Callable[[Path, SpecificationGrid], None]] = {
-    ".csv": write_csv,
+    ".csv": write_tables,
     ".parquet": _write_parquet,
     ".md": _write_markdown,
 }
-
-
-def _line(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
-
-
-def _heading(column: str) -> str:
-    unit = column_unit(column)
-    words = column.rsplit("_", 1)[0] if unit else column
-    return words.replace("_", " ") + (f" ({unit})" if unit else "")
-
-
-def _text(cell: Cell) -> str:
-    if cell is None:
-        return "–"
-    if isinstance(cell, str):
-        return cell.replace("|", "\\|")
-    return f"{cell:.3f}" if isinstance(cell, float) and not cell.is_integer() else f"{cell:g}"

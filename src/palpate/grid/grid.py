@@ -10,35 +10,6 @@ Cell = float | int | str | None
 
 Row = Mapping[str, Cell]
 
-MAIN_COLUMNS = (
-    "height_mm",
-    "thickness_mm",
-    "markers",
-    "built_rmse_deg",
-    "built_p95_deg",
-    "calibrated_rmse_deg",
-    "calibrated_p95_deg",
-    "rmse_deg",
-    "max_error_deg",
-    "rmse_jitter_deg",
-    "max_error_jitter_deg",
-    "rmse_mm",
-    "max_error_mm",
-    "rmse_jitter_mm",
-    "max_error_jitter_mm",
-    "rmse_spread_deg",
-    "bound_deg",
-    "bound_mm",
-    "rmse_over_bound",
-    "interval_coverage",
-    "travel_mm",
-    "peak_stress_mpa",
-    "force_n",
-    "bistable_from_mm",
-    "samples",
-)
-"""Columns that a person reads first."""
-
 TABLES = ("by_depth", "by_tilt", "presses")
 """The tables beside that of the designs; the first column of each is ``design``."""
 
@@ -75,23 +46,12 @@ class SpecificationGrid:
 
     Notes
     -----
-    ``built_rmse_deg`` is foreseen for units as a workshop builds them (`palpate.built.foresee`), ``built_p95_deg``
-    the greatest error that 19 of 20 of them stay below; ``known_…`` the same once ``calibration_presses`` presses
-    have told each unit. A study that does not ask for built units has none of these.
-    ``rmse_deg`` and ``max_error_deg`` pool both components of the angle, as in the paper, over the images of the
-    held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_spread_deg`` is the standard deviation of
-    ``rmse_deg`` over the repeats of the training, each by itself. ``bound_deg`` is the least-squares bound on
-    ``rmse_jitter_deg`` over the same images, ``bound_pitman_deg`` that of the posterior mean, ``rmse_over_bound`` the
-    jittered RMSE over the first. ``interval_coverage`` is the share of true angles inside their interval of the level
-    ``interval_level``, on jittered images of presses that neither trained nor calibrated it (``interval_presses`` of
-    them), ``interval_half_width_deg`` its mean half-width; ``flagged_ood`` the share of those images that were
-    called out of the trained range. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis.
-    ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
-    poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
-    ``force_n`` the wall's force in the deepest image of the press of least tilt, ``peak_stress_straight_mpa`` the
-    stress of that press alone. ``displacement_max_mm`` and ``apex_gap_mm`` are the greatest over all presses in their
-    deepest images. From ``bistable_from_mm`` on the dome has a second, inverted state (empty: none up to the greatest
-    depth). ``spec`` and ``versions`` are JSON.
+    `grid_column` has heading, unit and meaning of a column. Errors pool both components of the angle, as in the
+    paper, over the images of the held-out presses; those per axis are ``rmse_rx_deg``, …, ``bias_ry_deg``. A study
+    that does not ask for built units has no ``built_…`` and ``calibrated_…``. Intervals are of the level
+    ``interval_level``, on ``interval_presses`` presses that neither trained nor calibrated it; ``flagged_ood`` is the
+    share of images out of the trained range. ``displacement_max_mm`` and ``apex_gap_mm`` are the maxima over all
+    presses in their deepest images. ``spec`` and ``versions`` are JSON.
     """
 
     designs: tuple[Row, ...]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from palpate.core import PalpateError, atomic_write_into, rename_columns
 from palpate.grid.database import check_schema_version, read_database, write_database
-from palpate.grid.export import write_csv
+from palpate.grid.export import write_tables
 from palpate.grid.grid import TABLES, SpecificationGrid, column_unit, own_column
 from palpate.grid.plot import draw_plot, plot_file_name
 
@@ -51,7 +51,7 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
         If the folder cannot be written.
     """
     with atomic_write_into(directory) as drafts:
-        write_csv(drafts / "grid.csv", grid, "{table}")
+        write_tables(drafts / "grid.csv", grid, "{table}")
         _write_json(drafts / "grid.json", grid)
         if grid.designs:
             _write_pictures(drafts, grid)

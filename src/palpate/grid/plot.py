@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.core import PalpateError, atomic_write_into
-from palpate.grid.grid import SpecificationGrid, column_unit
+from palpate.grid.columns import grid_column
+from palpate.grid.grid import SpecificationGrid
 from palpate.grid.panel import (
     CurvePanel,
     cut_depth_panels,
@@ -23,29 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PLOT_KINDS = ("heat", "travel", "depth", "tilt", "markers")
-TITLES = {
-    "built_rmse_deg": "RMSE of the contact angle, units as built",
-    "built_p95_deg": "Greatest error of the contact angle that 19 of 20 units stay below",
-    "calibrated_rmse_deg": "RMSE of the contact angle, units told by known presses",
-    "calibrated_p95_deg": "Greatest error that 19 of 20 units told by known presses stay below",
-    "rmse_deg": "RMSE of the contact angle, clean images",
-    "max_error_deg": "Greatest error of the contact angle, clean images",
-    "rmse_jitter_deg": "RMSE of the contact angle, jittered images",
-    "max_error_jitter_deg": "Greatest error of the contact angle, jittered images",
-    "rmse_spread_deg": "Spread of the RMSE over the repeats, clean images",
-    "bound_deg": "Least-squares limit of the contact angle, jittered images",
-    "bound_pitman_deg": "Pitman limit of the contact angle, jittered images",
-    "bound_floor_deg": "Floor of the error of the contact angle, jittered images",
-    "rmse_over_bound": "RMSE over the least-squares limit, jittered images",
-    "travel_mm": "Marker travel from rest at the greatest depth",
-    "peak_stress_straight_mpa": "Greatest von Mises stress, straight press",
-    "displacement_mean_straight_mm": "Mean displacement of the dome, straight press",
-    "bistable_from_mm": "Depth from which a second state exists",
-}
-LABELS = {"travel_mm": "mean marker travel (mm)"}
 _CURVES: dict[str, tuple[Callable[[SpecificationGrid, str], tuple[CurvePanel, ...]], str]] = {
     "depth": (cut_depth_panels, "depth of the wall (mm)"),
-    "tilt": (cut_tilt_panels, "tilt of the wall (deg)"),
+    "tilt": (cut_tilt_panels, "tilt of the wall (°)"),
     "markers": (cut_marker_panels, "number of markers"),
 }
 _PLACES = ("design", "depth_mm", "tilt_from_deg", "tilt_to_deg")
@@ -109,16 +90,14 @@ def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     """Draw one metric of a grid; for `kind` and `metric` see `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
 
-    unit = column_unit(metric)
-    angle = f"{metric.removesuffix('_mm')}_deg"
-    title = TITLES.get(metric) or TITLES.get(angle, _words(metric)).replace("contact angle", "offset")
-    label = LABELS.get(metric, f"{_words(metric)} ({unit})" if unit else _words(metric))
+    column = grid_column(metric)
+    title = column.meaning or column.title
     if kind == "heat":
-        return draw_heat_maps(cut_panels(grid, metric), title, unit)
+        return draw_heat_maps(cut_panels(grid, metric), title, column.measure)
     if kind == "travel":
-        return draw_travel(cut_panels(grid, metric), title, label)
+        return draw_travel(cut_panels(grid, metric), title, column.label)
     cut, across = _CURVES[kind]
-    return draw_curves(cut(grid, metric), f"{title}, by {across.rsplit(' (', 1)[0]}", across, label)
+    return draw_curves(cut(grid, metric), f"{title}, by {across.rsplit(' (', 1)[0]}", across, column.label)
 
 
 def plot_file_name(kind: str, metric: str) -> str:
@@ -157,9 +136,3 @@ def check_plot_request(grid: SpecificationGrid, kind: str, metric: str) -> None:
         )
     if not any(isinstance(cell, int | float) and np.isfinite(cell) for cell in cells):
         raise PalpateError(f"No design has a figure for '{metric}'.", "Choose another metric.", code="metric-empty")
-
-
-def _words(metric: str) -> str:
-    unit = column_unit(metric)
-    short = metric.removesuffix(f"_{unit.lower()}") if unit else metric
-    return short.replace("_", " ").replace("rmse", "RMSE")

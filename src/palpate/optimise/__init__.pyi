@@ -18,9 +18,10 @@ from palpate.optimise.search_folder import SearchDesign, SearchFolder, is_search
 from palpate.optimise.search_skins import Evaluation, SearchPlan, SearchTrial, search_skins
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.spec import BaselineDesignSpec, CameraChoice, RequirementsSpec, read_requirements
-from palpate.optimise.write_front import describe_front, write_front
+from palpate.optimise.write_front import FRONT_COLUMNS, describe_front, write_front
 
 __all__ = [
+    "FRONT_COLUMNS",
     "BaselineDesignSpec",
     "CameraChoice",
     "DesignCandidate",

@@ -11,6 +11,7 @@ import numpy as np
 
 from palpate.built import PredictedAccuracy
 from palpate.core import FloatArray, generator
+from palpate.core.report import Report
 
 _DRAWS = 4000
 """Sets of units that are drawn from those that were played, to tell what others would have given."""
@@ -176,38 +177,27 @@ class ValidationResult:
         return {**asdict(self), "order_preserved": self.order_preserved, "contradicted": self.reversed_pairs}
 
 
-def validation_lines(proof: ValidationResult | None) -> Iterator[str]:
-    """The proof as lines of a page."""
-    yield from ("## Proof", "")
+def validation_page(proof: ValidationResult | None) -> Iterator[str | Report]:
+    """Paragraphs and table of the proof."""
+    yield "## Proof"
     if proof is None:
         yield "Nothing was played: `--validate simulated` plays the winner and its rivals on the bench."
     else:
-        yield from _table(proof.designs)
-        yield from ("", " ".join(_sentences(proof)))
-    yield ""
+        yield _table(proof.designs)
+        yield " ".join(_sentences(proof))
 
 
 def _figures(found: PredictedAccuracy | SimulatedAccuracy) -> FloatArray:
     return np.array([getattr(found, name) for name in _FIGURES])
 
 
-def _table(designs: Sequence[ValidatedDesign]) -> Iterator[str]:
-    head = [
-        "design",
-        "skin",
-        "dots",
-        "camera, mm",
-        "force, N",
-        "RMSE foreseen",
-        "played",
-        "by other units",
-        "19 of 20 foreseen",
-        "played",
-        "by other units",
-    ]
+def _table(designs: Sequence[ValidatedDesign]) -> Report:
+    head = ["design", "skin", "dots", "camera, mm", "force, N"]
+    for figure in ("RMSE", "19 of 20"):
+        head += [f"{figure} foreseen", "played", "by other units"]
     trained = any(one.trained for one in designs)
     head += ["network: RMSE", "19 of 20"] if trained else []
-    yield from ("| " + " | ".join(head) + " |", "|" + "---|" * len(head))
+    rows = []
     for one in designs:
         spans = one.simulated.bootstrap_intervals if one.simulated else np.full((2, 2), np.nan)
         cells = []
@@ -216,7 +206,8 @@ def _table(designs: Sequence[ValidatedDesign]) -> Iterator[str]:
             cells.append(f"{least:.4f} to {most:.4f}°" if one.simulated else "")
         cells += [f"{getattr(one.trained, name):.3f}°" if one.trained else "" for name in _FIGURES] if trained else []
         first = [one.title, one.name, str(one.markers), f"{one.distance:g}", f"{one.force_n:.2f}"]
-        yield "| " + " | ".join([*first, *cells]) + " |"
+        rows.append([*first, *cells])
+    return Report.of("", head, rows)
 
 
 _FIGURES = ("rmse_deg", "p95_deg")

@@ -2,46 +2,54 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from palpate.core import atomic_write, provenance, wrap_write_errors
+from palpate.core import provenance, wrap_write_errors
+from palpate.core.report import Column, Report, page_markdown, write_csv
+from palpate.grid import grid_column
 from palpate.optimise.design_study import camera_of, winner_study
 from palpate.optimise.draw_front import draw_design, draw_front, draw_search
 from palpate.optimise.front import WORDS, DesignCandidate, Front, find_best
 from palpate.optimise.influence import SobolIndices, compute_sobol_indices
-from palpate.optimise.proof import validation_lines
+from palpate.optimise.proof import validation_page
 from palpate.optimise.space import SkinSpace
 
 FRONT = "front.json"
 """File of the front in the folder of a search."""
-_COLUMNS = (
-    "skin",
-    "height_mm",
-    "base_radius_mm",
-    "thickness_mm",
-    "aspect",
-    "taper",
-    "material",
-    "camera",
-    "distance_mm",
-    "markers",
-    "marker_diameter_mm",
-    "ring_diameters_mm",
-    "p95_deg",
-    "rmse_deg",
-    "coarse_p95_deg",
-    "force_n",
-    "size_mm",
-    "max_depth_mm",
-    "price",
-    "full_fidelity",
-    "feasible",
+FRONT_COLUMNS = (
+    Column("skin", meaning="number of the skin in the search"),
+    grid_column("height_mm"),
+    grid_column("base_radius_mm"),
+    grid_column("thickness_mm"),
+    Column("aspect", meaning="height over width of an ellipsoid", deciding=False),
+    Column("taper", meaning="thickness at the rim over that at the apex", deciding=False),
+    Column("material", deciding=False),
+    Column("camera", deciding=False),
+    Column("distance_mm", "camera distance", meaning="distance of the camera below the base"),
+    grid_column("markers"),
+    Column("marker_diameter_mm", deciding=False),
+    Column("ring_diameters_mm", meaning="diameters of the rings of markers", deciding=False),
+    Column("p95_deg", "95th percentile", form=".4f", meaning="95th percentile over built units of the maximum error"),
+    Column("rmse_deg", "angle RMSE", form=".4f", meaning="RMSE of the contact angle, built units", deciding=False),
+    Column(
+        "coarse_p95_deg",
+        "95th percentile, coarse presses",
+        form=".4f",
+        meaning="95th percentile by the twin of coarse presses",
+        deciding=False,
+    ),
+    Column("force_n", "maximum force", form=".4g", meaning="maximum contact force of any press"),
+    Column("size_mm", "outer diameter", deciding=False),
+    Column("max_depth_mm", "maximum depth", deciding=False),
+    Column("price", deciding=False),
+    Column("full_fidelity", meaning="whether it was pressed on the fine mesh", deciding=False),
+    Column("feasible", meaning="whether all constraints hold", deciding=False),
 )
+"""Columns of a design in the tables of a search."""
 
 
 def write_front(folder: Path, front: Front, command: str) -> None:
@@ -54,8 +62,9 @@ def write_front(folder: Path, front: Front, command: str) -> None:
     """
     with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
-        _write_rows(folder / "front.csv", map(describe_entry, front.pareto))
-        _write_rows(folder / "tried.csv", map(describe_entry, _best_of_each(front)))
+        names = [column.name for column in FRONT_COLUMNS]
+        write_csv(folder / "front.csv", map(describe_entry, front.pareto), names)
+        write_csv(folder / "tried.csv", map(describe_entry, _best_of_each(front)), names)
         influences = compute_sobol_indices(
             front.trials, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed
         )
@@ -75,7 +84,7 @@ def describe_entry(entry: DesignCandidate) -> dict[str, Any]:
     skin = proposal.skin
     return dict(
         zip(
-            _COLUMNS,
+            [column.name for column in FRONT_COLUMNS],
             (
                 entry.trial.number,
                 skin.height,
@@ -124,56 +133,44 @@ def describe_front(front: Front) -> dict[str, Any]:
 def report(front: Front, influences: SobolIndices, command: str) -> str:
     """The page that a person reads."""
     spec, winner = front.spec, front.winner
-    lines = [f"# {spec.name}: designs by search", "", "```", command, "```", ""]
-    lines += [f"**{front.shortfall}**" if front.shortfall else "**The requirements are met.**", ""]
-    if winner is not None:
-        lines += [*_winner_lines(winner), "", "![winner](winner.svg)", ""]
-    lines += [
+    shares = [(one.name, f"{one.first_order:.2f}", f"{one.total:.2f}") for one in influences.variables]
+    parts: list[str | Report] = [
+        f"# {spec.name}: designs by search",
+        f"```\n{command}\n```",
+        f"**{front.shortfall}**" if front.shortfall else "**The requirements are met.**",
+        *([] if winner is None else [_winner_line(winner), "![winner](winner.svg)"]),
         "Errors are those of rx and ry of built units, predicted from the twin of each design over the tolerances "
         f"and all frictions, after {spec.calibration_presses} calibration presses: `p95_deg` is the 95th percentile "
         "over units. They are no measurement.",
-        "",
         *_dropped_lines(front),
         *_end_lines(front),
-        *validation_lines(front.validation),
+        *validation_page(front.validation),
         "## The front",
-        "",
-        "| " + " | ".join(_COLUMNS) + " |",
-        "|" + "---|" * len(_COLUMNS),
-        *("| " + " | ".join(str(cell) for cell in describe_entry(entry).values()) + " |" for entry in front.pareto),
-        "",
+        Report("", FRONT_COLUMNS, [describe_entry(entry) for entry in front.pareto]),
         "![front](front.svg)",
-        "",
         "![search](search.svg)",
-        "",
         *_control_lines(front),
         "## What matters",
-        "",
         f"{influences.summary} Over the whole of the searched space, by Sobol's indices of a surface through "
         "the skins that reach the depth, which explains "
         f"{100 * max(influences.explained, 0.0):.0f} % of the variance of skins left out.",
-        "",
-        "| variable | alone | with others |",
-        "|---|---|---|",
-        *(f"| {one.name} | {one.first_order:.2f} | {one.total:.2f} |" for one in influences.variables),
-        "",
+        Report.of("", ("variable", "first-order Sobol index", "total Sobol index"), shares),
         f"{len(front.trials)} skins were tried, {sum(one.feasible for one in front.trials)} meet the limits; seed "
         f"{spec.seed}. Every one is in `tried.csv`.",
-        "",
     ]
-    return "\n".join(lines)
+    return page_markdown(parts)
 
 
-def _winner_lines(winner: DesignCandidate) -> list[str]:
+def _winner_line(winner: DesignCandidate) -> str:
     proposal, option = winner.trial.finest, winner.option
     skin = proposal.skin
-    return [
+    return (
         f"The winner is skin {winner.trial.number}: {skin.build().shape}, {skin.height:g} mm high over a radius of "
         f"{skin.base_radius:g} mm, {skin.thickness:g} mm thick, {option.markers.count} dots of "
         f"{option.markers.diameter:g} mm, camera {option.camera} {option.distance:g} mm below the base. 19 of 20 "
         f"units stay below {option.accuracy.p95_deg:.3f}° (RMSE {option.accuracy.rmse_deg:.3f}°); at most "
-        f"{proposal.force_n:.2f} N. `winner.yaml` is its study.",
-    ]
+        f"{proposal.force_n:.2f} N. `winner.yaml` is its study."
+    )
 
 
 def _dropped_lines(front: Front) -> Iterator[str]:
@@ -181,7 +178,7 @@ def _dropped_lines(front: Front) -> Iterator[str]:
     for one in front.trials:
         if one.fine is not None and not one.feasible:
             broken = " and ".join(WORDS[name] for name, by in one.violations.items() if by > 0)
-            yield from (f"Skin {one.number} met the limits by coarse presses alone: by fine ones {broken}.", "")
+            yield f"Skin {one.number} met the limits by coarse presses alone: by fine ones {broken}."
 
 
 def _end_lines(front: Front) -> list[str]:
@@ -191,7 +188,7 @@ def _end_lines(front: Front) -> list[str]:
     bar = f"{front.error_threshold_deg:.3f}°, " + (
         "as is foreseen of the rival" if front.baseline else "as is wanted"
     )
-    lines = [f"Of the designs whose error is no greater than {bar}:", ""]
+    lines = []
     for title, entry in front.extremes:
         proposal, option = entry.trial.finest, entry.option
         lines.append(
@@ -199,7 +196,7 @@ def _end_lines(front: Front) -> list[str]:
             f"{option.markers.diameter:g} mm, camera {option.camera} at {option.distance:g} mm, "
             f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.accuracy.p95_deg:.3f}°"
         )
-    return [*lines, ""]
+    return [f"Of the designs whose error is no greater than {bar}:", "\n".join(lines)]
 
 
 def _least(front: Front) -> Iterator[tuple[str, int, str, DesignCandidate | None]]:
@@ -218,21 +215,15 @@ def _control_lines(front: Front) -> Iterator[str]:
     found = list(_least(front))
     if len(found) < 2:
         return
-    yield from ("Least error of 19 of 20 units within the limits, all by the same coarse presses:", "")
+    yield "Least error of 19 of 20 units within the limits, all by the same coarse presses:"
+    lines = []
     for name, count, noun, best in found:
         skin = best.trial.coarse.skin.build().name if best else ""
         figures = f"{skin}, {best.option.markers.count} dots: {best.value('error'):.4f}°" if best else "none"
-        yield f"* {name}, {count} {noun}: {figures}"
-    yield ""
+        lines.append(f"* {name}, {count} {noun}: {figures}")
+    yield "\n".join(lines)
 
 
 def _best_of_each(front: Front) -> Sequence[DesignCandidate]:
     found = ((one, one.finest.best(front.spec.markers)) for one in front.trials)
     return [DesignCandidate(one, option) for one, option in found if option is not None]
-
-
-def _write_rows(path: Path, rows: Iterable[dict[str, Any]]) -> None:
-    with atomic_write(path) as draft, draft.open("w", newline="") as file:
-        table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.core import PalpateError, wrap_write_errors
+from palpate.core.report import Report
 from palpate.recording.conclude import EstimatorScore
 from palpate.recording.curve import extrapolate_learning_curve
 from palpate.recording.learn_recording import RecordingResult
@@ -52,8 +52,8 @@ def recording_report(result: RecordingResult) -> dict[str, Any]:
     }
 
 
-def recording_page(result: RecordingResult) -> str:
-    """The report as Markdown."""
+def recording_page(result: RecordingResult) -> list[str | Report]:
+    """Paragraphs and tables of the report."""
     seen, outputs, about = result.seen, result.model.outputs, result.model.about
     names = [f"{axis} {'' if unit == '1' else unit}".strip() for axis, unit, _ in outputs]
     head = (
@@ -67,43 +67,29 @@ def recording_page(result: RecordingResult) -> str:
     held = len(np.unique(seen.press[seen.split.test]))
     rows = [_row(score, score.name == result.best) for score in result.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
-    lines = [
+    return [
         f"# What the recording {seen.recording.name} gave",
-        "",
         f"**{result.best}: {figures}** RMSE on {held} presses that taught nothing.",
-        "",
         f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
         f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
         f"{about['test']} judged. No press is in two of these.",
-        "",
-        *_table(head, rows),
-        "",
+        Report.of("", head, rows, details=[f"{name} max" for name in names]),
         "The estimator was chosen by the presses that choose, not by those in the table.",
-        "",
         "## What must be known about the recording",
-        "",
-        *(f"* {note}" for note in seen.notes),
-        "",
+        "\n".join(f"* {note}" for note in seen.notes),
         "## How many presses",
-        "",
-        *_table(
+        Report.of(
+            "",
             ("presses", "estimator", *(f"{name} RMSE" for name in names)),
             [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in result.curve],
         ),
-        "",
         extrapolate_learning_curve(result.curve),
-        "",
-        "## Pictures",
-        "",
-        *([] if seen.assigned is None else ["![dots by number](correspondence.png)", ""]),
+        "" if seen.assigned is None else "![dots by number](correspondence.png)",
         "![errors](errors.png)",
-        "",
         f"First errors after {result.seconds[0]:.0f} s, all after {result.seconds[1]:.0f} s. Made by "
         + ", ".join(f"{name} {version}" for name, version in about["made_by"].items())
         + f"; seed {about['spec']['seed']}.",
-        "",
     ]
-    return "\n".join(lines)
 
 
 def draw_recording_report(folder: Path, result: RecordingResult) -> None:
@@ -187,9 +173,5 @@ def _bare(axis: Axes) -> None:
 
 def _row(score: EstimatorScore, best: bool) -> tuple[str, ...]:
     rmse, most = [f"{one.rmse:.3g}" for one in score.errors], [f"{one.max:.3g}" for one in score.errors]
-    name = f"**{score.name}**" if best else score.name
+    name = f"{score.name} (chosen)" if best else score.name
     return (name, f"{score.share:.0%}", *rmse, *most, " / ".join(f"{inside:.0%}" for inside in score.coverage))
-
-
-def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in (columns, ["---"] * len(columns), *rows)]

@@ -13,7 +13,13 @@ from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
 from palpate.robot.tool import Tool
 from palpate.robot.tool_offset import find_tool_offset
-from palpate.robot.write_alignment import describe_alignment, describe_wall, list_touches, write_alignments
+from palpate.robot.write_alignment import (
+    describe_alignment,
+    describe_wall,
+    list_touches,
+    list_wall_touches,
+    write_alignments,
+)
 
 __all__ = [
     "OFFSET_TURNS",
@@ -41,6 +47,7 @@ __all__ = [
     "describe_wall",
     "find_tool_offset",
     "list_touches",
+    "list_wall_touches",
     "open_from_parameters",
     "parse_launch_spec",
     "tilt_from_normal",

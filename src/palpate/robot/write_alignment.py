@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import atomic_write, provenance
+from palpate.core.report import write_csv
 from palpate.robot.alignment import Alignment
 from palpate.robot.play import AlignmentTrial
 
@@ -51,6 +51,11 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
     ]
 
 
+def list_wall_touches(walls: Sequence[AlignmentTrial]) -> list[dict[str, Any]]:
+    """A row a touch of every wall, by ``wall`` (from 1) and `COLUMNS`."""
+    return [{"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)]
+
+
 def describe_alignment(alignment: Alignment) -> dict[str, Any]:
     """How an alignment ended, and what is left, as plain data."""
     known = math.isfinite(alignment.residual_deg)
@@ -87,11 +92,7 @@ def write_alignments(folder: Path, walls: Sequence[AlignmentTrial], facts: dict[
         If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with atomic_write(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, ["wall", *COLUMNS], lineterminator="\n")
-        writer.writeheader()
-        for number, wall in enumerate(walls, start=1):
-            writer.writerows({"wall": number, **row} for row in list_touches(wall.alignment))
+    write_csv(folder / "touches.csv", list_wall_touches(walls), ["wall", *COLUMNS])
     content = facts | {"walls": [describe_wall(wall) for wall in walls], "made_by": provenance()}
     with atomic_write(folder / "alignment.json") as draft:
         draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

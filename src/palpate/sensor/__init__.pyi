@@ -10,13 +10,13 @@ from palpate.sensor.reader import check_model, open_model
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import GroundTruth, read_ground_truth, read_readings
 from palpate.sensor.register import Registration, register_dome
-from palpate.sensor.report import markdown_table, provenance_line, write_report
+from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
 from palpate.sensor.sensor import Sensor, open_sensor, run_sensor
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.touch import DepthZero, find_depth_zero
 from palpate.sensor.unit import Unit
-from palpate.sensor.write_acceptance import write_acceptance
+from palpate.sensor.write_acceptance import acceptance_page, write_acceptance
 from palpate.sensor.write_identification import write_identification
 from palpate.sensor.write_readings import describe_reading, write_readings
 
@@ -37,13 +37,13 @@ __all__ = [
     "SensorSpec",
     "Unit",
     "accept_unit",
+    "acceptance_page",
     "check_model",
     "describe_reading",
     "draw_inspection",
     "find_depth_zero",
     "identify_unit",
     "inspect_unit",
-    "markdown_table",
     "open_model",
     "open_sensor",
     "provenance_line",

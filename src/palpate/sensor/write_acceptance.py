@@ -9,52 +9,45 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.core import wrap_write_errors
+from palpate.core.report import Report
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
-from palpate.sensor.report import markdown_table, provenance_line, write_report
+from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
+_CHECKS = ("figure", "value", f"{LEVEL:.0%} interval", "tolerance", "result")
+_PAPER = "the paper's RMSE / MAE / max / SD"
 
 
-def write_acceptance(folder: Path | None, found: Acceptance, title: str) -> str:
-    """The report as Markdown; with a folder, also as ``accept.json``, ``accept.md`` and ``accept.pdf`` in it.
+def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
+    """Write ``accept.json``, ``accept.md`` and ``accept.pdf`` into a folder.
 
     Raises
     ------
     PalpateError
         If they cannot be written.
     """
-    page = _page(found, title)
-    if folder is not None:
-        write_report(folder, "accept", {"unit": title, **found.as_dict()}, page)
-        with wrap_write_errors(folder, "Choose another folder."):
-            draw_acceptance(found, title).savefig(folder / "accept.pdf")
-    return page
+    write_report(folder, "accept", {"unit": title, **found.as_dict()}, acceptance_page(found, title))
+    with wrap_write_errors(folder, "Choose another folder."):
+        draw_acceptance(found, title).savefig(folder / "accept.pdf")
 
 
-def _page(found: Acceptance, title: str) -> str:
+def acceptance_page(found: Acceptance, title: str) -> list[str | Report]:
+    """Paragraphs and tables of the report: verdict, tolerances, errors beside those of the paper's sensor."""
     table = []
     for score in found.scores:
         errors, paper = score.errors, PAPER_TABLE_3[score.component]
         figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
         of_paper = " / ".join(f"{value:.2f}" for value in (paper.rmse, paper.mae, paper.max, paper.sd))
         table.append((f"{score.component} {score.unit}", *(f"{value:.3f}" for value in figures), of_paper))
-    return "\n".join(
-        [
-            f"# Acceptance: {title}",
-            "",
-            f"**{verdict(found)}**",
-            "",
-            *markdown_table(("figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""), map(_row, found.checks)),
-            "",
-            *markdown_table(("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"), table),
-            "",
-            *basis(found),
-            "",
-            provenance_line(),
-            "",
-        ]
-    )
+    return [
+        f"# Acceptance: {title}",
+        f"**{verdict(found)}**",
+        Report.of("", _CHECKS, map(_row, found.checks)),
+        Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
+        "\n".join(basis(found)),
+        provenance_line(),
+    ]
 
 
 def verdict(found: Acceptance) -> str:
@@ -90,7 +83,7 @@ def draw_acceptance(found: Acceptance, title: str) -> Figure:
     cells = [list(_row(check)) for check in found.checks]
     drawn = axis.table(
         cellText=cells,
-        colLabels=["figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""],
+        colLabels=list(_CHECKS),
         loc="center",
         cellLoc="left",
         edges="horizontal",

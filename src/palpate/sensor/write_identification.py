@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from palpate.built import AccuracySpec, IdentificationResult, RobotUncertainty, rank_next_presses
 from palpate.core import FloatArray, PalpateError, wrap_write_errors
+from palpate.core.report import Report
 from palpate.sensor.reader import TwinEstimator
-from palpate.sensor.report import markdown_table, provenance_line, write_report
+from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.sensor import Sensor
 
 _KNOWN, _OPEN = 0.5, 0.9
@@ -57,32 +58,25 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
         _draw(rows, fitter.model.posterior.rest_px, left).savefig(folder / "identification.png", dpi=120)
 
 
-def _page(rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]) -> str:
+def _page(
+    rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]
+) -> list[str | Report]:
     table = [
         (row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row)) for row in rows
     ]
     best, least = ranked[0], ranked[-1]
     still = ", ".join(row["name"] for row in rows if _word(row) == "open") or "nothing"
-    return "\n".join(
-        [
-            "# An identified unit",
-            "",
-            f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}.",
-            "",
-            *markdown_table(("number", "found", "± (1 sd)", "before", ""), table),
-            "",
-            "## Which press would teach most",
-            "",
-            f"What is not known of the unit now puts {now:.3f}° into rx and ry. A press at a tilt of "
-            f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "
-            f"one that teaches least ({least.tilt_deg:.1f}°, {least.azimuth_deg:.0f}°) {least.rmse_deg:.3f}°.",
-            "",
-            "![What was known before and is now, and the dots at rest against the design](identification.png)",
-            "",
-            provenance_line(),
-            "",
-        ]
-    )
+    return [
+        "# An identified unit",
+        f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}.",
+        Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", ""), table),
+        "## Which press would teach most",
+        f"What is not known of the unit now puts {now:.3f}° into rx and ry. A press at a tilt of "
+        f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "
+        f"one that teaches least ({least.tilt_deg:.1f}°, {least.azimuth_deg:.0f}°) {least.rmse_deg:.3f}°.",
+        "![What was known before and is now, and the dots at rest against the design](identification.png)",
+        provenance_line(),
+    ]
 
 
 def _word(row: dict[str, Any]) -> str:

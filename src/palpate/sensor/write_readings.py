@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Iterable, Iterator
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import PalpateError, wrap_write_errors
+from palpate.core.report import CsvWriter
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
@@ -97,13 +97,12 @@ def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = T
 
 def _write_text(path: Path, readings: Iterable[Reading], columns: tuple[str, ...]) -> Iterator[Reading]:
     with wrap_write_errors(path), path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, columns)
-        if path.suffix == ".csv":
-            table.writeheader()
+        table = CsvWriter(file, columns) if path.suffix == ".csv" else None
         for reading in readings:
-            if path.suffix == ".csv":
-                table.writerow(describe_reading(reading))
+            row = describe_reading(reading)
+            if table is not None:
+                table.write(row)
             else:
-                file.write(json.dumps(describe_reading(reading)) + "\n")
+                file.write(json.dumps(row) + "\n")
             file.flush()
             yield reading

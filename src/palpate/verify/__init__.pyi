@@ -4,7 +4,7 @@ from palpate.verify.case import Case, Row
 from palpate.verify.cases import CASES
 from palpate.verify.published import PUBLISHED, published_pages
 from palpate.verify.run_cases import CaseOutcome, choose_cases, run_cases
-from palpate.verify.write_page import format_deviation, format_number, write_page
+from palpate.verify.write_page import outcome_report, write_page
 
 __all__ = [
     "CASES",
@@ -13,8 +13,7 @@ __all__ = [
     "CaseOutcome",
     "Row",
     "choose_cases",
-    "format_deviation",
-    "format_number",
+    "outcome_report",
     "published_pages",
     "run_cases",
     "write_page",

@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from palpate.core import PalpateError
-
-_HEAD = "| case | reference | quantity | values | ours | reference value | deviation | tolerance | pass |"
-_RULE = "|---|---|---|---|---|---|---|---|---|"
+from palpate.core.report import Report, page_markdown
+from palpate.verify.write_page import COLUMNS
 
 
 @dataclass(frozen=True)
@@ -219,17 +218,17 @@ def _page(item: Published, suite: str) -> str:
                 "Run all cases with --markdown.",
                 code="case-row-missing",
             )
-        rows += found
-    failed = sum(not row.endswith("| yes |") for row in rows)
+        rows += [[cell.strip() for cell in line.strip("|").split("|")] for line in found]
+    failed = sum(row[-1] != "yes" for row in rows)
     verdict = f"All {len(rows)} rows pass." if not failed else f"{failed} of {len(rows)} rows do not pass."
-    parts = [
+    parts: list[str | Report] = [
         f"# {item.title}",
         f"**Source.** {item.source}",
         f"**Read, and its error.** {item.read}",
         f"**Ours.** {item.ours}",
-        "\n".join([_HEAD, _RULE, *rows]),
+        Report.of("", COLUMNS, rows),
         f"**Verdict.** {verdict}",
         f"**Control.** {item.control}",
         f"**Not to be had.** {item.missing}",
     ]
-    return "\n\n".join(parts) + "\n"
+    return page_markdown(parts)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from datetime import date
 
 from palpate.core import provenance
+from palpate.core.report import Column, Report, page_markdown
 from palpate.verify.run_cases import CaseOutcome
 
 _HEAD = """# Verification
@@ -13,8 +14,7 @@ _HEAD = """# Verification
 Problems with known answers, solved by the elements, contact and Newton's method of the package itself. Every row is
 the value that deviates most among those compared. A deviation is relative to the reference unless the quantity says
 over what it is taken. References marked *exact* are closed forms, quadratures or ordinary differential equations;
-codes are independent of this package; a *property* needs no number from outside.
-"""
+codes are independent of this package; a *property* needs no number from outside."""
 _NOTES = """
 ## Notes
 
@@ -34,6 +34,17 @@ _NOTES = """
 * *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
   the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
 """
+COLUMNS = (
+    Column("case"),
+    Column("reference", deciding=False, prose=True),
+    Column("quantity", prose=True),
+    Column("values", deciding=False, meaning="number of values compared, of which this deviates most"),
+    Column("ours", deciding=False),
+    Column("expected", "reference value", deciding=False),
+    Column("deviation", meaning="difference from the reference, as a share of it"),
+    Column("tolerance", meaning="largest deviation that passes"),
+    Column("pass"),
+)
 _VERSIONS = ("palpate", "python", "numpy", "scipy", "py-mkl-pardiso", "rslab")
 """What the page says it was made with."""
 
@@ -68,28 +79,39 @@ def write_page(outcomes: Sequence[CaseOutcome], command: str) -> str:
     failed = sum(bool(outcome.failure) for outcome in outcomes)
     versions = ", ".join(f"{name} {version}" for name, version in provenance().items() if name in _VERSIONS)
     seconds = sum(item.cpu_s for item in outcomes)
-    lines = [
+    times = [(item.case.name, f"{item.cpu_s:.1f}") for item in outcomes]
+    parts: list[str | Report] = [
         _HEAD,
         f"Made by `{command}` on {date.today().isoformat()} in {seconds:.0f} CPU-seconds "
         f"on one core ({versions}). {passed} of {len(rows)} rows pass"
         + (f"; {failed} cases could not be solved." if failed else "."),
-        "",
-        "| case | reference | quantity | values | ours | reference value | deviation | tolerance | pass |",
-        "|---|---|---|---|---|---|---|---|---|",
+        outcome_report(outcomes),
+        Report.of("", ("case", "CPU s"), times),
+        _NOTES.strip(),
     ]
+    return page_markdown(parts)
+
+
+def outcome_report(outcomes: Sequence[CaseOutcome]) -> Report:
+    """Rows of the cases with their deviations, one row for a case that could not be solved."""
+    rows: list[dict[str, object]] = []
     for outcome in outcomes:
-        lines += _lines(outcome)
-    lines += ["", "| case | CPU s |", "|---|---|", *(f"| {item.case.name} | {item.cpu_s:.1f} |" for item in outcomes)]
-    return "\n".join(lines) + "\n" + _NOTES
-
-
-def _lines(outcome: CaseOutcome) -> list[str]:
-    start = f"| {outcome.case.name} | {outcome.case.reference} |"
-    if outcome.failure:
-        return [f"{start} {outcome.failure} | | | | | | **no** |"]
-    return [
-        f"{start} {row.quantity}{f' at {row.at}' if row.at else ''} | {row.count} | {format_number(row.ours)} "
-        f"| {format_number(row.reference)} | {format_deviation(row.deviation)} | {format_deviation(row.tolerance)} "
-        f"| {'yes' if row.passed else '**no**'} |"
-        for row in outcome.rows
-    ]
+        case = {"case": outcome.case.name, "reference": outcome.case.reference}
+        rows += [
+            {
+                **case,
+                "quantity": f"{row.quantity} at {row.at}" if row.at else row.quantity,
+                "values": row.count,
+                "ours": format_number(row.ours),
+                "expected": format_number(row.reference),
+                "deviation": format_deviation(row.deviation),
+                "tolerance": format_deviation(row.tolerance),
+                "pass": "yes" if row.passed else "NO",
+            }
+            for row in outcome.rows
+        ]
+        if outcome.failure:
+            rows.append({**case, "quantity": outcome.failure, "pass": "NO"})
+    passed = sum(row["pass"] == "yes" for row in rows)
+    seconds = sum(outcome.cpu_s for outcome in outcomes)
+    return Report("verification", COLUMNS, rows, (f"{passed} of {len(rows)} rows pass, {seconds:.1f} CPU-seconds.",))

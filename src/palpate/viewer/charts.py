@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, design_label
-from palpate.viewer.words import column_label, format_cell
+from palpate.viewer.words import column_label, find_column
 
 VIRIDIS = (
     "#440154",
@@ -119,7 +119,7 @@ def _heat_cell(
     border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
     marked = number in (chosen.design, chosen.other)
     name = design_label(row)
-    text = format_cell(value)
+    text = find_column(metric).text(value)
     short = "–" if value is None else f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
     dark_text = value is not None and value > bright
     return {

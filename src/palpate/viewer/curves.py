@@ -29,7 +29,7 @@ def force_curves(shown: list[tuple[Design, SurfaceMotion]]) -> tuple[list[ChartC
 
 
 def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurve]:
-    """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against the limit of any network."""
+    """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against its least-squares bound."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
         rows = rows_for_design(grid.by_depth, design.number)

@@ -9,7 +9,7 @@ from nicegui import ui
 from palpate.grid import MAIN_COLUMNS
 from palpate.viewer.page_head import heading
 from palpate.viewer.results import Design
-from palpate.viewer.words import column_label, format_cell
+from palpate.viewer.words import find_column
 
 
 class DesignPanel:
@@ -28,7 +28,8 @@ class DesignPanel:
                 self._row("", [design.name for design in designs], "th")
             for column in MAIN_COLUMNS:
                 if any(column in design.row for design in designs):
-                    self._row(column_label(column), [format_cell(design.row.get(column)) for design in designs])
+                    shown = find_column(column)
+                    self._row(shown.label, [shown.text(design.row.get(column)) for design in designs])
             failures = [str(design.row.get("failure") or "") for design in designs]
             if any(failures):
                 self._row("failure", failures)

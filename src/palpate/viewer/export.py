@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,15 +32,6 @@ def marker_rows(design: Design, specimen: RenderedSkin, tilt_deg: float, azimuth
             place = {"x_mm": x, "y_mm": y, "z_mm": z, "u_px": u, "v_px": v}
             rows.append({**pose, "marker": marker, **place, "seen": int(seen.seen[k, marker])})
     return rows
-
-
-def write_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Rows as a table in CSV, with the columns of the first."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]) if rows else ["empty"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
 
 
 def dome_parts(design: Design, specimen: RenderedSkin, pose: tuple[float, float, float]) -> list[Part]:

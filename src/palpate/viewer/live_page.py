@@ -12,10 +12,10 @@ from nicegui import events, ui
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_opencv
+from palpate.core.report import csv_text
 from palpate.sensor import Reading
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
-from palpate.viewer.export import write_table
 from palpate.viewer.live import Live, LiveImage, LiveVerdict, rate_reading, tilt_interval
 from palpate.viewer.live_opening import LiveOpening
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
@@ -197,7 +197,7 @@ class LivePage:
         if not self._kept:
             show_error(self._fault, "Nothing was recorded yet.", "nothing-recorded")
             return
-        ui.download.content(write_table(self._kept), "readings.csv")
+        ui.download.content(csv_text(self._kept), "readings.csv")
 
 
 def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tuple[str, float, float, str, str]]:

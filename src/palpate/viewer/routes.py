@@ -8,7 +8,8 @@ from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.responses import JSONResponse
 
 from palpate.core import PalpateError
-from palpate.viewer.export import dome_parts, marker_rows, write_table
+from palpate.core.report import csv_text
+from palpate.viewer.export import dome_parts, marker_rows
 from palpate.viewer.gltf import write_gltf
 from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.link import selected_rows
@@ -80,7 +81,7 @@ def answer_errors(app: FastAPI) -> None:
 
 
 def _csv(name: str, rows: list[dict[str, Any]]) -> Response:
-    return Response(write_table(rows), media_type="text/csv", headers=_attachment(name))
+    return Response(csv_text(rows), media_type="text/csv", headers=_attachment(name))
 
 
 def _attachment(name: str) -> dict[str, str]:

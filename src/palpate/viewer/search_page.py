@@ -13,7 +13,7 @@ from palpate.viewer.explore_page import set_chart
 from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
 from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.specimen_cache import DesignCache
-from palpate.viewer.words import column_label, format_cell
+from palpate.viewer.words import column_label, find_column
 from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0
@@ -94,7 +94,7 @@ class SearchPage:
                     with ui.element("th").props('scope="row"'):
                         ui.label(column_label(column))
                     with ui.element("td"):
-                        ui.label(_words(cell))
+                        ui.label(find_column(column).text(cell))
         self._draw()
 
     def _draw(self) -> None:
@@ -142,9 +142,3 @@ def _state(search: SearchFolder) -> str:
         )
     found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
     return f"{found}; errors are foreseen of built units after {search.spec.calibration_presses} known presses."
-
-
-def _words(cell: Any) -> str:
-    if isinstance(cell, bool):
-        return "yes" if cell else "no"
-    return format_cell(cell)

@@ -17,6 +17,7 @@ from palpate.bench.played import COLUMNS, collect_estimates, covered_share
 from palpate.bench.result import bench_page, pool_units, score_unit
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import RenderSpec
+from palpate.core.report import page_markdown
 from small_chain import rms, small_bench, write_small_model, write_small_twin
 
 
@@ -166,7 +167,7 @@ def test_flagged_images_are_counted_apart(bench, nominal):
     all_images, trusted = pool_units([unit]), pool_units([unit], trusted=True)
     assert trusted[0].images == all_images[0].images - len(images[::3])
     assert all_images[0].errors.max > 25 > trusted[0].errors.max
-    check_values(bench_page(bench, [unit]), len(images[::3]))
+    check_values(page_markdown(bench_page(bench, [unit])), len(images[::3]))
 
 
 def test_units_that_cannot_be_inverted_are_refused(bench):

@@ -8,8 +8,9 @@ import pytest
 
 from errors import check_values
 from palpate.built import PredictedAccuracy
+from palpate.core.report import page_markdown
 from palpate.optimise import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
-from palpate.optimise.proof import validation_lines
+from palpate.optimise.proof import validation_page
 
 FIGURES = ((0.020, 0.080), (0.0203, 0.0808)), ((0.021, 0.083), (0.0201, 0.0800))
 """Foreseen and played of two designs."""
@@ -34,10 +35,10 @@ def test_the_order_is_the_same_only_where_both_figures_say_so() -> None:
     outlier = design("winner", (0.02, 0.08), (0.021, 0.15))
     assert ValidationResult((winner, rival), known=5).order_preserved
     assert not ValidationResult((outlier, rival), known=5).order_preserved
-    same, other = (list(validation_lines(ValidationResult((one, rival), known=5))) for one in (winner, outlier))
-    check_values(same[-2], "12 %")
-    check_values(other[-2], "88 %", "winner and rival")
-    assert "winner and rival" not in same[-2]
+    same, other = (list(validation_page(ValidationResult((one, rival), known=5))) for one in (winner, outlier))
+    check_values(same[-1], "12 %")
+    check_values(other[-1], "88 %", "winner and rival")
+    assert "winner and rival" not in same[-1]
 
 
 def test_an_order_that_other_units_would_turn_is_not_contradicted() -> None:
@@ -51,7 +52,7 @@ def test_an_order_that_other_units_would_turn_is_not_contradicted() -> None:
     alike = rng.uniform(0.7, 1.3, 20)
     sure = ValidationResult((design("winner", *FIGURES[0], alike), design("rival", *FIGURES[1], alike)), known=5)
     assert sure.reversed_pairs == ("winner and rival",)
-    check_values("\n".join(validation_lines(sure)), "winner and rival")
+    check_values(page_markdown(validation_page(sure)), "winner and rival")
 
 
 def test_spans_are_those_of_the_normal_distribution_where_units_are_many() -> None:
@@ -77,5 +78,7 @@ def test_units_that_gave_no_pose_are_left_out_of_both() -> None:
 
 def test_a_page_says_from_which_depth_the_solvers_part() -> None:
     second = SolverComparison(4.8, 0.177, 0.182, 0.043, branches_differ_from_mm=5.6)
-    page = "\n".join(validation_lines(ValidationResult((design("winner", (0.02, 0.08), (0.02, 0.08)),), 5, second)))
+    page = page_markdown(
+        validation_page(ValidationResult((design("winner", (0.02, 0.08), (0.02, 0.08)),), 5, second))
+    )
     check_values(page, "5.6 mm", "+2.8 %")

@@ -17,11 +17,11 @@ pytest.importorskip("PIL")
 from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
+from palpate.core.report import csv_text
 from palpate.design import TILT_SPACE, MarkerSpec, place_markers
 from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
-from palpate.viewer.export import write_table
 from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
@@ -96,7 +96,7 @@ def test_virtual_touches_are_read_back(touches):
     assert all(step.found.mean() > 0.9 for step in steps if step.found.any())
     assert max(float(np.abs(step.positions_px - live.rest_px).max()) for step in steps) > 1
     assert len(live.record) == 60
-    assert write_table(live.record).count("\n") == 61
+    assert csv_text(live.record).count("\n") == 61
     truths = np.array([step.truth for step in steps])
     assert len({tuple(truth[:2]) for truth in truths if truth[2] > 0}) == 2  # two touches, by different walls
     assert np.hypot(truths[:, 0], truths[:, 1]).max() <= 6

@@ -23,7 +23,7 @@ from palpate.viewer.link import (
     write_link,
 )
 from palpate.viewer.results import Design
-from palpate.viewer.words import column_label, format_cell, jitter_words
+from palpate.viewer.words import column_label, find_column, jitter_words
 
 GRID = SpecificationGrid(rows(), depths())
 
@@ -124,8 +124,10 @@ def test_curves_change_their_dash_with_the_branch():
 def test_words_of_columns_have_units():
     assert column_label("travel_mm") == "marker travel (mm)"
     assert column_label("rmse_spread_deg") == "RMSE spread (°)"
-    assert format_cell(None) == "–"
-    assert format_cell(np.pi) == "3.14"
+    assert column_label("bound_deg") == "least-squares bound (°)"
+    assert column_label("p95_deg") == "95th percentile (°)"
+    assert find_column("travel_mm").text(None) == "–"
+    assert find_column("travel_mm").text(np.pi) == "3.142"
 
 
 def test_the_jitter_is_the_studys():

@@ -1,0 +1,213 @@
+"""Every table of every verb in terminals of 80, 100 and 120 columns: no digit and no name is cut."""
+
+import json
+import shutil
+from collections.abc import Iterable
+from functools import cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import pytest
+from terminal import ROOT, Shown, show
+
+from inventory.collect import verbs
+from inventory.commands import COMMANDS
+from inventory.compare import new_words
+from presses import stored_folder
+from results import PAPER
+
+DATA = ROOT / "examples" / "data"
+WIDTHS = (80, 100, 120)
+CHEAP = {
+    "material list": "material list",
+    "material show": "material show zaid_2024_ecoflex_00_30",
+    "press": "press --cells 4 --depth 0.4",
+    "design": "design --markers 19",
+    "grid show": "grid show small",
+    "grid show, wide": "grid show small --wide",
+    "grid compare": "grid compare small small",
+    "limit": "limit small",
+    "claims": "claims small",
+    "calibrate": f"calibrate {DATA}/board --board chessboard:9x6:25",
+    "find": "find images",
+    "fit": f"fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone --no-figure "
+    f"--relaxation {DATA}/rubber/relaxation.csv",
+    "verify": "verify --only cook",
+}
+"""Verb → its words: those that take less than a second."""
+DEAR = {
+    "run": "run {data}/small.yaml --out small --workers 1",
+    "status": "status {data}/small.yaml --out small",
+    "limit": "limit {data}/small.yaml --out small",
+    "grid show": "grid show small",
+    "grid compare": "grid compare small small",
+    "twin": "twin {data}/small.yaml --out small --workers 1",
+    "accept": "accept {data}/recording/poses.csv --model small/twins/H20_T2.h5 --markers 61 --min-depth 1 --no-zero",
+    "learn": "learn recording --out learnt --estimators ridge",
+    "live": "live --source {data}/recording --model small/twins/H20_T2.h5 --markers 61 --count 4",
+    "benchmark score": "benchmark score predictions.csv --set set/set",
+    "fit": "fit --uniaxial {data}/rubber/uniaxial.csv --equibiaxial {data}/rubber/equibiaxial.csv "
+    "--planar {data}/rubber/planar.csv --model yeoh --no-figure",
+}
+"""Words that differ from those of the inventory, or are none of its own."""
+NOT_RUN = {
+    "optimise": "its smallest search takes a quarter of an hour; its columns are tested in tests/unit/optimise",
+}
+
+
+def make_grid(folder: Path) -> None:
+    """Write a grid of four designs of the paper."""
+    from palpate.grid import evaluate_grid, write_grid
+
+    write_grid(folder / "small", evaluate_grid(PAPER[:4]))
+
+
+@pytest.fixture(scope="module")
+def cheap(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, int], Shown]:
+    folder = tmp_path_factory.mktemp("cheap")
+    make_grid(folder)
+    (folder / "images").mkdir()
+    for image in ("00.png", "10.png"):
+        shutil.copy(DATA / "recording" / image, folder / "images")
+    asked = list(product(CHEAP, WIDTHS))
+    return dict(zip(asked, show([(CHEAP[verb], width) for verb, width in asked], folder), strict=True))
+
+
+@pytest.mark.parametrize("verb", CHEAP)
+def test_a_terminal_shows_tables_uncut(cheap: dict[tuple[str, int], Shown], verb: str) -> None:
+    for width in WIDTHS:
+        shown = cheap[verb, width]
+        assert shown.code == 0
+        assert len(shown.text.split("\n")) > 3
+        assert shown.faults == [], f"{verb} at {width} columns"
+
+
+def numbers(values: Iterable[Any], form: str) -> set[str]:
+    return {format(value, form) for value in values}
+
+
+def test_a_grid_keeps_the_figures_that_decide(cheap: dict[tuple[str, int], Shown]) -> None:
+    from palpate.grid import evaluate_grid
+
+    designs = evaluate_grid(PAPER[:4]).designs
+    for width in WIDTHS:
+        words = set(cheap["grid show", width].text.split())
+        for name, form in (("markers", "d"), ("rmse_deg", ".3f"), ("max_error_deg", ".3f")):
+            assert numbers((row[name] for row in designs), form) <= words
+        assert "small/grid.csv" in words
+
+
+def test_a_list_keeps_the_names_of_materials_whole(cheap: dict[tuple[str, int], Shown]) -> None:
+    from palpate.material import get_material, list_materials
+
+    for width in WIDTHS:
+        words = set(cheap["material list", width].text.split())
+        assert set(list_materials()) <= words
+        assert numbers((1e3 * get_material(name).young_modulus for name in list_materials()), ".1f") <= words
+
+
+def test_a_press_keeps_forces_and_depths_whole(cheap: dict[tuple[str, int], Shown]) -> None:
+    from palpate.design import DomeSpec, build_skin
+    from palpate.fea import WallSpec, solve_press
+    from palpate.mesh import MeshSpec, mesh_skin
+    from palpate.study import MaterialSpec
+
+    mesh = mesh_skin(build_skin(DomeSpec()), MaterialSpec().mesh(MeshSpec(cells=4)))
+    press = solve_press(mesh, MaterialSpec().material(), WallSpec(depth=0.4))
+    for width in WIDTHS:
+        words = set(cheap["press", width].text.split())
+        assert numbers(press.depth, ".2f") <= words
+        assert numbers(press.force[:, 2], ".4f") <= words
+
+
+def test_wide_shows_every_column_with_its_meaning(cheap: dict[tuple[str, int], Shown]) -> None:
+    text = cheap["grid show, wide", 80].text
+    assert "more column" not in text
+    assert "least-squares bound: " in text
+    assert "bistable from" in text
+
+
+RICH = """
+import fcntl, json, struct, sys, termios
+from rich.console import Console
+from rich.table import Table
+_, width = json.load(sys.stdin)[0]
+fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, width, 0, 0))
+table = Table(title="materials")
+for name in ("name", "law", "E kPa", "stretch", "stable", "fit"):
+    table.add_column(name)
+table.add_row("marechal_2020_dragon_skin_10", "ogden", "164.7", "1.06 to 4.97", "yes", "R2 0.998 of five samples")
+print("\\x01", end="", flush=True)
+Console().print(table)
+print("\\x020", end="", flush=True)
+"""
+
+
+def test_a_table_that_cuts_names_is_found(tmp_path: Path) -> None:
+    (shown,) = show([("", 80)], tmp_path, RICH)
+    assert shown.faults
+    assert "marechal_2020_dragon_skin_10" not in shown.text
+
+
+@cache
+def verbs_with_tables() -> dict[str, bool]:
+    """Every verb, and whether it prints a table."""
+    return {verb: "--wide" in flags for verb, flags in verbs()}
+
+
+def verb_of(words: str) -> str:
+    """The verb of a command line."""
+    first = words.split()[0]
+    return first if first in verbs_with_tables() else " ".join(words.split()[:2])
+
+
+def every_verb() -> dict[str, str]:
+    """Words of every verb that prints a table, or lines as they come, on small inputs."""
+    found = {name: new_words(name).replace(" --json", "") for name in COMMANDS} | DEAR
+    return {
+        name: words.format(data=DATA)
+        for name, words in found.items()
+        if verb_of(words) == "live" or verbs_with_tables()[verb_of(words)]
+    }
+
+
+def run_every_verb(folder: Path) -> None:
+    """Run every verb at every width in one folder, so that later ones read the results of earlier ones."""
+    recording = folder / "recording"
+    shutil.copytree(DATA / "recording", recording)
+    rows = (recording / "poses.csv").read_text().splitlines()
+    (recording / "poses.csv").write_text("\n".join(row for row in rows if ",rest," not in row))
+    found: dict[str, list[tuple[int, str, int]]] = {}
+    for name, words in every_verb().items():
+        if name == "benchmark score":
+            predict(folder)
+        shown = show([(words, width) for width in WIDTHS], folder)
+        found[name] = [(one.width, one.text, one.code) for one in shown]
+    (folder / "shown.json").write_text(json.dumps(found))
+
+
+def predict(folder: Path) -> None:
+    """Write predictions of zero for the test images of the set."""
+    rows = (folder / "set/set/hidden.csv").read_text().splitlines()[1:]
+    lines = [f"{row.split(',')[0]},0,0,3" for row in rows]
+    (folder / "predictions.csv").write_text("\n".join(["image,rx_deg,ry_deg,depth_mm", *lines]) + "\n")
+
+
+@pytest.mark.slow
+def test_every_verb_shows_its_tables_uncut() -> None:
+    folder = stored_folder("terminal", [json.dumps(every_verb(), sort_keys=True)], run_every_verb)
+    found = json.loads((folder / "shown.json").read_text())
+    faults = {
+        f"{name} at {width}": Shown(width, text, code).faults or code
+        for name, each in found.items()
+        for width, text, code in each
+        if code not in (0, 1) or Shown(width, text, code).faults
+    }
+    assert faults == {}
+    assert len(found) > 20
+
+
+def test_every_verb_with_a_table_is_run_or_has_a_reason() -> None:
+    tables = {verb for verb, printed in verbs_with_tables().items() if printed}
+    assert tables - {verb_of(words) for words in every_verb().values()} == set(NOT_RUN)
