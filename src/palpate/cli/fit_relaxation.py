@@ -133,7 +133,7 @@ def _warnings(found: RelaxationFit) -> Iterator[str]:
 
 
 def relaxation_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
-    """Yield tables and sentences of what `describe_relaxation` found."""
+    """Yield the tables and sentences of a `describe_relaxation` result."""
     yield Report("relaxation tests", _TESTS, facts["samples"])
     interval = f"{100 * facts['confidence']:g} % interval"
     terms = [

@@ -39,7 +39,7 @@ _COLUMNS = (
     Column("reason", prose=True, meaning="why nothing was detected"),
 )
 _WIDTH = 7
-"""Least width of a column of readings, which are printed one by one."""
+"""Minimum width of a column of readings, which are printed one by one."""
 _FOLDER = "Folder of images."
 _SOURCE = (
     "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "

@@ -1,4 +1,4 @@
-"""Public names of a subpackage, imported when they are first used, so that a command starts with what it needs.
+"""Public names of a subpackage, imported on first use, so that a command loads only its own modules.
 
 The stub `__init__.pyi` names them, as in scientific Python's SPEC 1: tools and
 type checkers read the stub as they read an `__init__.py` of imports.

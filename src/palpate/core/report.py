@@ -17,7 +17,7 @@ from typing import TextIO
 from palpate.core.files import atomic_write
 
 Value = object
-"""Entry of a table: a number, a text, a truth value, or `None` if there is none."""
+"""Entry of a table: a number, a text, a truth value, or `None` if it is missing."""
 
 UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "kpa": "kPa", "n": "N", "px": "px", "s": "s", "ms": "ms", "mj": "mJ"}
 """Last part of a column's name → its unit."""
@@ -26,7 +26,7 @@ GAP = 2
 """Spaces between the columns of a text."""
 _NUMBER = re.compile(r"[-+±<>≤≥]? ?(\d[\d.]*|∞)(e[-+]?\d+)?( ?%)?")
 PROSE = 24
-"""Least width of a column of sentences, in characters."""
+"""Minimum width of a column of sentences, in characters."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Column:
     name
         Key of the column in a row, in JSON and in CSV.
     heading
-        Heading for people; the name without its unit if empty.
+        Heading of the column; the name without its unit if empty.
     unit
         Unit; read from the last part of the name if `None`.
     form
@@ -46,9 +46,9 @@ class Column:
     meaning
         One line of the legend; no line if empty.
     deciding
-        Whether a reader needs the column first: the others are left out of a narrow terminal.
+        Whether the column stays in a narrow terminal, which leaves out columns that are not deciding.
     prose
-        Whether its texts are sentences, which may go on in a second line. Numbers and names never do.
+        Whether its texts are sentences, which may be wrapped. Numbers and names never do.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Column:
 
     @property
     def measure(self) -> str:
-        """Unit, empty if there is none."""
+        """Unit; empty for a number without dimension."""
         words, _, last = self.name.rpartition("_")
         return self.unit if self.unit is not None else UNITS.get(last, "") if words else ""
 
@@ -78,7 +78,7 @@ class Column:
         return f"{self.title} ({self.measure})" if self.measure else self.title
 
     def text(self, value: Value) -> str:
-        """Return a value of this column as people read it."""
+        """Return a value of this column as text."""
         if value is None or value == "":
             return EMPTY
         if isinstance(value, bool):
@@ -102,13 +102,13 @@ class Report:
     title
         Title of the table; none if empty.
     columns
-        The columns, the deciding ones where they read best.
+        The columns in their order.
     rows
         One mapping a row, from the name of a column to its value. A name that is missing has no value.
     notes
         Sentences below the table.
     file
-        Where all columns can be found besides, e.g. ``"results/first/grid.csv"``.
+        File that has all columns, e.g. ``"results/first/grid.csv"``.
     """
 
     title: str
@@ -246,7 +246,7 @@ def json_text(content: object) -> str:
 
 
 def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
-    """Return rows as CSV with the columns of the first; an empty text if there is none."""
+    """Return rows as CSV with the columns of the first; an empty text without rows."""
     listed, text = list(rows), io.StringIO()
     if listed:
         _write_csv(text, listed, list(listed[0]))
@@ -302,7 +302,7 @@ def _is_numeric(report: Report, column: Column) -> bool:
 
 
 def _column_width(report: Report, column: Column) -> int:
-    """Least width in which no number, name or word is cut."""
+    """Return the minimum width that cuts no number, name or word."""
     cells = _texts(report, column)
     longest = max(map(len, cells), default=0)
     if column.prose and longest > PROSE:
@@ -320,7 +320,7 @@ def _table_width(report: Report, columns: Sequence[Column]) -> int:
 
 
 def _fitting(report: Report, columns: Sequence[Column], width: int) -> list[Column]:
-    """The deciding columns, and of the others, in their order, those for which there is room."""
+    """Return the deciding columns, and further columns in their order while they fit."""
     chosen = [one for one in columns if one.deciding]
     for one in columns:
         if one not in chosen and _table_width(report, [*chosen, one]) <= width:
@@ -383,9 +383,9 @@ def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
     text
         The text; its own line ends stay.
     width
-        Greatest length of a line; `None` for any.
+        Maximum length of a line; `None` for any.
     indent
-        What the second and later lines begin with.
+        Start of the second and later lines.
     """
     if width is None:
         return text.split("\n")

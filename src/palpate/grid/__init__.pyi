@@ -10,7 +10,6 @@ from palpate.grid.io import is_grid, read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
 from palpate.grid.plot import (
-    PLOT_KINDS,
     check_plot_request,
     default_metric,
     draw_grid,
@@ -23,7 +22,6 @@ from palpate.grid.query import filter_rows, sort_rows
 __all__ = [
     "MAIN_COLUMNS",
     "METRICS",
-    "PLOT_KINDS",
     "Cell",
     "Comparison",
     "CurvePanel",

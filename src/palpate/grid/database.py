@@ -28,7 +28,7 @@ WAIT_S = 30.0
 """How long to wait for another writer, s."""
 
 KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ()}
-"""Columns that every table besides the designs has, after the design's number."""
+"""Columns of each table of details, after the design's number."""
 
 
 def write_database(path: Path, grid: SpecificationGrid) -> None:

@@ -257,7 +257,8 @@ class Study(Spec):
         field = positions_field(self.obstacle)
         other = "offsets_mm" if field == "tilts_deg" else "tilts_deg"
         defaults_fit = type(self.obstacle) is WallSpec
-        if other in self.model_fields_set or not (defaults_fit or field in self.model_fields_set):
+        other_given = other in self.model_fields_set and getattr(self, other)
+        if other_given or not (defaults_fit or field in self.model_fields_set):
             raise PydanticCustomError(
                 "positions-of-another-obstacle",
                 "{label} is pressed at {field}; give {field}, and leave out {other}.",
