@@ -54,7 +54,7 @@ class Output(JsonOutput):
     wide: Annotated[bool, Parameter(name="--wide", negative="", help="Print all columns and their meaning.")] = False
 
     def show(self, data: Any, *reports: Report | str) -> None:
-        """Print the data as JSON if it was asked for, otherwise reports and sentences, one below the other."""
+        """Print the data as JSON if it was asked for, otherwise reports and sentences."""
         if self.json:
             print(json_text(data))
             return

@@ -17,7 +17,7 @@ from typing import TextIO
 from palpate.core.files import atomic_write
 
 Value = object
-"""Entry of a table: a number, a text, a truth value, or `None` if there is none."""
+"""Entry of a table: a number, a text, a truth value, or `None`."""
 
 UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "kpa": "kPa", "n": "N", "px": "px", "s": "s", "ms": "ms", "mj": "mJ"}
 """Last part of a column's name → its unit."""
@@ -38,7 +38,7 @@ class Column:
     name
         Key of the column in a row, in JSON and in CSV.
     heading
-        Heading for people; the name without its unit if empty.
+        Heading; the name without its unit if empty.
     unit
         Unit; read from the last part of the name if `None`.
     form
@@ -46,9 +46,9 @@ class Column:
     meaning
         One line of the legend; no line if empty.
     deciding
-        Whether a reader needs the column first: the others are left out of a narrow terminal.
+        Whether a reader needs the column first; other columns are left out of a narrow terminal.
     prose
-        Whether its texts are sentences, which may go on in a second line. Numbers and names never do.
+        Whether its texts are sentences, which may take a second line. Numbers and names never do.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Column:
 
     @property
     def measure(self) -> str:
-        """Unit, empty if there is none."""
+        """Unit; empty for a pure number."""
         words, _, last = self.name.rpartition("_")
         return self.unit if self.unit is not None else UNITS.get(last, "") if words else ""
 
@@ -78,7 +78,7 @@ class Column:
         return f"{self.title} ({self.measure})" if self.measure else self.title
 
     def text(self, value: Value) -> str:
-        """Return a value of this column as people read it."""
+        """Return the text of a value."""
         if value is None or value == "":
             return EMPTY
         if isinstance(value, bool):
@@ -100,7 +100,7 @@ class Report:
     Attributes
     ----------
     title
-        Title of the table; none if empty.
+        Title of the table, or an empty text.
     columns
         The columns, the deciding ones where they read best.
     rows
@@ -108,7 +108,7 @@ class Report:
     notes
         Sentences below the table.
     file
-        Where all columns can be found besides, e.g. ``"results/first/grid.csv"``.
+        File that has all columns, e.g. ``"results/first/grid.csv"``.
     """
 
     title: str
@@ -246,7 +246,7 @@ def json_text(content: object) -> str:
 
 
 def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
-    """Return rows as CSV with the columns of the first; an empty text if there is none."""
+    """Return rows as CSV with the columns of the first; an empty text without rows."""
     listed, text = list(rows), io.StringIO()
     if listed:
         _write_csv(text, listed, list(listed[0]))
@@ -320,7 +320,7 @@ def _table_width(report: Report, columns: Sequence[Column]) -> int:
 
 
 def _fitting(report: Report, columns: Sequence[Column], width: int) -> list[Column]:
-    """The deciding columns, and of the others, in their order, those for which there is room."""
+    """Deciding columns, and other columns in their order as far as they fit."""
     chosen = [one for one in columns if one.deciding]
     for one in columns:
         if one not in chosen and _table_width(report, [*chosen, one]) <= width:

@@ -5,7 +5,7 @@ from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
 from palpate.grid.draw import write_picture
 from palpate.grid.evaluate_grid import evaluate_grid
 from palpate.grid.export import export_grid, grid_report, html_rows
-from palpate.grid.grid import Cell, Row, SpecificationGrid, column_unit, design_label, rows_for_design
+from palpate.grid.grid import Cell, Row, SpecificationGrid, design_label, rows_for_design
 from palpate.grid.io import is_grid, read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
@@ -32,7 +32,6 @@ __all__ = [
     "Row",
     "SpecificationGrid",
     "check_plot_request",
-    "column_unit",
     "compare_grids",
     "copy_model",
     "cut_depth_panels",

@@ -57,13 +57,13 @@ _DETAILS = (
 )
 _CURVES = ("bound_floor_deg", "displacement_mean_straight_mm")
 MAIN_COLUMNS = tuple(name for name in _COLUMNS if name not in (*_DETAILS, *_CURVES))
-"""Names of the columns that a person reads first."""
+"""Names of the columns of a table in a terminal or a page."""
 CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in (*_PREDICTED, *_CURVES))
 """Columns of a design in CSV, behind its name. SQLite, JSON and Parquet have all."""
 
 
 def grid_column(name: str) -> Column:
-    """Column of a name; with the heading that the name says if it has no words of its own.
+    """Column of a name; with the heading that the name says if it is not in the table.
 
     Examples
     --------

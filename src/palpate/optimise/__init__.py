@@ -10,7 +10,7 @@ from palpate.optimise.choose_rings import (
 )
 from palpate.optimise.design_study import write_packs
 from palpate.optimise.front import DesignCandidate, Front, SkinTrial
-from palpate.optimise.influence import SobolIndices, compute_sobol_indices
+from palpate.optimise.influence import compute_sobol_indices
 from palpate.optimise.optimise_design import optimise_design, validate_front
 from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
 from palpate.optimise.proposal import LayoutOption, SkinEvaluation
@@ -40,7 +40,6 @@ __all__ = [
     "SkinEvaluation",
     "SkinSpace",
     "SkinTrial",
-    "SobolIndices",
     "SolverComparison",
     "ValidatedDesign",
     "ValidationResult",

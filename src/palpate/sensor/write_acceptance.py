@@ -33,7 +33,7 @@ def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
 
 
 def acceptance_page(found: Acceptance, title: str) -> list[str | Report]:
-    """Paragraphs and tables of the report: verdict, tolerances, errors beside those of the paper's sensor."""
+    """Paragraphs and tables of the report: verdict, tolerances, errors and those of the paper's sensor."""
     table = []
     for score in found.scores:
         errors, paper = score.errors, PAPER_TABLE_3[score.component]

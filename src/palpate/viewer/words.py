@@ -1,4 +1,4 @@
-"""Columns and jitter of a grid or a search as people read them."""
+"""Headings of the columns of a grid or a search, and the jitter of a grid."""
 
 from __future__ import annotations
 
