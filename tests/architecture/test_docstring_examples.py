@@ -23,7 +23,7 @@ VERBS = {
         "turn_about_axis",
         "wall_normal",
     ],
-    "grid": ["design_label", "column_unit"],
+    "grid": ["design_label", "grid_column"],
     "learn": ["fit_ridge", "measure_errors"],
     "sensor": ["find_depth_zero", "score_readings"],
     "study": ["read_study"],

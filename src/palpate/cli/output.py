@@ -62,7 +62,10 @@ class Output(JsonOutput):
         for report in reports:
             if above and not (isinstance(report, str) and isinstance(above, str)):
                 print()
-            print_text(report if isinstance(report, str) else report_text(report, terminal_width(), wide=self.wide))
+            if isinstance(report, str):
+                print_text(report)
+            else:
+                print(report_text(report, terminal_width(), wide=self.wide), flush=True)
             above = report
 
 

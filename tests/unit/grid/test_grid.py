@@ -8,7 +8,6 @@ import pytest
 from errors import refused
 from palpate.grid import (
     SpecificationGrid,
-    column_unit,
     cut_depth_panels,
     cut_panels,
     evaluate_grid,
@@ -16,6 +15,7 @@ from palpate.grid import (
     rows_for_design,
     write_grid,
 )
+from palpate.grid.grid import column_unit
 from results import FIRST, PAPER, make_design
 
 PROMISED = {
