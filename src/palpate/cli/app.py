@@ -18,6 +18,7 @@ app = App(
     version=__version__,
     help="From an idea to a trusted vision-based tactile sensor: design, press, camera, learning, grid.",
     version_flags=["--version"],
+    suppress_keyboard_interrupt=False,  # `guarded` answers it
 )
 app.command("palpate.cli.run:run", name="run", help="Run a study: every design through the whole chain.")
 app.command("palpate.cli.status:status", name="status", help="How far a study is.")

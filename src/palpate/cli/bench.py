@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
 from palpate.built import AccuracySpec, predict_budget
 from palpate.camera import CameraSpec, RenderSpec, build_camera
+from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import RESULTS, Output, check_folder
@@ -77,7 +78,7 @@ def bench(
     check_folder(out)
     chosen, design, material = flags.chosen(), flags.design, flags.reads.material.material()
     model = _model(flags)
-    store = ArtefactStore(out / "store")
+    store = ArtefactStore(keep_results(out) / "store")
     played = VirtualBench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()

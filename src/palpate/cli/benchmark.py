@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
+from palpate.cli.border import keep_results
 from palpate.cli.output import Output, check_file, check_folder
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
@@ -52,7 +53,7 @@ def make(
     chosen = read_benchmark_spec(spec)
     given = {name: value for name, value in (("seed", seed), ("hidden_seed", hidden_seed)) if value is not None}
     chosen = BenchmarkSpec.model_validate({**chosen.model_dump(), **given})
-    made = make_benchmark(chosen, out, worker_flags.workers, Lines())
+    made = make_benchmark(chosen, keep_results(out), worker_flags.workers, Lines())
     counts = made.counts
     told = {"images": counts.images, "pictures": counts.pictures, "presses": counts.presses}
     rows = [(split, counts.presses[split], counts.images[split], counts.pictures[split]) for split in counts.images]
@@ -106,7 +107,7 @@ def baselines(
     check_folder(out)
     worker_flags.check()
     chosen = read_baseline_spec(spec)
-    scores = run_baselines(read_set(folder), chosen, out, only, worker_flags.workers, _print_line)
+    scores = run_baselines(read_set(folder), chosen, keep_results(out), only, worker_flags.workers, _print_line)
     table = compare_report({BASELINES[name]: own for name, own in scores.items()})
     output.show({name: [each.as_dict() for each in own] for name, own in scores.items()}, "Baselines", table)
 

@@ -8,6 +8,7 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,12 @@ from palpate.core import PalpateError
 
 DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
+_RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished results", default=None)
 
 
 def guarded(command: Callable[[], Any]) -> int:
     """Run `command`; print what went wrong to standard error and return the exit code."""
+    _RESULTS_FOLDER.set(None)
     try:
         code = command()
     except PalpateError as error:
@@ -34,7 +37,9 @@ def guarded(command: Callable[[], Any]) -> int:
             return _refuse(said, "See --help for units and bounds.", _kind(error.__cause__))
         return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
-        print("Interrupted.", file=sys.stderr)
+        folder = _RESULTS_FOLDER.get()
+        saved = f"; {folder} keeps the finished results" if folder else ""
+        print(f"Interrupted{saved}. Run the same command again to continue.", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has left
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -43,6 +48,12 @@ def guarded(command: Callable[[], Any]) -> int:
         print(f"palpate failed: {type(error).__name__}. Details: {_write_log()}", file=sys.stderr)
         return FAULT
     return code if isinstance(code, int) else DONE
+
+
+def keep_results(folder: Path) -> Path:
+    """Return a folder of finished results, which the message of an interruption names."""
+    _RESULTS_FOLDER.set(folder)
+    return folder
 
 
 def _refuse(what: str, remedy: str, code: str) -> int:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from palpate.cli.border import keep_results
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
@@ -83,7 +84,7 @@ def learn(
     found = read_recording(recording, table.choice(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _print_line(note)
-    store, first = ArtefactStore(out / "store"), None
+    store, first = ArtefactStore(keep_results(out) / "store"), None
     if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
         first = train_on_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _print_line, begin)
         _write(out, first)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.core import PalpateError
@@ -62,7 +63,9 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
             f"Give 1 to 1024; this machine has {available_cores()} cores.",
             code="option-out-of-bounds",
         )
-    return [_describe(design) for design in run_bounds(study, out or RESULTS / study.name, workers, Lines())]
+    return [
+        _describe(design) for design in run_bounds(study, keep_results(out or RESULTS / study.name), workers, Lines())
+    ]
 
 
 def _describe(design: DesignBounds) -> dict[str, Any]:

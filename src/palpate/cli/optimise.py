@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.cli.run import ClusterFlags
@@ -95,7 +96,7 @@ def optimise(
     spec = search.change(read_requirements(requirements))
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours
-    folder = out or RESULTS / spec.name
+    folder = keep_results(out or RESULTS / spec.name)
     command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
     workers = worker_flags.workers
     front = optimise_design(

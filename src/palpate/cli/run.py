@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from palpate.cli.border import INTERRUPTED
+from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Bars, Lines, make_progress
@@ -94,12 +94,8 @@ def run(
     if device is not None:
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
     worker_flags.check()
-    folder = out or RESULTS / chosen.name
-    try:
-        result = _run_watched(chosen, folder, worker_flags, quiet=output.json)
-    except KeyboardInterrupt:
-        print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
-        return INTERRUPTED
+    folder = keep_results(out or RESULTS / chosen.name)
+    result = _run_watched(chosen, folder, worker_flags, quiet=output.json)
     grid = evaluate_grid(result.designs)
     write_grid(folder, grid)
     output.show(

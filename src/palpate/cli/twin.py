@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.bench import read_tolerance
+from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
@@ -99,7 +100,7 @@ def twin(
         )
     worker_flags.check()
     study = flags.study(source)
-    folder = out or RESULTS / study.name
+    folder = keep_results(out or RESULTS / study.name)
     found = run_twins(study, folder, worker_flags.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 
 _THREAD_VARIABLES = (
     "OMP_NUM_THREADS",
@@ -25,18 +26,29 @@ _PARENT_CHECK_S = 1.0
 
 @contextmanager
 def single_threaded() -> Iterator[None]:
-    """Let processes started inside use one thread each; threads of this process take turns."""
+    """Let processes started inside use one thread and ignore Ctrl-C; threads of this process take turns."""
     with _CHANGING:
         before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
         os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+        masked = _block_interrupts()
         try:
             yield
         finally:
+            if masked is not None:
+                signal.pthread_sigmask(signal.SIG_SETMASK, masked)
             for name, value in before.items():
                 if value is None:
                     os.environ.pop(name, None)
                 else:
                     os.environ[name] = value
+
+
+def _block_interrupts() -> set[int] | None:
+    """Block Ctrl-C in this thread, which a new process inherits; the mask before, `None` on Windows."""
+    if not hasattr(signal, "pthread_sigmask"):
+        return None
+    resource_tracker.ensure_running()  # its start would unblock Ctrl-C again
+    return set(signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}))
 
 
 def attach_to_parent(parent: int) -> None:
