@@ -49,7 +49,7 @@ PROGRAMS = {
     "cluster": "from palpate.study.cluster import ClusterWorkers; from palpate.core import ArtefactStore\n"
     "from pathlib import Path\n"
     "if __name__ == '__main__':\n    pool = ClusterWorkers(ArtefactStore(Path('store')), 'local:1')\n"
-    "    print(pool.size)\n    pool.leave()",
+    "    print(pool.size)\n    pool.shutdown()",
     "web": "import palpate.viewer.server; from nicegui import ui; print(ui.label)",
     "vision": "from palpate.cli import main; main('find {data}/recording --json'.split())",
     "davis": "import dv_processing; print(dv_processing.__version__)",
