@@ -73,7 +73,7 @@ designs: {heights: [20 mm], thicknesses: [2 mm], markers: [19]}
 obstacle: {kind: wheel, radius: 9 mm, depth: 3 mm, contact: frictionless}
 offsets_mm: [0, 2]
 mesh: {cells: 5}
-dataset: {n_presses: 30, max_tilt_deg: 2, dropped_images: 0}
+dataset: {n_presses: 30, dropped_images: 0}
 learning: {preset: quick}
 """
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from palpate.core import PalpateError, rename_columns
-from palpate.grid import Cell, Row, SpecificationGrid, rows_for_design
+from palpate.grid import Cell, Row, SpecificationGrid, design_spec, rows_for_design
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""
@@ -73,9 +72,8 @@ class Evidence:
     @property
     def label(self) -> str:
         """Contact law and way of learning, e.g. ``"no-slip, best"``; the folder's name where the grid has neither."""
-        specs = (json.loads(str(row["spec"])) for row in self.grid.designs if row.get("spec"))
-        spec: dict[str, Any] = next(specs, {})
-        parts = (spec.get("obstacle", spec.get("wall", {})).get("contact"), spec.get("learning", {}).get("preset"))
+        spec = next((design_spec(row) for row in self.grid.designs if row.get("spec")), {})
+        parts = (spec.get("obstacle", {}).get("contact"), spec.get("learning", {}).get("preset"))
         words = ", ".join(_word(part) for part in parts if part is not None)
         return words or self.folder
 

@@ -70,7 +70,7 @@ _MODES = (
 _RANKING = (
     Column("model"),
     Column("behind", "ΔAICc", form=".1f", meaning="corrected Akaike criterion above that of the best model"),
-    Column("relative", "error", "%", form=".3g", meaning="greatest RMSE of a mode over its maximum stress"),
+    Column("relative", "error", "%", form=".3g", meaning="maximum RMSE of a mode over its maximum stress"),
     Column("left_out", "cross-validation error", "%", form=".3g", meaning="error of one sample left out of the fit"),
     Column("condition", form=".2g", meaning="condition number of the least squares"),
     Column("stable", meaning="Drucker stability in all modes"),

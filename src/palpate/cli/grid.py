@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -95,11 +95,10 @@ def compare(
     output: Output = Output(),
 ) -> None:
     """Put two grids side by side: ratios of the same designs, and what differs in spec, seeds and versions."""
-    from palpate.grid import METRICS, compare_grids, read_grid
+    from palpate.grid import compare_grids, read_grid
 
-    metrics = metric or METRICS
-    comparison = compare_grids(read_grid(first), read_grid(second), metrics)
-    output.show(_describe(comparison), *_reports(comparison, metrics, (str(first), str(second))))
+    comparison = compare_grids(read_grid(first), read_grid(second), *([metric] if metric else []))
+    output.show(_describe(comparison), *_reports(comparison, (str(first), str(second))))
 
 
 def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
@@ -111,13 +110,13 @@ def _choose(directory: Path, where: str | None, sort: str | None) -> Specificati
     return grid.select(rows if sort is None else sort_rows(rows, sort))
 
 
-def _reports(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> Iterator[Report | str]:
+def _reports(comparison: Comparison, names: tuple[str, str]) -> Iterator[Report | str]:
     from palpate.grid import grid_column
 
     yield f"A is {names[0]}, B is {names[1]}."
     columns = [grid_column(name) for name in ("height_mm", "thickness_mm", "markers")]
-    for metric in metrics:
-        one, first = grid_column(metric), metric == metrics[0]
+    for number, metric in enumerate(comparison.metrics):
+        one, first = grid_column(metric), number == 0
         columns += [
             Column(f"{metric}_{side}", f"{one.title} {side.upper()}", one.measure, one.form, deciding=first)
             for side in "ab"

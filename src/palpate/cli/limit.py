@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,9 +26,15 @@ _COLUMNS = (
     Column("thickness_mm"),
     Column("markers"),
     Column("depth_mm", form="g"),
-    Column("least_squares_deg", "least-squares bound", form=".3f", meaning="bound of the least-squares estimator"),
-    Column("pitman_deg", "Pitman bound", form=".3f", meaning="error of the posterior mean"),
-    Column("floor_deg", "bound of any estimator", form=".3f"),
+    *(
+        column
+        for unit in ("deg", "mm")
+        for column in (
+            Column(f"least_squares_{unit}", "least-squares bound", form=".3f", meaning="bound of least-squares fits"),
+            Column(f"pitman_{unit}", "Pitman bound", form=".3f", meaning="error of the posterior mean"),
+            Column(f"floor_{unit}", "bound of any estimator", form=".3f"),
+        )
+    ),
 )
 
 
@@ -63,25 +69,36 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
             f"Give 1 to 1024; this machine has {available_cores()} cores.",
             code="option-out-of-bounds",
         )
-    return [
-        _describe(design) for design in run_bounds(study, keep_results(out or RESULTS / study.name), workers, Lines())
-    ]
+    unit = "deg" if study.obstacle.pose_space.is_tilt else "mm"
+    folder = keep_results(out or RESULTS / study.name)
+    return [_describe(design, unit) for design in run_bounds(study, folder, workers, Lines())]
 
 
-def _describe(design: DesignBounds) -> dict[str, Any]:
+def _describe(design: DesignBounds, unit: str) -> dict[str, Any]:
     from palpate.learn import pool_bounds
 
     pooled = pool_bounds(design.limits)
+    bounds = [asdict(bound) for bound in design.limits]
     return {
         "height_mm": design.skin.height,
         "base_radius_mm": design.skin.base_radius,
         "thickness_mm": design.skin.thickness,
         "markers": design.markers.count,
-        "bound_deg": pooled.least_squares_deg if pooled else None,
-        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
-        "by_depth": [asdict(bound) for bound in design.limits],
+        f"bound_{unit}": pooled.least_squares_deg if pooled else None,
+        f"bound_pitman_{unit}": pooled.pitman_deg if pooled else None,
+        "by_depth": [_in_unit(bound, unit) for bound in bounds],
         "failure": design.failure,
     }
+
+
+def _in_unit(bound: dict[str, Any], unit: str) -> dict[str, Any]:
+    """Keys of a bound with the unit of the estimated position."""
+    return {f"{name.removesuffix('_deg')}_{unit}" if name.endswith("_deg") else name: bound[name] for name in bound}
+
+
+def _unit(columns: Container[str]) -> str:
+    """Unit of the estimated position, by the columns of a table."""
+    return "mm" if "bound_mm" in columns else "deg"
 
 
 def _read(folder: Path) -> list[dict[str, Any]]:
@@ -89,7 +106,8 @@ def _read(folder: Path) -> list[dict[str, Any]]:
     from palpate.grid import read_grid, rows_for_design
 
     grid = read_grid(folder)
-    if all(row["bound_deg"] is None for row in grid.by_depth):
+    bound = f"bound_{_unit(grid.columns)}"
+    if all(row[bound] is None for row in grid.by_depth):
         raise PalpateError(
             f"The grid of {folder} holds no limits.",
             "Give the study's YAML file, or run it again.",
@@ -99,16 +117,17 @@ def _read(folder: Path) -> list[dict[str, Any]]:
 
 
 def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:
-    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "bound_deg", "bound_pitman_deg")
+    unit = _unit(row)
+    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", f"bound_{unit}", f"bound_pitman_{unit}")
     by_depth = [
         {
             "depth_mm": at["depth_mm"],
-            "least_squares_deg": at["bound_deg"],
-            "pitman_deg": at["bound_pitman_deg"],
-            "floor_deg": at["bound_floor_deg"],
+            f"least_squares_{unit}": at[f"bound_{unit}"],
+            f"pitman_{unit}": at[f"bound_pitman_{unit}"],
+            f"floor_{unit}": at[f"bound_floor_{unit}"],
         }
         for at in depths
-        if at["bound_deg"] is not None
+        if at[f"bound_{unit}"] is not None
     ]
     return {
         **{name: row[name] for name in names},
@@ -121,7 +140,9 @@ def _report(title: str, designs: list[dict[str, Any]]) -> Report:
     rows = []
     for design in designs:
         rows += [{**design, **bound} for bound in design["by_depth"]]
-        if design["bound_deg"] is not None:
-            pooled = {"least_squares_deg": design["bound_deg"], "pitman_deg": design["bound_pitman_deg"]}
+        unit = _unit(design)
+        if design[f"bound_{unit}"] is not None:
+            names = {f"least_squares_{unit}": f"bound_{unit}", f"pitman_{unit}": f"bound_pitman_{unit}"}
+            pooled = {name: design[found] for name, found in names.items()}
             rows.append({**design, **pooled, "depth_mm": "all"})
     return Report(title, _COLUMNS, rows)

@@ -7,6 +7,7 @@ from collections import Counter
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Column
 
 from palpate.study import Observer
 
@@ -72,19 +73,31 @@ class Bars(Observer):
     def _show(self) -> None:
         done, total = self._costs
         elapsed = self._progress.tasks[0].elapsed or 0.0
-        left = f"about {elapsed * (total - done) / done:.0f} s left" if done else ""
+        left = f"about {_duration(elapsed * (total - done) / done)} left" if done else ""
         self._progress.update(self._bar, working=", ".join(self._working), left=left)
+
+
+def _duration(seconds: float) -> str:
+    """A time in seconds, from two minutes on in minutes, from two hours on in hours."""
+    return (
+        f"{seconds:.0f} s"
+        if seconds < 120
+        else f"{seconds / 60:.0f} min"
+        if seconds < 7200
+        else f"{seconds / 3600:.1f} h"
+    )
 
 
 def make_progress() -> Progress:
     """A bar on standard error; nothing is drawn before it is started."""
     return Progress(
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[left]}"),
-        TextColumn("{task.fields[working]}"),
+        BarColumn(bar_width=16),
+        MofNCompleteColumn(table_column=Column(no_wrap=True, min_width=9)),
+        TimeElapsedColumn(table_column=Column(no_wrap=True, min_width=7)),
+        TextColumn("{task.fields[left]}", table_column=Column(no_wrap=True, min_width=18)),
+        TextColumn("{task.fields[working]}", table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1)),
         console=Console(stderr=True),
+        expand=True,
     )
 
 

@@ -47,9 +47,11 @@ def lazy_front(package: str, file: str) -> None:
     """
     module = sys.modules[package]
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text("utf-8"))
-    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom) and node.module]
     module.__dict__["_sources"] = {
-        alias.asname or alias.name: (str(node.module), alias.name) for node in imports for alias in node.names
+        alias.asname or alias.name: (str(node.module), alias.name)
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
     }
-    module.__dict__["__all__"] = sorted(module.__dict__["_sources"])
+    module.__dict__["__all__"] = list(module.__dict__["_sources"])
     module.__class__ = _LazyFront

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from palpate.core import PalpateError
-from palpate.grid.grid import Cell, Row, SpecificationGrid
+from palpate.grid.grid import Cell, Row, SpecificationGrid, design_spec, own_column
 
 DESIGN = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
 """Columns that say which design a row is; several such rows are matched in their order."""
@@ -55,12 +55,15 @@ class Comparison:
         Designs that one grid alone has.
     differences
         What differs in spec, seeds and versions.
+    metrics
+        Columns that were compared: those of the offset in place of the angle's if the grids have no angle.
     """
 
     rows: tuple[Row, ...]
     only_first: tuple[Row, ...]
     only_second: tuple[Row, ...]
     differences: tuple[Difference, ...]
+    metrics: tuple[str, ...] = METRICS
 
     @property
     def moved(self) -> tuple[Row, ...]:
@@ -85,6 +88,8 @@ def compare_grids(
     PalpateError
         If a metric is in neither grid, or is a text.
     """
+    known = {*first.columns, *second.columns}
+    metrics = tuple(own_column(known, metric) for metric in metrics)
     for metric in metrics:
         cells = [row[metric] for grid in (first, second) if metric in grid.columns for row in grid.designs]
         if not cells and (first.designs or second.designs):
@@ -104,6 +109,7 @@ def compare_grids(
         only_first=tuple(_dome(row) for design, row in rows_a.items() if design not in rows_b),
         only_second=tuple(_dome(row) for design, row in rows_b.items() if design not in rows_a),
         differences=_differences([(_facts(rows_a[design]), _facts(rows_b[design])) for design in both]),
+        metrics=metrics,
     )
 
 
@@ -134,8 +140,9 @@ def _side_by_side(row_a: Row, row_b: Row, metrics: Sequence[str]) -> Row:
 
 def _moved(row_a: Row, row_b: Row) -> float | None:
     """Difference of both RMSE over its standard deviation; `None` where no repeats tell it."""
-    a, b = row_a.get("rmse_deg"), row_b.get("rmse_deg")
-    spreads = [row.get("rmse_spread_deg") for row in (row_a, row_b)]
+    error, spread_of = (own_column(row_a, name) for name in ("rmse_deg", "rmse_spread_deg"))
+    a, b = row_a.get(error), row_b.get(error)
+    spreads = [row.get(spread_of) for row in (row_a, row_b)]
     known = [float(spread) for spread in spreads if isinstance(spread, int | float)]
     if not known or not isinstance(a, int | float) or not isinstance(b, int | float):
         return None
@@ -162,10 +169,9 @@ def _facts(row: Row) -> dict[str, str]:
     """Spec, seeds and versions behind a row, flat."""
     facts = {name.replace("_", " "): str(row[name]) for name in SEEDS if row.get(name) is not None}
     facts |= {f"version {name}": version for name, version in json.loads(str(row.get("versions") or "{}")).items()}
-    spec = row.get("spec")
-    if not isinstance(spec, str):
+    if not isinstance(row.get("spec"), str):
         return {**facts, "spec": UNRECORDED}
-    return {**facts, "spec": RECORDED, **_flatten("spec", json.loads(spec))}
+    return {**facts, "spec": RECORDED, **_flatten("spec", design_spec(row))}
 
 
 def _flatten(name: str, value: Any) -> dict[str, str]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 Cell = float | int | str | None
 """A figure, a word, or nothing where the chain broke or the figure does not apply."""
@@ -12,6 +14,14 @@ Row = Mapping[str, Cell]
 
 TABLES = ("by_depth", "by_tilt", "presses")
 """The tables beside that of the designs; the first column of each is ``design``."""
+
+
+def design_spec(row: Row) -> dict[str, Any]:
+    """Return the settings of a row's study, under the keys of today; empty if the row lacks them."""
+    spec: dict[str, Any] = json.loads(str(row.get("spec") or "{}"))
+    if "wall" in spec:  # until 0.2
+        spec["obstacle"] = spec.pop("wall")
+    return spec
 
 
 def own_column(columns: Container[str], column: str) -> str:

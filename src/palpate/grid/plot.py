@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import PalpateError, atomic_write_into
 from palpate.grid.columns import grid_column
-from palpate.grid.grid import SpecificationGrid
+from palpate.grid.grid import SpecificationGrid, own_column
 from palpate.grid.panel import (
     CurvePanel,
     cut_depth_panels,
@@ -64,6 +64,7 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     """
     from palpate.grid.draw import write_picture
 
+    metric = own_column(grid.columns, metric)
     check_plot_request(grid, kind, metric)
     name = plot_file_name(kind, metric)
     figure = draw_plot(grid, kind, metric)
@@ -81,7 +82,7 @@ def default_metric(grid: SpecificationGrid) -> str:
 
 def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
     """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
-    metric = metric or default_metric(grid)
+    metric = own_column(grid.columns, metric or default_metric(grid))
     check_plot_request(grid, kind, metric)
     return draw_plot(grid, kind, metric)
 

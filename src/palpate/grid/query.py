@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from palpate.core import PalpateError, new_column
-from palpate.grid.grid import Cell, Row
+from palpate.grid.grid import Cell, Row, own_column
 
 LONGEST = 1000
 """Characters of the longest question."""
@@ -66,6 +66,7 @@ def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
         Rows of a grid, all with the same columns.
     by
         Name of a column. A leading minus, or the word ``desc`` after the name, reverses; ``asc`` changes nothing.
+        Rows of an obstacle without a tilt are sorted by the offset's column in place of the angle's.
 
     Raises
     ------
@@ -74,7 +75,7 @@ def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
     """
     column, reverse = _parse_order(by)
     if rows:
-        column = new_column(column, rows[0])
+        column = own_column(rows[0], new_column(column, rows[0]))
         check_column(column, rows[0])
     known = [row for row in rows if row[column] is not None]
     known.sort(key=lambda row: row[column], reverse=reverse)  # type: ignore[arg-type,return-value]

@@ -12,9 +12,9 @@ from typing import Any
 
 from palpate.built import AccuracySpec, PredictedAccuracy, ToleranceSpec, predict_accuracy
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, Recipe, atomic_write, stage_version
+from palpate.core import ArtefactStore, PalpateError, Recipe, atomic_write, stage_version
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
-from palpate.fea import Branch, read_press
+from palpate.fea import Branch, WallSpec, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import AsBuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_artefact, write_json
@@ -126,13 +126,19 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     Raises
     ------
     PalpateError
-        If the skin is no body of revolution.
+        If the skin is no body of revolution, or the obstacle is no wall.
     """
     skin.build().require_revolution(
         "a twin has one press a tilt for all azimuths",
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
         code="twin-needs-revolution",
     )
+    if not isinstance(study.obstacle, WallSpec):
+        raise PalpateError(
+            f"A twin is made of presses by a flat wall, and the obstacle of {study.name} is {study.obstacle.label}.",
+            "Leave the obstacle out, or train an estimator for it: `palpate run`.",
+            code="twin-needs-wall",
+        )
     asked = study.built or AsBuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))

@@ -130,7 +130,7 @@ def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
 def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
-    obstacle = press.obstacle.model_dump(mode="json", exclude={"tilt_deg", "offset", "azimuth_deg"})
+    obstacle = press.obstacle.model_dump(mode="json", exclude={press.obstacle.position_name, "azimuth_deg"})
     positions = list(dict.fromkeys(item.obstacle.radial for item in dataset.presses))
     own = dataset.skin.model_dump(mode="json", exclude=_SIZES)
     return {

@@ -237,7 +237,7 @@ class Study(Spec):
     @field_validator("obstacle")
     @classmethod
     def _positions_belong_to_the_study(cls, obstacle: ObstacleSpec) -> ObstacleSpec:
-        for name in sorted({"tilt_deg", "offset", "azimuth_deg", "unload"} & obstacle.model_fields_set):
+        for name in sorted({obstacle.position_name, "azimuth_deg", "unload"} & obstacle.model_fields_set):
             raise PydanticCustomError(
                 "obstacle-position-given",
                 "{name} is not chosen here: the study presses to full depth at each of {positions}, and one press "
@@ -251,6 +251,24 @@ class Study(Spec):
                 {"label": obstacle.label, "name": obstacle.position_name},
             )
         return obstacle
+
+    @model_validator(mode="after")
+    def _other_parts_fit_the_obstacle(self) -> Self:
+        """Refuse keys that need a wall."""
+        if self.obstacle.pose_space.is_tilt:
+            return self
+        given = {
+            "built": self.built is not None,
+            "forces": self.forces,
+            "dataset.max_tilt_deg": "max_tilt_deg" in self.dataset.model_fields_set,
+        }
+        for name in (name for name, chosen in given.items() if chosen):
+            raise PydanticCustomError(
+                "key-needs-wall",
+                "{name} needs a wall, and the obstacle is {label}; leave it out. Offsets reach as far as offsets_mm.",
+                {"name": name, "label": self.obstacle.label},
+            )
+        return self
 
     @model_validator(mode="after")
     def _positions_are_those_of_the_obstacle(self) -> Self:
@@ -310,7 +328,7 @@ def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialS
 
 def positions_field(obstacle: ObstacleSpec) -> str:
     """Field of a study with the positions of an obstacle: ``tilts_deg`` or ``offsets_mm``."""
-    return "tilts_deg" if obstacle.position_name == "tilt_deg" else "offsets_mm"
+    return "tilts_deg" if obstacle.pose_space.is_tilt else "offsets_mm"
 
 
 def _each_in_bounds(

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, design_label
-from palpate.viewer.words import column_label, find_column
+from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, design_label, grid_column
 
 VIRIDIS = (
     "#440154",
@@ -106,7 +105,7 @@ def heat_chart(grid: SpecificationGrid, metric: str, chosen: Selection, ink: The
         },
         "tooltip": {"appendToBody": True},
         "animation": False,
-        "aria": {"enabled": True, "label": {"description": f"Heat maps of {column_label(metric)} by design."}},
+        "aria": {"enabled": True, "label": {"description": f"Heat maps of {grid_column(metric).label} by design."}},
     }
 
 
@@ -119,7 +118,7 @@ def _heat_cell(
     border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
     marked = number in (chosen.design, chosen.other)
     name = design_label(row)
-    text = find_column(metric).text(value)
+    text = grid_column(metric).text(value)
     short = "–" if value is None else f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
     dark_text = value is not None and value > bright
     return {
@@ -137,7 +136,7 @@ def _heat_cell(
             "fontSize": 10,
             "color": ink.faint if not kept else "#10151a" if dark_text else "#ffffff",
         },
-        "tooltip": {"formatter": f"{name}<br>{column_label(metric)}: <b>{text}</b>"},
+        "tooltip": {"formatter": f"{name}<br>{grid_column(metric).label}: <b>{text}</b>"},
     }
 
 
@@ -198,8 +197,8 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Select
     dots = [_scatter_dot(point, grid.designs[point[0]], axes, (chosen, front, ink)) for point in points]
     return {
         "grid": {"left": 48, "right": 12, "top": 12, "bottom": 40},
-        "xAxis": value_axis(column_label(axes[0]), ink, 26),
-        "yAxis": value_axis(column_label(axes[1]), ink, 34),
+        "xAxis": value_axis(grid_column(axes[0]).label, ink, 26),
+        "yAxis": value_axis(grid_column(axes[1]).label, ink, 34),
         "tooltip": {"appendToBody": True},
         "animation": False,
         "series": [
@@ -216,7 +215,9 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Select
         ],
         "aria": {
             "enabled": True,
-            "label": {"description": f"{column_label(axes[1])} over {column_label(axes[0])} of all designs."},
+            "label": {
+                "description": f"{grid_column(axes[1]).label} over {grid_column(axes[0]).label} of all designs."
+            },
         },
     }
 
@@ -239,7 +240,9 @@ def _scatter_dot(
             "borderColor": ink.ground,
             "borderWidth": 1,
         },
-        "tooltip": {"formatter": f"{name}<br>{column_label(axes[0])}: {x:.3g}<br>{column_label(axes[1])}: {y:.3g}"},
+        "tooltip": {
+            "formatter": f"{name}<br>{grid_column(axes[0]).label}: {x:.3g}<br>{grid_column(axes[1]).label}: {y:.3g}"
+        },
     }
 
 

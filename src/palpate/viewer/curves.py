@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from palpate.grid import Row, SpecificationGrid, rows_for_design
+from palpate.grid import Row, SpecificationGrid, own_column, rows_for_design
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
@@ -29,16 +29,19 @@ def force_curves(shown: list[tuple[Design, SurfaceMotion]]) -> tuple[list[ChartC
 
 
 def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurve]:
-    """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against its least-squares bound."""
+    """Jittered RMSE (degrees or mm) and least-squares bound by depth (mm) of one or two designs."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
         rows = rows_for_design(grid.by_depth, design.number)
-        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "bound_deg")
+        names = (own_column(rows[0] if rows else (), name) for name in ("rmse_jitter_deg", "bound_deg"))
+        errors, limits = (_points(rows, name) for name in names)
         name = "" if len(shown) == 1 else f"{_short(design)} "
         if errors:
             curves.append(ChartCurve(f"{name}network", errors, colour))
         if limits:
-            curves.append(ChartCurve(f"{name}limit", limits, colour if len(shown) > 1 else LIMIT, dashed=True))
+            curves.append(
+                ChartCurve(f"{name}least-squares bound", limits, colour if len(shown) > 1 else LIMIT, dashed=True)
+            )
     return curves
 
 

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 from nicegui import ui
 
-from palpate.grid import MAIN_COLUMNS
+from palpate.grid import MAIN_COLUMNS, grid_column
 from palpate.viewer.page_head import heading
 from palpate.viewer.results import Design
-from palpate.viewer.words import find_column
 
 
 class DesignPanel:
@@ -28,7 +27,7 @@ class DesignPanel:
                 self._row("", [design.name for design in designs], "th")
             for column in MAIN_COLUMNS:
                 if any(column in design.row for design in designs):
-                    shown = find_column(column)
+                    shown = grid_column(column)
                     self._row(shown.label, [shown.text(design.row.get(column)) for design in designs])
             failures = [str(design.row.get("failure") or "") for design in designs]
             if any(failures):

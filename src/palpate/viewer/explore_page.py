@@ -10,7 +10,7 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.grid import design_label
+from palpate.grid import design_label, grid_column, own_column
 from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
@@ -20,7 +20,7 @@ from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, rea
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
-from palpate.viewer.words import column_label, jitter_words
+from palpate.viewer.words import jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
@@ -84,7 +84,7 @@ class ExplorePage:
                 ui.menu_item(label, save).props(f'data-testid="export-{name}"')
 
     def _build_grid(self) -> None:
-        columns = {name: column_label(name) for name in numeric_columns(self._grid)}
+        columns = {name: grid_column(name).label for name in numeric_columns(self._grid)}
         with ui.element("div").classes("card"):
             heading("Specification grid")
             ui.select(
@@ -226,7 +226,8 @@ class ExplorePage:
         curves, marks = force_curves(shown)
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(self._grid, designs)
-        set_chart(self._error, line_chart(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
+        unit = grid_column(own_column(self._grid.columns, "rmse_jitter_deg")).measure
+        set_chart(self._error, line_chart(errors, ("depth (mm)", f"RMSE ({unit})"), ink, [here] if errors else []))
         self._force_note.text = " ".join(_end_sentence(design, motion) for design, motion in shown)
 
     def _numbers(self) -> list[int]:

@@ -25,7 +25,7 @@ from palpate.design import (
     skin_from_data,
 )
 from palpate.fea import Press, read_press
-from palpate.grid import Cell, SpecificationGrid, design_label, read_grid
+from palpate.grid import Cell, SpecificationGrid, design_label, design_spec, read_grid
 
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
@@ -120,7 +120,7 @@ def read_design(results: Results, number: int) -> Design:
     row = results.grid.designs[number]
     try:
         sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
-        spec = json.loads(str(row.get("spec") or "{}"))
+        spec = design_spec(row)
         skin = build_skin(skin_from_data(spec.get("skin", {}) | sizes))
         camera = build_camera(CameraSpec(**spec.get("camera", {})))
         return Design(number, row, skin, _read_layout(results, row, skin), camera, _keys(row, "press"))
@@ -184,7 +184,7 @@ def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
 
 def _read_layout(results: Results, row: Mapping[str, Cell], skin: Skin) -> MarkerLayout:
     """Markers as the dataset has them; without a dataset, as the design's spec says, or rings of as many markers."""
-    spec = json.loads(str(row.get("spec") or "{}"))
+    spec = design_spec(row)
     markers = spec.get("markers", {})
     for key in _keys(row, "dataset"):
         path = ArtefactStore(results.folder / "store").locate("dataset", key, ".manifest.json")

@@ -1,16 +1,14 @@
-"""Headings of the columns of a grid or a search, and the jitter of a grid."""
+"""Headings of the columns of a search, and the jitter of a grid."""
 
 from __future__ import annotations
 
-import json
-
 from palpate.core.report import Column
-from palpate.grid import SpecificationGrid, grid_column
+from palpate.grid import SpecificationGrid, design_spec, grid_column
 from palpate.optimise import FRONT_COLUMNS
 
 
 def find_column(name: str) -> Column:
-    """Column of a grid or of a search, by its name."""
+    """Column of a search by its name; a column of the grid if the search has no words for it."""
     return next((column for column in FRONT_COLUMNS if column.name == name), None) or grid_column(name)
 
 
@@ -21,6 +19,6 @@ def column_label(name: str) -> str:
 
 def jitter_words(grid: SpecificationGrid) -> str:
     """How far the pixels of a grid's studies were moved for the errors with jitter, e.g. ``"2 px jitter"``."""
-    specs = (json.loads(str(row.get("spec") or "{}")) for row in grid.designs)
+    specs = (design_spec(row) for row in grid.designs)
     found = {spec["dataset"]["jitter_px"] for spec in specs if "jitter_px" in spec.get("dataset", {})}
     return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"

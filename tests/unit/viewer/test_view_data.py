@@ -115,7 +115,7 @@ def test_curves_change_their_dash_with_the_branch():
     assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
     assert marks[0].points[0][0] == pytest.approx(3.2)
     errors = error_curves(GRID, [design])
-    assert [curve.name for curve in errors] == ["network", "limit"]
+    assert [curve.name for curve in errors] == ["network", "least-squares bound"]
     assert errors[1].points == [(0.8, 1.0), (1.6, 0.5)]
     options = line_chart(curves, ("depth (mm)", "force (N)"), LIGHT, marks)
     assert options["series"][0]["data"][1] == [pytest.approx(0.8), pytest.approx(0.08)]
