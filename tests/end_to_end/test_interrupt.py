@@ -17,7 +17,11 @@ VERBS = {
     "twin": (f"twin {DATA}/small.yaml --out kept --workers 2", "kept"),
     "limit": (f"limit {DATA}/small.yaml --out kept --workers 2", "kept"),
     "benchmark make": ("benchmark make --spec tiny --out kept --workers 2", "kept"),
+    "bench": ("bench --out kept --units 2 --markers 61", "results"),
+    "optimise": ("optimise paper_task --out kept --workers 2", "kept"),
+    "make": ("make --markers 61 --out pack", ""),
     "verify": ("verify", ""),
+    "convergence": ("convergence --meshes 20 30", ""),
 }
 """Verb → its words, and the folder that keeps finished results."""
 FAST = ("press", "run")

@@ -98,15 +98,16 @@ def _model(flags: BenchFlags) -> Path:
         _print_result(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
     skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
-    made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
+    folder = keep_results(RESULTS / study.name)
+    made = run_twins(study, folder, observer=Lines())[0]
     if made.twin is None:
         raise PalpateError(
             f"There is no twin of {skin.build().name}: {made.problem}",
             "Give a network by --model.",
             code="twin-not-made",
         )
-    export_twins(RESULTS / study.name, [(made.skin, made.twin)])
-    return twin_path(RESULTS / study.name, skin.build())
+    export_twins(folder, [(made.skin, made.twin)])
+    return twin_path(folder, skin.build())
 
 
 def _units(trials: VirtualBench, out: Path, output: Output) -> None:

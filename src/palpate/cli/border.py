@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import tempfile
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -25,6 +27,7 @@ _RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished result
 def guarded(command: Callable[[], Any]) -> int:
     """Run `command`; print what went wrong to standard error and return the exit code."""
     _RESULTS_FOLDER.set(None)
+    sys.unraisablehook = _repeat_interrupt
     try:
         code = command()
     except PalpateError as error:
@@ -48,6 +51,14 @@ def guarded(command: Callable[[], Any]) -> int:
         print(f"palpate failed: {type(error).__name__}. Details: {_write_log()}", file=sys.stderr)
         return FAULT
     return code if isinstance(code, int) else DONE
+
+
+def _repeat_interrupt(swallowed: Any) -> None:
+    """Interrupt again if a destructor swallowed the interruption; print other faults as usual."""
+    if swallowed.exc_type is KeyboardInterrupt:
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+    else:
+        sys.__unraisablehook__(swallowed)
 
 
 def keep_results(folder: Path) -> Path:

@@ -32,6 +32,8 @@ def load_extra(module: str, extra: str, library: str = "") -> Any:
     except ModuleNotFoundError as error:
         raise MissingExtraError(library or module, extra) from error
     except ImportError as error:
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):  # a compiled module wraps it
+            raise KeyboardInterrupt from error
         raise PalpateError(
             f"{library or module} cannot be loaded: {error}.",
             "`palpate doctor` names the system package that brings it.",

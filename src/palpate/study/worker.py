@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import faulthandler
+import os
 import signal
 import time
 import traceback
@@ -69,7 +70,10 @@ def init_worker(parent: int, traces: Path | None = None) -> None:
     """
     worker_process.attach_to_parent(parent)
     if traces is not None:
-        file = traces.open("w")  # open as long as the process lives
+        try:
+            file = traces.open("w")  # open as long as the process lives
+        except FileNotFoundError:
+            os._exit(1)  # its pool was shut down while it started
         faulthandler.enable(file)
         if ASK_WHERE is not None:
             faulthandler.register(ASK_WHERE, file)

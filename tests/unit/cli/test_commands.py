@@ -1,4 +1,5 @@
 import json
+import time
 from pathlib import Path
 
 import pytest
@@ -104,6 +105,21 @@ def test_an_unforeseen_error_is_one_line_with_a_log(
     assert "ZeroDivisionError" in shown
     assert len(shown.splitlines()) == 1
     assert "Traceback" in Path(shown.split()[-1]).read_text()
+
+
+def test_an_interruption_that_a_destructor_swallows_still_ends_the_command() -> None:
+    class Swallowing:
+        def __del__(self) -> None:
+            raise KeyboardInterrupt
+
+    def command() -> None:
+        Swallowing()
+        for _ in range(100):
+            time.sleep(0.05)
+
+    start = time.monotonic()
+    assert guarded(command) == 130
+    assert time.monotonic() - start < 3.0
 
 
 def test_interruption_has_its_exit_code() -> None:

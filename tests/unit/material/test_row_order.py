@@ -1,5 +1,6 @@
 """The order of a file's rows does not matter, unless a specimen was unloaded: then it says which branch is which."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -119,7 +120,5 @@ def test_the_command_reads_a_compression_file_whose_stretches_rise(
         main(["fit", str(path), "--model", "neo-hooke", "--alone", "--no-figure"])
     assert left.value.code in (0, None)
     shown = capsys.readouterr().out
-    sample = next(line for line in shown.splitlines() if path.name in line)
-    rows, notes = (sample.split("│")[column].strip() for column in (3, 6))
-    assert (rows, notes) == ("40", "")
-    assert "0.025" in shown
+    assert re.search(r"^compression.csv +compression +40 +0.55 to 1 +137.8 *$", shown, re.MULTILINE)  # no remark
+    assert re.search(r"^C10 +0.02(5|49999)", shown, re.MULTILINE)
