@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.material import get_material
+from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.robot import AlignmentScenario, VirtualUnit, describe_wall
 from palpate.twin import read_twin
 
@@ -32,11 +31,9 @@ def read_lines(path: Path) -> list[dict]:
 
 def play(chosen: argparse.Namespace) -> None:
     dome = DomeSpec(height=20, thickness=2)
-    layout = place_markers(build_skin(dome), MarkerSpec(count=169))
-    material = get_material("zaid_2024_ecoflex_00_30")
     twin = read_twin(chosen.twin)
     played = AlignmentScenario(
-        twin, layout, dome, material, calibration_presses=chosen.known, by_solver=chosen.solved
+        twin, Design(dome, MarkerSpec(count=169)), calibration_presses=chosen.known, by_solver=chosen.solved
     )
     done = {(line["unit"], line.get("wall")) for line in read_lines(chosen.out)}
     for number in range(1, chosen.units + 1):

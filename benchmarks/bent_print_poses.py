@@ -21,7 +21,7 @@ from palpate.bench.photograph import build_scene, marker_outlines
 from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import generator
-from palpate.design import MarkerSpec, place_markers, place_orientation_mark
+from palpate.design import Design, MarkerSpec, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
@@ -67,10 +67,10 @@ def main() -> None:
         x, y = bend_print(designed, float(np.hypot(*layout.positions[:, :2].T).max()), rng).T
         printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
         scene = replace(
-            build_scene(skin, layout, deviation, nominal, LIGHT),
+            build_scene(Design.of_skin(skin, layout, nominal), deviation, LIGHT),
             edges=marker_outlines(skin, printed, layout.diameter),
         )
-        unit = Unit(skin, layout, nominal=nominal, tolerance=TOLERANCE)
+        unit = Unit(Design.of_skin(skin, layout, nominal), tolerance=TOLERANCE)
         sensor = open_sensor([scene.render_rest()], unit, twin, SensorSpec())
         rest = scene.camera.project(layout.positions)  # the control: as if the print were the design's
         control = PoseFitter(

@@ -15,10 +15,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import build_camera
 from palpate.core import ArtefactStore, generator
 from palpate.dataset import Dataset, DatasetSpec, draw_jitter, generate_dataset
-from palpate.design import build_skin, place_markers
 from palpate.fea import read_press
 from palpate.learn import (
     Estimator,
@@ -41,8 +39,7 @@ TRAINED_TO_DEG = 9.0
 
 def make(task: DatasetTask, store: ArtefactStore, spec: DatasetSpec) -> Dataset:
     presses = [read_press(find_artefact(store, press)) for press in task.presses]
-    layout = place_markers(build_skin(task.skin), task.markers)
-    return generate_dataset(presses, layout, build_camera(task.camera), spec)
+    return generate_dataset(presses, task.design.layout, task.design.camera, spec)
 
 
 def print_splits(task: DatasetTask, store: ArtefactStore) -> None:
@@ -125,9 +122,10 @@ def main() -> None:
     store = ArtefactStore(words.results / "store")
     for design in plan_study(read_study(words.study)).designs:
         task = design.dataset
-        if (task.skin.height, task.skin.thickness) != (20.0, 2.0) or task.markers.count not in words.markers:
+        skin, count = task.design.skin, len(task.design.layout)
+        if (skin.height, skin.thickness) != (20.0, 2.0) or count not in words.markers:
             continue
-        print(f"\nH20 T2, {task.markers.count} markers")
+        print(f"\nH20 T2, {count} markers")
         dataset = make(task, store, DatasetSpec())
         estimator = calibrate_interval(train(dataset, TrainingSpec(), 1), dataset, 1)
         print_intervals(estimator, dataset, make(task, store, DatasetSpec(seed=77)))

@@ -28,7 +28,7 @@ from palpate.built import (
 from palpate.built.noise import NOISE_PX
 from palpate.camera import project_markers
 from palpate.core import ArtefactStore, FloatArray, generator
-from palpate.design import MarkerSpec, skin_from_data
+from palpate.design import Design, MarkerSpec, skin_from_data
 from palpate.fea import Press
 from palpate.material import get_material
 from palpate.optimise import RequirementsSpec
@@ -59,7 +59,7 @@ class ExactDots:
 def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
     spec, twin = bench.spec, bench.opened_model
-    dots = ExactDots(build_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
+    dots = ExactDots(build_scene(Design.of_skin(bench.nominal, bench.layout, bench.camera), deviation, spec.render))
     rest = dots.predict(dots.scene.edges)
     belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
     model, rng = (
@@ -90,7 +90,7 @@ def designs(folder: Path) -> Iterator[_Candidate]:
     choice = next(one for one in spec.cameras if one.name == won["camera"])
     camera = choice.camera.model_copy(update={"distance": won["distance_mm"]})
     skin = skin_from_data({"kind": "ellipsoid", **shape})
-    yield _Candidate(spec, "winner", skin, won["material"], markers, camera)
+    yield _Candidate(spec, "winner", Design(skin, markers, camera, get_material(won["material"])), won["material"])
     if spec.baseline is not None:
         yield _Candidate.rival(spec)
 
@@ -100,8 +100,8 @@ def main(folder: Path, units: int = 4, robot: str = "") -> None:
     store = ArtefactStore(folder / "store")
     for design in designs(folder):
         spec = design.bench.model_copy(update=KNOWN_ROBOT if robot == "known-robot" else {})
-        material, twin = get_material(design.material), find_artefact(store, design.twin)
-        bench = virtual.VirtualBench(spec, design.skin, design.markers, material, design.camera, twin, store)
+        twin = find_artefact(store, design.twin)
+        bench = virtual.VirtualBench(spec, design.design, twin, store)
         squares = []
         for unit in range(1, units + 1):
             errors = read_unit(bench, sample_deviation(spec.tolerance, spec.seed, unit))

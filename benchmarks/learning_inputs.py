@@ -203,9 +203,10 @@ def main() -> None:
     tasks = [design.dataset for design in plan_study(read_study(words.study)).designs]
     rows = []
     for task in tasks:
-        if (task.skin.height, task.skin.thickness) != (words.height, words.thickness):
+        if (task.design.skin.height, task.design.skin.thickness) != (words.height, words.thickness):
             continue
-        if task.markers.count not in words.markers:
+        count = len(task.design.layout)
+        if count not in words.markers:
             continue
         whole = read_dataset(find_artefact(store, task))
         for name, dataset, learn in cases(whole):
@@ -214,9 +215,10 @@ def main() -> None:
             started = time.process_time()
             clean, jittered = judge(dataset, learn())
             seconds = time.process_time() - started
-            rows.append((task.markers.count, name, clean.rmse_deg, clean.max_error_deg, jittered.rmse_deg, seconds))
+            rows.append((count, name, clean.rmse_deg, clean.max_error_deg, jittered.rmse_deg, seconds))
             print(
-                f"| {task.markers.count} | {name} | " + " | ".join(f"{value:.3f}" for value in rows[-1][2:5]), end=""
+                f"| {count} | {name} | " + " | ".join(f"{value:.3f}" for value in rows[-1][2:5]),
+                end="",
             )
             print(f" | {seconds:.0f} |", flush=True)
     with words.out.open("w", newline="", encoding="utf-8") as file:

@@ -22,11 +22,9 @@ import meshio
 import numpy as np
 
 from palpate.cad import read_step
-from palpate.camera import CameraSpec
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_skin, place_markers
-from palpate.fabricate import PackSpec, PadMapping, ProcessSpec, project_to_skin, write_pack
-from palpate.material import get_material
+from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec
+from palpate.fabricate import PadMapping, ProcessSpec, project_to_skin, write_pack
 
 HEIGHTS, THICKNESSES, MARKERS = (10, 20, 30), (1, 2, 3, 4), (7, 37, 91, 169)
 COLUMNS = [
@@ -74,7 +72,7 @@ def volume(points: np.ndarray, triangles: np.ndarray) -> float:
     return float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6)
 
 
-def check(folder: Path, spec: PackSpec) -> dict[str, float]:
+def check(folder: Path, design: Design, process: ProcessSpec) -> dict[str, float]:
     """Greatest deviations of a pack from what it was made for."""
     manifest = json.loads((folder / "manifest.json").read_text())
     for name, digest in manifest["sha256"].items():
@@ -95,21 +93,21 @@ def check(folder: Path, spec: PackSpec) -> dict[str, float]:
         raise SystemExit(f"STEP has the parts {sorted(parts)}, the manifest {sorted(volumes)}.")
     for name, part in parts.items():
         step_off = max(step_off, abs(part.volume / volumes[name] - 1))
-    scale = 1 - spec.process.shrinkage_percent / 100
+    scale = 1 - process.shrinkage_percent / 100
     return {
         "mesh_volume_off_percent": 100 * mesh_off,
         "step_volume_off_percent": 100 * step_off,
-        "hollow_off_percent": 100 * abs(hollow(parts, spec) * scale**3 / volumes["module"] - 1),
-        **check_artwork(folder, spec),
+        "hollow_off_percent": 100 * abs(hollow(parts, design, process) * scale**3 / volumes["module"] - 1),
+        **check_artwork(folder, design, process),
     }
 
 
-def hollow(parts: dict, spec: PackSpec) -> float:
+def hollow(parts: dict, design: Design, process: ProcessSpec) -> float:
     """Volume in mm³ that cavity and core leave between them: block minus both, pins and holes left out."""
     from palpate.cad import cylinder, revolve
     from palpate.design import build_contact_module
 
-    module = build_contact_module(build_skin(spec.skin), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
+    module = build_contact_module(design.skin, MountSpec(), 1 / (1 - process.shrinkage_percent / 100))
     top = module.skin.height + module.skin.thickness
     inner = cylinder(module.flange_foot, module.foot, top + 0.5)
     left = inner
@@ -120,10 +118,9 @@ def hollow(parts: dict, spec: PackSpec) -> float:
     return min(left.volume, whole)
 
 
-def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
+def check_artwork(folder: Path, design: Design, process: ProcessSpec) -> dict[str, float]:
     """Greatest distance of a dot in DXF and SVG from the compensated place, and on the dome from the marker."""
-    dome = build_skin(spec.skin)
-    layout = place_markers(dome, spec.markers)
+    dome, layout = design.skin, design.layout
     with (folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])
     circles = ezdxf.readfile(folder / "artwork.dxf").modelspace().query('CIRCLE[layer=="DOTS"]')
@@ -131,7 +128,7 @@ def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
     group = next(node for node in ElementTree.parse(folder / "artwork.svg").getroot() if node.get("id") == "dots")
     vector = np.array([[float(node.get("cx")), -float(node.get("cy"))] for node in group])
     off = max(np.linalg.norm(found - page, axis=1).max() for found in (drawn, vector))
-    carried = np.linalg.norm(project_to_skin(dome, vector, spec.process.mapping) - layout.positions, axis=1).max()
+    carried = np.linalg.norm(project_to_skin(dome, vector, process.mapping) - layout.positions, axis=1).max()
     return {"artwork_off_mm": float(off), "carried_off_mm": float(carried)}
 
 
@@ -144,7 +141,6 @@ def main() -> None:
     if given.out.exists():
         with given.out.open() as file:
             done = {tuple(int(row[key]) for key in COLUMNS[:3]) for row in csv.DictReader(file)}
-    material = get_material("zaid_2024_ecoflex_00_30")
     with given.out.open("a", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         if not done:
@@ -154,17 +150,17 @@ def main() -> None:
                 continue
             dome = DomeSpec(height=design[0], thickness=design[1])
             process = ProcessSpec(mapping=given.mapping)
-            spec = PackSpec(dome, MarkerSpec(count=design[2]), MountSpec(), material, process, CameraSpec())
+            made = Design(dome, MarkerSpec(count=design[2]))
             row: dict[str, object] = dict(zip(COLUMNS[:3], design, strict=True))
             with tempfile.TemporaryDirectory() as folder:
                 started = time.perf_counter(), time.process_time()
                 try:
-                    pack = write_pack(Path(folder) / "pack", spec)
+                    pack = write_pack(Path(folder) / "pack", made, process)
                 except PalpateError as error:
                     row |= {"findings": str(error)}
                 else:
                     row |= {"files": len(pack.files) + 1, "wall_s": time.perf_counter() - started[0]}
-                    row |= {"cpu_s": time.process_time() - started[1], **check(pack.folder, spec)}
+                    row |= {"cpu_s": time.process_time() - started[1], **check(pack.folder, made, process)}
                     row |= {"findings": " ".join(item.code for item in pack.findings)}
             writer.writerow({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()})
             file.flush()

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import SimulatedSource
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import Design, MarkerSpec, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
@@ -69,7 +69,7 @@ def main():
     reader.add_argument("--passes", type=int, default=5)
     given = reader.parse_args()
     twin = read_twin(given.twin)
-    unit = Unit(twin.skin, place_markers(twin.skin, MarkerSpec(count=169)))
+    unit = Unit(Design.of_skin(twin.skin, place_markers(twin.skin, MarkerSpec(count=169))))
     images = take_images(unit, get_material(given.material))
     time_reading(unit, twin, images[:30])  # to compile
     gc.collect()

@@ -20,9 +20,9 @@ import websockets
 
 from palpate.bench import build_scene
 from palpate.built import Deviation
-from palpate.camera import CameraSpec, RenderSpec, Source
+from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import Design, MarkerSpec, place_markers
 from palpate.sensor import Unit, open_sensor
 from palpate.twin import read_twin
 from palpate.viewer import Feed, ServeSpec, build_readings_app
@@ -41,9 +41,9 @@ def memory_mb() -> float:
 def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
     twin = read_twin(path)
     layout = place_markers(twin.skin, MarkerSpec(count=169))
-    scene = build_scene(twin.skin, layout, Deviation(), CameraSpec(), RenderSpec(noise=2.0, blur_px=0.7))
+    scene = build_scene(Design.of_skin(twin.skin, layout), Deviation(), RenderSpec(noise=2.0, blur_px=0.7))
     images = [scene.render_rest()]
-    sensor = open_sensor(images, Unit(twin.skin, layout), twin)
+    sensor = open_sensor(images, Unit(Design.of_skin(twin.skin, layout)), twin)
     began = time.monotonic()
 
     class Camera(Source):

@@ -83,14 +83,14 @@ def published_case(name: str) -> Case:
     """One press of a study of the package, its mesh refined around (docs/theory/skins.md)."""
     designs = {one: plan_study(read_study(one)).designs[0].dataset for one in (name, ALIKE.get(name, name))}
     press = designs[name].presses[0]
-    skin = press.skin.build()
+    skin = press.design.skin
     mesh = FILLED if press.mesh.filled else TUBE if skin.hole else HOLLOW
-    markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
+    markers = {one: _marked(design.design.skin, design.design.markers) for one, design in designs.items()}
     tilt, depth = 92.0 if press.obstacle.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.obstacle.depth / 2
     travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "depth_step": depth / IMAGES}
-    modulus = press.material.law.shear_modulus
+    modulus = press.design.material.law.shear_modulus
     penalty = modulus * (CONFINED if modulus < SOFT_WALL_MPA else STIFFER) if mesh.filled else SOFT
-    return Case(skin, press.material, mesh, press.obstacle.model_copy(update=travel), markers, penalty)
+    return Case(skin, press.design.material, mesh, press.obstacle.model_copy(update=travel), markers, penalty)
 
 
 def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.design import DomeSpec, MarkerSpec, build_skin
+from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.learn import Coverage, ErrorBound, measure_errors
 from palpate.study import Counts, DesignResult, PressSummary
 
@@ -24,9 +24,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
     dome = DomeSpec(height=height, thickness=thickness)
     size = 3.0 / np.sqrt(markers) + 0.1 * thickness + abs(height - 20) / 20
     return DesignResult(
-        skin=dome,
-        markers=MarkerSpec(count=markers),
-        shape=build_skin(dome).shape,
+        design=Design(dome, MarkerSpec(count=markers)),
         clean=None if failure else make_metrics(size),
         jittered=None if failure else make_metrics(3 * size, seed=1),
         travel_mm=float("nan") if failure else 1.0 + thickness / (1 + abs(height - 20) / 10),

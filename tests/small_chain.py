@@ -3,10 +3,10 @@
 import numpy as np
 
 from palpate.bench import VirtualBench, VirtualBenchSpec
-from palpate.camera import CameraSpec, build_camera
+from palpate.camera import build_camera
 from palpate.core import ArtefactStore
 from palpate.dataset import DatasetSpec, generate_dataset
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.learn import fit_ridge, write_estimator
 from palpate.material import get_material
@@ -72,7 +72,7 @@ def small_bench(folder, model, **spec):
     chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "depth_step": 0.9}
     chosen |= {"cells": CELLS, "min_depth": 2.0} | spec
     return VirtualBench(
-        VirtualBenchSpec(**chosen), DOME, MARKERS, MATERIAL, CameraSpec(), model, ArtefactStore(folder / "store")
+        VirtualBenchSpec(**chosen), Design(DOME, MARKERS, material=MATERIAL), model, ArtefactStore(folder / "store")
     )
 
 

@@ -11,7 +11,8 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.design import ConeSpec, Ellipsoid, SplineSpec
+from palpate.design import ConeSpec, SplineSpec
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.mechanics import ContactLaw
 
 HERE = Path(__file__).parent

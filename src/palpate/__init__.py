@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from palpate.camera import CameraSpec, build_camera  # type: ignore[no-redef, unused-ignore]
     from palpate.core import __version__
-    from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers  # type: ignore[no-redef, unused-ignore]
+    from palpate.design import Design, DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers  # type: ignore[no-redef, unused-ignore]
     from palpate.fea import BallSpec, WallSpec, solve_press  # type: ignore[no-redef, unused-ignore]
     from palpate.grid import evaluate_grid, read_grid  # type: ignore[no-redef, unused-ignore]
     from palpate.material import get_material  # type: ignore[no-redef, unused-ignore]
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _ROOMS = {
     "core": ("__version__",),
     "camera": ("CameraSpec", "build_camera"),
-    "design": ("DomeSpec", "EllipsoidSpec", "MarkerSpec", "build_skin", "place_markers"),
+    "design": ("Design", "DomeSpec", "EllipsoidSpec", "MarkerSpec", "build_skin", "place_markers"),
     "fea": ("BallSpec", "WallSpec", "solve_press"),
     "grid": ("evaluate_grid", "read_grid"),
     "material": ("get_material",),
@@ -40,6 +40,7 @@ _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 __all__ = [
     "BallSpec",
     "CameraSpec",
+    "Design",
     "DomeSpec",
     "EllipsoidSpec",
     "MarkerSpec",

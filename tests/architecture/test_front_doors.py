@@ -21,7 +21,6 @@ FRONT_DOORS = {
     },
     "design": {
         "Dome",
-        "Ellipsoid",
         "Skin",
         "DomeSpec",
         "Finding",
@@ -134,7 +133,7 @@ FRONT_DOORS = {
     "deck": {"DeckSpec", "deck_text", "solve_press_calculix", "write_deck"},
     "optimise": {"RequirementsSpec", "optimise_design", "read_requirements", "write_front"},
     "claims": {"assess_claims", "read_evidence", "write_claims"},
-    "fabricate": {"FabricationPack", "PackSpec", "ProcessSpec", "draw_artwork", "write_pack"},
+    "fabricate": {"FabricationPack", "ProcessSpec", "draw_artwork", "write_pack"},
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
     "ros": {"Message", "build_message", "header_of"},

@@ -43,7 +43,7 @@ def results(tmp_path_factory) -> Path:
     design = library.design(1)
     recording = out / "recording"
     recording.mkdir()
-    unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
+    unit = Unit(design.design)
     touches = SimulatedSource(unit, sample_presses(library.specimen(design).pressed.presses, seed=2))
     for number, image in enumerate(islice(touches.images(), 30)):
         cv2.imwrite(str(recording / f"{number:03d}.png"), image)

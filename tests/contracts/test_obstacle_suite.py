@@ -2,8 +2,9 @@
 
 import pytest
 
-from palpate.design import Dome, Ellipsoid
+from palpate.design import Dome
 from palpate.design.barrel import BarrelSpec
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
 from palpate.fea.route import RouteSpec

@@ -2,8 +2,9 @@
 
 import pytest
 
-from palpate.design import SKINS, ConeSpec, Dome, Ellipsoid, Skin, SplineSpec
+from palpate.design import SKINS, ConeSpec, Dome, Skin, SplineSpec
 from palpate.design.cone import Cone
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.design.pinned import PinnedDome
 from palpate.testing import SkinSuite

@@ -14,9 +14,8 @@ import pytest
 from errors import check_values
 from palpate.bench import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.bench.result import pool_units
-from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
-from palpate.design import DomeSpec, MarkerSpec
+from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.material import get_material
 from palpate.optimise import optimise_design, propose, prove, read_requirements, validate_front, write_front
 from palpate.study import find_artefact, read_study
@@ -159,10 +158,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     )
     bench = VirtualBench(
         small(units=3, max_tilt_deg=9.0, depth=3.0, min_depth=1.0),
-        DomeSpec(thickness=3.0),
-        MarkerSpec(count=19),
-        get_material(spec.materials[0]),
-        CameraSpec(),
+        Design(DomeSpec(thickness=3.0), MarkerSpec(count=19), material=get_material(spec.materials[0])),
         twin,
         ArtefactStore(tmp_path / "bench"),
     )

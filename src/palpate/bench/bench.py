@@ -35,17 +35,11 @@ from palpate.bench.played import (
 )
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, Deviation, RobotUncertainty
-from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
 from palpate.deck import CalculixSpec
 from palpate.design import (
     TILT_SPACE,
-    MarkerLayout,
-    MarkerSpec,
-    Skin,
-    SkinSpec,
-    build_skin,
-    place_markers,
+    Design,
     wall_normal,
 )
 from palpate.fea import (
@@ -60,7 +54,6 @@ from palpate.fea import (
     write_press,
 )
 from palpate.learn import Predictor
-from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import (
@@ -88,8 +81,8 @@ class VirtualBench:
     ----------
     spec
         How it presses, looks and counts.
-    skin, markers, material, camera
-        The design and what the training took for granted.
+    design
+        The design; the training assumed its camera and elastomer.
     model
         What reads: a trained network (.onnx), or the design's twin (.h5).
     store
@@ -99,23 +92,10 @@ class VirtualBench:
     """
 
     spec: VirtualBenchSpec
-    skin: SkinSpec
-    markers: MarkerSpec
-    material: Material
-    camera: CameraSpec
+    design: Design
     model: Path
     store: ArtefactStore
     model_key: str = ""
-
-    @cached_property
-    def layout(self) -> MarkerLayout:
-        """The design's markers."""
-        return place_markers(self.nominal, self.markers)
-
-    @cached_property
-    def nominal(self) -> Skin:
-        """The design's dome."""
-        return build_skin(self.skin)
 
     @cached_property
     def opened_model(self) -> Predictor | Twin:
@@ -125,14 +105,15 @@ class VirtualBench:
     @property
     def name(self) -> str:
         """The design in words."""
-        return f"H {self.skin.height:g}, T {self.skin.thickness:g} mm, {len(self.layout)} markers"
+        skin = self.design.skin
+        return f"H {skin.height:g}, T {skin.thickness:g} mm, {len(self.design.layout)} markers"
 
     def facts(self) -> dict[str, Any]:
         """What every report begins with, as JSON data: spec, design, model and versions."""
         return {
             "spec": self.spec.model_dump(mode="json"),
-            "dome": self.skin.model_dump(mode="json"),
-            "markers": len(self.layout),
+            "dome": self.design.skin_spec.model_dump(mode="json"),
+            "markers": len(self.design.layout),
             "model_sha256": self.model_sha256,
             "made_by": provenance() | {"unit_trial": stage_version("unit_trial")},
         }
@@ -145,11 +126,11 @@ class VirtualBench:
         PalpateError
             If the model cannot be opened, or is not of this design, or the skin is no body of revolution.
         """
-        self.nominal.require_revolution(
+        self.design.skin.require_revolution(
             "one press of a unit is turned to every azimuth",
             "Judge its estimator by `palpate run`: presses held out.",
         )
-        check_model(self.opened_model, Unit(self.nominal, self.layout, nominal=self.camera), TILT_SPACE)
+        check_model(self.opened_model, Unit(self.design), TILT_SPACE)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -208,8 +189,8 @@ def _press(bench: VirtualBench, deviation: Deviation, tilt: float, branch: Branc
 
 
 def _run_unit(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
-    scene = build_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
-    unit = Unit(bench.nominal, bench.layout, nominal=bench.camera, tolerance=bench.spec.tolerance)
+    scene = build_scene(bench.design, deviation, bench.spec.render)
+    unit = Unit(bench.design, tolerance=bench.spec.tolerance)
     presses = list(solve_unit_presses(bench, deviation))
     try:
         _refuse_none(presses)
@@ -321,11 +302,11 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
 
 
 def _solve(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Press:
-    mesh = mesh_skin(build_skin(deviation.dome(bench.skin)), _mesh_spec(bench, deviation, branch))
-    material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg, branch)
+    built, wall = deviation.built(bench.design), _wall(bench, deviation, tilt_deg, branch)
+    mesh = mesh_skin(built.skin, _mesh_spec(bench, deviation, branch))
     if branch is Branch.INVERTED:
-        return solve_press(mesh, material, wall, branch=branch)
-    return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
+        return solve_press(mesh, built.material, wall, branch=branch)
+    return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, built.material, wall)
 
 
 def _mesh_spec(bench: VirtualBench, deviation: Deviation, branch: Branch) -> MeshSpec:
@@ -334,12 +315,12 @@ def _mesh_spec(bench: VirtualBench, deviation: Deviation, branch: Branch) -> Mes
         return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
     cells = bench.spec.cells or (_own_cells(bench) if whole else round(FINER * _own_cells(bench)))
-    return MeshSpec(cells=cells, whole=whole, filled=bench.material.has_gel)
+    return MeshSpec(cells=cells, whole=whole, filled=bench.design.material.has_gel)
 
 
 def _own_cells(bench: VirtualBench) -> int:
     """Cells from pole to rim by which the nominal skin is pressed."""
-    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.has_gel)).spec.cells or 0
+    return mesh_skin(bench.design.skin, MeshSpec(filled=bench.design.material.has_gel)).spec.cells or 0
 
 
 def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
@@ -375,7 +356,8 @@ def _press_recipe(bench: VirtualBench, deviation: Deviation, tilt_deg: float, br
     other = bench.spec.solver == "calculix"
     solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
     mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
-    return press_recipe(deviation.dome(bench.skin), mesh, deviation.material(bench.material), wall, solver, branch)
+    built = deviation.built(bench.design)
+    return press_recipe(built.skin_spec, mesh, built.material, wall, solver, branch)
 
 
 def unit_recipe(bench: VirtualBench, deviation: Deviation) -> Recipe:
@@ -383,9 +365,9 @@ def unit_recipe(bench: VirtualBench, deviation: Deviation) -> Recipe:
     spec = {
         "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),
         "deviation": deviation.as_dict(),
-        "markers_mm": bench.layout.positions.tolist(),
-        "diameter": bench.layout.diameter,
-        "camera": bench.camera.model_dump(mode="json"),
+        "markers_mm": bench.design.layout.positions.tolist(),
+        "diameter": bench.design.layout.diameter,
+        "camera": bench.design.camera_spec.model_dump(mode="json"),
         "model": bench.model_key or bench.model_sha256,
     }
     tilts, branch = unit_tilts(bench.spec, deviation.unit), _branch(bench, deviation)

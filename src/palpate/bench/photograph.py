@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.built import Deviation
-from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, marker_outlines, render, tangent_pair
+from palpate.camera import Camera, RenderSpec, marker_outlines, render, tangent_pair
 from palpate.core import BoolArray, FloatArray, child_seed, generator
-from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
+from palpate.design import Design, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
 
 
@@ -52,29 +52,25 @@ class Scene:
         return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
 
 
-def build_scene(
-    skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec
-) -> Scene:
+def build_scene(design: Design, deviation: Deviation, spec: RenderSpec) -> Scene:
     """Print the dots of one unit and mount its camera.
 
     Parameters
     ----------
-    skin, layout
-        The design; a unit's inner surface is as designed.
+    design
+        The design that it was made to; a unit's inner surface is as designed.
     deviation
         What is not as designed.
-    nominal
-        The camera of the design.
     spec
         Light, lens and sensor.
     """
-    rng = generator(deviation.seed, "print")
+    rng, skin, layout = generator(deviation.seed, "print"), design.skin, design.layout
     points = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
     points = _misprint(skin, points, deviation, rng)
     there = np.ones(len(points), bool)
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
     edges = marker_outlines(skin, points, layout.diameter)[there]
-    return Scene(edges, build_camera(deviation.camera(nominal)), spec, there[:-1])
+    return Scene(edges, deviation.built(design).camera, spec, there[:-1])
 
 
 def _misprint(skin: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:

@@ -96,8 +96,8 @@ def describe_bench(bench: VirtualBench, results: Sequence[UnitResult]) -> dict[s
     sampled = [result for result in results if result.number]
     return {
         **bench.facts(),
-        "material": bench.material.key_data(),
-        "camera": bench.camera.model_dump(mode="json"),
+        "material": bench.design.material.key_data(),
+        "camera": bench.design.camera_spec.model_dump(mode="json"),
         "units": [_describe_unit(result) for result in results],
         "pooled": [score.as_dict() for score in pool_units(results)],
         "as_good_as_the_paper": {"units": sum(result.meets_paper for result in sampled), "of": len(sampled)},

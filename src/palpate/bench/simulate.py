@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from palpate.bench.photograph import build_scene
 from palpate.built import Deviation
-from palpate.camera import CameraSpec, RenderSpec, Source, render
+from palpate.camera import RenderSpec, Source, render
 from palpate.core import FloatArray, child_seed, generator
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit
 
@@ -40,8 +39,7 @@ class SimulatedSource(Source):
 
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
         self._touches = touches
-        camera = unit.lens or unit.nominal or CameraSpec()
-        self._scene = build_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
+        self._scene = build_scene(replace(unit.design, camera_spec=unit.camera_spec), Deviation(), LIGHT)
         self._truth: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
@@ -78,14 +76,14 @@ class SimulatedSource(Source):
 
 
 def simulate_sensor(
-    unit: Unit, material: Material, tilt_deg: float = 5.0, azimuth_deg: float = 30.0, presses: int = 3
+    unit: Unit, tilt_deg: float = 5.0, azimuth_deg: float = 30.0, presses: int = 3
 ) -> SimulatedSource:
     """A simulated sensor that a slanted wall presses; takes some seconds.
 
     Parameters
     ----------
-    unit, material
-        The sensor and its elastomer.
+    unit
+        The sensor.
     tilt_deg, azimuth_deg
         The wall.
     presses
@@ -96,10 +94,11 @@ def simulate_sensor(
     PalpateError
         If the press cannot be solved, or the skin is no body of revolution.
     """
-    unit.skin.require_revolution("its one press is turned to other azimuths", "Simulate a dome, or a round pad.")
-    depth = min(8.0, 0.4 * unit.skin.height)
+    skin, material = unit.design.skin, unit.design.material
+    skin.require_revolution("its one press is turned to other azimuths", "Simulate a dome, or a round pad.")
+    depth = min(8.0, 0.4 * skin.height)
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, depth_step=0.8)
-    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
+    mesh = mesh_skin(skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
     press = solve_press(mesh, material, wall)
     return SimulatedSource(unit, presses * [press])
 

@@ -19,7 +19,7 @@ from palpate.benchmark.unit_images import LABELS, UnitImages
 from palpate.built import sample_deviation
 from palpate.camera import project_markers, render
 from palpate.core import FloatArray, IntArray, child_seed, generator
-from palpate.design import build_skin, place_markers, wall_normal
+from palpate.design import Design, wall_normal
 from palpate.twin import MarkerTwin, Twin
 
 _CORNERS = 32
@@ -108,11 +108,9 @@ def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin:
 
 def build_benchmark_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> BenchmarkUnit:
     """Build one unit; parameters are those of `simulate_unit`."""
-    skin = build_skin(design.skin)
-    layout = place_markers(skin, design.marker_layout)
     deviation = deviation_of(spec, design, unit)
     light = spec.render.model_copy(update={"seed": child_seed(_seed_of(spec, design, unit), "light", unit)})
-    scene = build_scene(skin, layout, deviation, spec.camera, light)
+    scene = build_scene(Design(design.skin, design.marker_layout, spec.camera), deviation, light)
     edges_mm = scene.edges[:, :: _CORNERS // _CARRIED].reshape(-1, 3)
     other = None if twin.inverted is None else twin.inverted.with_markers(edges_mm)
     return BenchmarkUnit(deviation, scene, scene.printed, twin.with_markers(edges_mm), other)

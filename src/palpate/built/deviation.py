@@ -12,7 +12,7 @@ from typing import Any
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import LENSES, CameraSpec
 from palpate.core import child_seed, generator
-from palpate.design import SkinSpec
+from palpate.design import Design, SkinSpec
 from palpate.material import Material
 
 
@@ -85,6 +85,15 @@ class Deviation:
     def material(self, nominal: Material) -> Material:
         """The elastomer as mixed."""
         return replace(nominal, law=nominal.law.scaled(1.0 + self.modulus, 1.0 + self.stiffening))
+
+    def built(self, design: Design) -> Design:
+        """Return the design of the unit as built; its printed markers differ from this layout."""
+        return replace(
+            design,
+            skin_spec=self.dome(design.skin_spec),
+            camera_spec=self.camera(design.camera_spec),
+            material=self.material(design.material),
+        )
 
     def camera(self, nominal: CameraSpec) -> CameraSpec:
         """The camera as mounted, with the lens that the calibration did not quite find.

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
+from palpate.camera.surface import Surface
 from palpate.camera.window import Window
 from palpate.core import BoolArray, FloatArray
-from palpate.design import Skin
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Camera:
         pixels: FloatArray = self.lens.distort(plane) * scale + middle
         return pixels
 
-    def visible(self, points: ArrayLike, skin: Skin | None = None) -> BoolArray:
+    def visible(self, points: ArrayLike, skin: Surface | None = None) -> BoolArray:
         """Whether points can be seen.
 
         A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.

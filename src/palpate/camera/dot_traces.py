@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.camera.camera import Camera
+from palpate.camera.surface import Surface
 from palpate.core import FloatArray
-from palpate.design import Skin
 
 _EDGE_POINTS = 32
 
@@ -56,7 +56,7 @@ def flat_marker_outlines(
     return edges
 
 
-def marker_outlines(skin: Skin, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
+def marker_outlines(skin: Surface, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
     """Edges of round dots that lie on the inner surface of a skin.
 
     Parameters

@@ -89,7 +89,7 @@ def accept(
             estimates, flagged = _read_recorded(truth.parent, known, read_model(model))
         else:
             unit = built.unit()
-            estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
+            estimates, flagged = _read(truth.parent, known, open_model(model, unit.design.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
     if report.out is not None:
         write_acceptance(report.out, found, report.name)

@@ -14,7 +14,6 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.design import build_skin, place_markers
 from palpate.robot import (
     AlignmentScenario,
     AlignmentTrial,
@@ -89,21 +88,18 @@ def align(
     On a robot of your own: `palpate.robot.Aligner`.
     """
     run.check()
-    skin = build_skin(design.skin_spec())
-    layout = place_markers(skin, design.markers)
-    twin = open_model(reads.find(design), skin)
+    designed = design.design(reads.material)
+    twin = open_model(reads.find(design), designed.skin)
     if not isinstance(twin, Twin):
         raise PalpateError(
             "A network tells no force for a limit.",
             "Give the design's twin, see `palpate twin`.",
             code="network-no-force",
         )
-    check_model(twin, Unit(skin, layout))
+    check_model(twin, Unit(designed))
     play = AlignmentScenario(
         twin,
-        layout,
-        design.skin_spec(),
-        reads.material.material(),
+        designed,
         align=spec,
         robot=robot,
         calibration_presses=run.calibration_presses,

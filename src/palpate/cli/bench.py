@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
 from palpate.built import AccuracySpec, predict_budget
-from palpate.camera import CameraSpec, RenderSpec, build_camera
+from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
@@ -76,10 +76,9 @@ def bench(
     from palpate.bench import VirtualBench
 
     check_folder(out)
-    chosen, design, material = flags.chosen(), flags.design, flags.reads.material.material()
-    model = _model(flags)
+    chosen, model = flags.chosen(), _model(flags)
     store = ArtefactStore(keep_results(out) / "store")
-    played = VirtualBench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
+    played = VirtualBench(chosen, flags.design.design(flags.reads.material), model, store)
     played.check()
     announce_compilation()
     if budget and isinstance(played.opened_model, Twin):
@@ -106,7 +105,7 @@ def _model(flags: BenchFlags) -> Path:
             "Give a network by --model.",
             code="twin-not-made",
         )
-    export_twins(folder, [(made.skin, made.twin)])
+    export_twins(folder, [(made.design.skin_spec, made.twin)])
     return twin_path(folder, skin.build())
 
 
@@ -127,7 +126,7 @@ def _units(trials: VirtualBench, out: Path, output: Output) -> None:
 def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
-    costs = predict_budget(twin, trials.layout, build_camera(trials.camera), trials.spec.tolerance, spec)
+    costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
     rows = [(cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}") for cost in costs]
     out.mkdir(parents=True, exist_ok=True)
     write_csv(out / "budget.csv", rows, [column.name for column in _PREDICTED])

@@ -51,7 +51,7 @@ def convergence(
     output: Output = Output(),
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
-    points = place_markers(flags.build(), MarkerSpec(count=markers)).positions
+    points = place_markers(flags.shape.skin_spec().build(), MarkerSpec(count=markers)).positions
     check_folder(out)
     announce_compilation()
     results = study_convergence(*flags.problem(), points, meshes, _print_mesh)

@@ -12,8 +12,7 @@ from palpate.camera import CameraSpec, build_camera, read_calibration
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput
-from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
-from palpate.design import DomeSpec, build_skin, read_skin
+from palpate.cli.unit import MaterialFlags, SkinFlags
 from palpate.fea import WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulator import (
@@ -37,8 +36,7 @@ _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens
 class AssetFlags:
     """What is exported."""
 
-    dome: DomeFlags = DomeSpec()
-    skin: SkinFlag = "dome"
+    shape: SkinFlags = SkinFlags()
     material: MaterialFlags = MaterialSpec()
     mesh: Annotated[MeshSpec, flags_of(MeshSpec, only="cells", group="Mesh")] = MeshSpec()
     wall: Annotated[WallSpec, flags_of(WallSpec, only="depth depth_step contact", group="Wall")] = WallSpec()
@@ -57,7 +55,7 @@ def export(
     check_asset(out)
     check_force_curve_press(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
-    mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.material.mesh(flags.mesh))
+    mesh = mesh_skin(flags.shape.skin_spec().build(), flags.material.mesh(flags.mesh))
     announce_compilation()
     press = solve_press(mesh, flags.material.material(), flags.wall)
     asset = build_asset(press, build_camera(lens), flags.spec)

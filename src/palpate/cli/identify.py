@@ -87,21 +87,23 @@ def identify(
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_ground_truth(truth), built.unit()
+    known, unit = read_ground_truth(truth), built.unit(reads.material)
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.",
             "Add a row whose press is 'rest' before the others.",
             code="rest-image-missing",
         )
-    model = open_model(reads.find(built), unit.skin)
+    model = open_model(reads.find(built), unit.design.skin)
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))
     found = identify_unit(sensor, presses, robot.spec())
     if files.out is not None:
         write_unit(
             files.out,
-            IdentifiedUnit(unit.skin.spec_data, unit.layout.positions, found.posterior, found.mounting, found.scale),
+            IdentifiedUnit(
+                unit.design.skin.spec_data, unit.design.layout.positions, found.posterior, found.mounting, found.scale
+            ),
         )
     if files.report is not None:
         write_identification(files.report, found, sensor, robot.spec())
@@ -109,7 +111,7 @@ def identify(
     written = str(files.out) if files.out else None
     output.show(
         {"known": rows, "misfit": found.misfit, "presses": len(presses), "out": written},
-        Report(f"{unit.skin.name}, {len(presses)} presses", _COLUMNS, rows),
+        Report(f"{unit.design.skin.name}, {len(presses)} presses", _COLUMNS, rows),
         f"RMS marker residual: {found.misfit**0.5:.2f} times the noise." + (f" Unit: {written}" if written else ""),
     )
 

@@ -78,7 +78,7 @@ def _read_images(place: Path) -> list[NDArray[Any]]:
 
 
 def _rows(inspection: Inspection) -> list[dict[str, Any]]:
-    layout, error, distance = inspection.unit.layout, inspection.error, inspection.distance
+    layout, error, distance = inspection.unit.design.layout, inspection.error, inspection.distance
     return [
         {
             "marker": number,

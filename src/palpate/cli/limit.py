@@ -80,10 +80,10 @@ def _describe(design: DesignBounds, unit: str) -> dict[str, Any]:
     pooled = pool_bounds(design.limits)
     bounds = [asdict(bound) for bound in design.limits]
     return {
-        "height_mm": design.skin.height,
-        "base_radius_mm": design.skin.base_radius,
-        "thickness_mm": design.skin.thickness,
-        "markers": design.markers.count,
+        "height_mm": design.design.skin.height,
+        "base_radius_mm": design.design.skin.base_radius,
+        "thickness_mm": design.design.skin.thickness,
+        "markers": len(design.design.layout),
         f"bound_{unit}": pooled.least_squares_deg if pooled else None,
         f"bound_pitman_{unit}": pooled.pitman_deg if pooled else None,
         "by_depth": [_in_unit(bound, unit) for bound in bounds],

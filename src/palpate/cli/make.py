@@ -12,8 +12,8 @@ from palpate.camera import CameraSpec, read_calibration, read_window
 from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, check_folder
 from palpate.cli.unit import DesignFlags
-from palpate.design import MountSpec
-from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
+from palpate.design import Design, MountSpec
+from palpate.fabricate import FabricationPack, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
@@ -34,13 +34,12 @@ class PackFlags:
     lens: Annotated[Path | None, Parameter(help=_LENS, group="Camera")] = None
     window: Annotated[str, Parameter(help=_WINDOW, group="Camera")] = ""
 
-    def spec(self) -> PackSpec:
-        """The spec of these flags."""
-        material = self.material.material()
+    def designed(self) -> Design:
+        """The design of these flags."""
         lens = read_calibration(self.lens).camera_spec() if self.lens else self.camera
         own = {"distance": self.camera.distance} | ({"window": read_window(self.window)} if self.window else {})
         camera = CameraSpec.model_validate(lens.model_dump() | own)
-        return PackSpec(self.design.skin_spec(), self.design.markers, self.mount, material, self.process, camera)
+        return self.design.design(self.material, camera)
 
 
 def make(
@@ -51,7 +50,7 @@ def make(
 ) -> None:
     """Write mold, print pattern, enclosure and instructions of one design."""
     check_folder(out)
-    pack = write_pack(out, flags.spec())
+    pack = write_pack(out, flags.designed(), flags.process, flags.mount)
     output.show(
         _describe(pack),
         f"{len(pack.files) + 1} files in {pack.folder}; begin with instructions.pdf",

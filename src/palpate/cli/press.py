@@ -12,10 +12,10 @@ from cyclopts import Parameter
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output
-from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
+from palpate.cli.unit import MaterialFlags, SkinFlags
 from palpate.core import FloatArray, PalpateError, flag_name
 from palpate.core.report import Column, Report
-from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
+from palpate.design import Skin, read_points
 from palpate.fea import (
     PRESS_SOLVERS,
     Branch,
@@ -67,15 +67,10 @@ SolverFlags = Annotated[SolverSpec, flags_of(SolverSpec, group="Advanced")]
 class WallPressFlags:
     """What is pressed by a flat wall: the specs of a press, each field a flag."""
 
-    dome: DomeFlags = DomeSpec()
+    shape: SkinFlags = SkinFlags()
     wall: WallFlags = WallSpec()
     material: MaterialFlags = MaterialSpec()
     mesh: MeshFlags = MeshSpec()
-    skin: SkinFlag = "dome"
-
-    def build(self) -> Skin:
-        """The skin that is pressed."""
-        return build_skin(read_skin(self.skin, self.dome))
 
     def obstacle_spec(self) -> ObstacleSpec:
         """The obstacle of these flags."""
@@ -83,7 +78,8 @@ class WallPressFlags:
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
         """What is pressed: mesh, material and obstacle of these flags."""
-        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.obstacle_spec()
+        mesh = mesh_skin(self.shape.skin_spec().build(), self.material.mesh(self.mesh))
+        return mesh, self.material.material(), self.obstacle_spec()
 
 
 @Parameter(name="*")
@@ -148,7 +144,7 @@ def press(
 ) -> None:
     """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
     how.chosen(flags.obstacle_spec())
-    followed = None if points is None else _read_inner_points(points, flags.build())
+    followed = None if points is None else _read_inner_points(points, flags.shape.skin_spec().build())
     from palpate.fea import check_export, export_press
 
     if export is not None:

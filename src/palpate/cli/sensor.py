@@ -19,7 +19,7 @@ from palpate.cli.output import JsonOutput, Output, check_file, check_folder, pri
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.design import PoseSpace
+from palpate.design import Design, PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.recording import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import SensorSpec
@@ -27,7 +27,6 @@ from palpate.sensor import SensorSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.material import Material
     from palpate.sensor import ReferencePress, Sensor, Unit
 
 _COLUMNS = (
@@ -107,12 +106,12 @@ def live(
     model = reads.find(flags.built)
     if is_recorded_model(model):
         return _live_recorded(read_model(model), source, out, flags, output.json)
-    unit, many, material = flags.built.unit(), flags.rig.rest_images, reads.material.material()
-    reads_with = open_model(model, unit.skin)
-    with _open(source, unit, material) as opened:
+    unit, many = flags.built.unit(reads.material), flags.rig.rest_images
+    reads_with = open_model(model, unit.design.skin)
+    with _open(source, unit) as opened:
         images = opened.images()
         sensor = open_sensor(
-            _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit, material)
+            _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit.design)
         )
         sensor.clock = opened.clock
         print(_describe_rest(sensor), file=sys.stderr)
@@ -148,13 +147,13 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
     return 0
 
 
-def _open(source: str, unit: Unit, material: Material) -> Source:
+def _open(source: str, unit: Unit) -> Source:
     if source != "synthetic":
         return open_source(source)
     from palpate.bench import simulate_sensor
 
     announce_compilation()
-    return simulate_sensor(unit, material)
+    return simulate_sensor(unit)
 
 
 def _describe_rest(sensor: Sensor) -> str:
@@ -169,7 +168,7 @@ def _describe_rest(sensor: Sensor) -> str:
     )
 
 
-def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> ReferencePress | None:
+def _known_press(flags: LiveFlags, design: Design) -> ReferencePress | None:
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:
@@ -182,7 +181,7 @@ def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> ReferenceP
 
     image = read_image(flags.press_image)
     announce_compilation()
-    return ReferencePress.simulate(image, flags.press_pose, unit, material)
+    return ReferencePress.simulate(image, flags.press_pose, design)
 
 
 def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:

@@ -44,8 +44,8 @@ def serve(
     from palpate.sensor import open_model, open_sensor
     from palpate.viewer import Feed, ServeSpec, serve_readings
 
-    unit = built.unit()
-    model = open_model(reads.find(built), unit.skin)
+    unit = built.unit(reads.material)
+    model = open_model(reads.find(built), unit.design.skin)
     with open_source(source) as opened:
         rest, clock = list(islice(opened.images(), rig.rest_images)), opened.clock
     images = [image for image in rest if not isinstance(image, PalpateError)]

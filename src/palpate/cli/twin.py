@@ -106,7 +106,7 @@ def twin(
     _keep(folder / "twins", found, rows)
     table = Report(f"{study.name}: built units", _COLUMNS, rows, file=str(folder / "twins" / "built.csv"))
     output.show({"out": str(folder / "twins"), "designs": rows}, table, f"Twins: {folder / 'twins'}")
-    for name, off in {design.skin.build().name: _twin_error(design.twin) for design in found if design.twin}.items():
+    for name, off in {design.design.skin.name: _twin_error(design.twin) for design in found if design.twin}.items():
         if off > _MUCH_MM:
             print(
                 f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
@@ -115,7 +115,7 @@ def twin(
             )
     failed = [design for design in found if design.problem]
     for design in failed:
-        print(f"{design.skin.build().name}, {design.markers.count} markers: {design.problem}", file=sys.stderr)
+        print(f"{design.design.skin.name}, {len(design.design.layout)} markers: {design.problem}", file=sys.stderr)
     return 1 if failed else 0
 
 
@@ -130,9 +130,9 @@ def _twin_error(path: Path) -> float:
 def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
     return [
         {
-            "height_mm": design.skin.height,
-            "thickness_mm": design.skin.thickness,
-            "markers": design.markers.count,
+            "height_mm": design.design.skin.height,
+            "thickness_mm": design.design.skin.thickness,
+            "markers": len(design.design.layout),
             "calibration_presses": figure.calibration_presses,
             "rmse_deg": round(figure.rmse_deg, 4),
             "p95_deg": round(figure.p95_deg, 4),
@@ -149,5 +149,7 @@ def _keep(folder: Path, designs: tuple[DesignAccuracy, ...], rows: list[dict[str
     from palpate.study import export_twins
 
     folder.mkdir(parents=True, exist_ok=True)
-    export_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
+    export_twins(
+        folder.parent, ((design.design.skin_spec, design.twin) for design in designs if design.twin is not None)
+    )
     write_csv(folder / "built.csv", rows, [column.name for column in _COLUMNS])

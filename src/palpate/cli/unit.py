@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from palpate.camera import CameraSpec
 from palpate.cli.flag import flags_of
 from palpate.cli.output import RESULTS
 from palpate.core import PalpateError, Spec, flag_name
-from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
+from palpate.design import Design, DomeSpec, MarkerSpec, SkinSpec, build_skin, read_skin
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
@@ -36,16 +37,27 @@ _MODEL = (
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class DesignFlags:
-    """A skin and its markers."""
+class SkinFlags:
+    """A skin."""
 
     dome: DomeFlags = DomeSpec()
-    markers: MarkerFlags = MarkerSpec()
     skin: SkinFlag = "dome"
 
     def skin_spec(self) -> SkinSpec:
         """The skin of these flags."""
         return read_skin(self.skin, self.dome)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class DesignFlags(SkinFlags):
+    """A skin and its markers."""
+
+    markers: MarkerFlags = MarkerSpec()
+
+    def design(self, material: MaterialSpec = MaterialSpec(), camera: CameraSpec = CameraSpec()) -> Design:
+        """The design of these flags."""
+        return Design(self.skin_spec(), self.markers, camera, material.material())
 
     def words(self) -> str:
         """These flags as they are typed."""
@@ -62,19 +74,17 @@ class PrintFlags(DesignFlags):
     mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
     window: Annotated[str, Parameter(help=_WINDOW)] = ""
 
-    def unit(self) -> Unit:
+    def unit(self, material: MaterialSpec = MaterialSpec()) -> Unit:
         """The unit of these flags."""
-        from palpate.camera import CameraSpec, read_calibration, read_window
+        from palpate.camera import read_calibration, read_window
         from palpate.sensor import Unit
 
-        skin = build_skin(self.skin_spec())
-        layout = place_markers(skin, self.markers)
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
         if self.window:
             lens = CameraSpec.model_validate(
                 (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
             )
-        return Unit(skin, layout, has_orientation_mark=self.mark, lens=lens)
+        return Unit(self.design(material), has_orientation_mark=self.mark, lens=lens)
 
 
 @Parameter(name="*")
@@ -84,12 +94,12 @@ class UnitFlags(PrintFlags):
 
     unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
 
-    def unit(self) -> Unit:
+    def unit(self, material: MaterialSpec = MaterialSpec()) -> Unit:
         """The unit of these flags."""
         from palpate.built import read_unit
 
         known = read_unit(self.unit_file) if self.unit_file else None
-        return replace(super().unit(), identified=known)
+        return replace(super().unit(material), identified=known)
 
 
 @Parameter(name="*")

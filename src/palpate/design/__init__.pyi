@@ -3,8 +3,9 @@
 from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
 from palpate.design.check_design import check_design, raise_on_errors
 from palpate.design.cone import ConeSpec
+from palpate.design.design import Design
 from palpate.design.dome import Dome, DomeSpec
-from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
+from palpate.design.ellipsoid import EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import ContactModule, build_contact_module, build_module_solid
@@ -26,9 +27,9 @@ __all__ = [
     "TILT_SPACE",
     "ConeSpec",
     "ContactModule",
+    "Design",
     "Dome",
     "DomeSpec",
-    "Ellipsoid",
     "EllipsoidSpec",
     "Finding",
     "MarkerLayout",

@@ -5,7 +5,7 @@ from palpate.fabricate.check_process import check_process
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
-from palpate.fabricate.pack import FabricationPack, PackSpec
+from palpate.fabricate.pack import FabricationPack
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
 from palpate.fabricate.specimen import SpecimenMold, build_specimen_molds, write_specimen_molds
 from palpate.fabricate.template import build_template
@@ -17,7 +17,6 @@ __all__ = [
     "Enclosure",
     "FabricationPack",
     "Mold",
-    "PackSpec",
     "PadMapping",
     "ProcessSpec",
     "SpecimenMold",

@@ -8,6 +8,7 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.design import (
+    Design,
     Finding,
     MarkerLayout,
     Severity,
@@ -34,15 +35,14 @@ _PEEL_UNKNOWN = 2.0
 """Stretch that every soft silicone bears, where the material gives no range."""
 
 
-def check_process(
-    skin: Skin, layout: MarkerLayout, material: Material, camera: Camera, spec: ProcessSpec
-) -> tuple[Finding, ...]:
-    """Report what the workshop meets with a design: demolding, dots, pad and camera; errors first."""
+def check_process(design: Design, spec: ProcessSpec) -> tuple[Finding, ...]:
+    """Report the limits of demolding, dots, pad and camera that a design meets, errors first."""
+    skin, layout = design.skin, design.layout
     findings = [
         *check_design(skin, layout),
         *_check_wall(skin),
-        *_check_peeling(skin, material),
-        *_check_dots(skin, layout, camera, spec),
+        *_check_peeling(skin, design.material),
+        *_check_dots(skin, layout, design.camera, spec),
         *(_check_dimples(skin, layout, spec) if skin.hole else ()),
         *(_check_pins(skin, layout) if skin.pin else ()),
         *(() if skin.hole or skin.pin else _check_pad(skin, layout, spec)),

@@ -5,34 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.camera import CameraSpec
-from palpate.design import Finding, MarkerSpec, MountSpec, SkinSpec
-from palpate.fabricate.spec import ProcessSpec
-from palpate.material import Material
-
-
-@dataclass(frozen=True)
-class PackSpec:
-    """What a pack is made for.
-
-    Attributes
-    ----------
-    skin, markers, mount
-        The design.
-    material
-        The elastomer.
-    process
-        How it is made.
-    camera
-        The camera in the enclosure; its `distance` places it.
-    """
-
-    skin: SkinSpec
-    markers: MarkerSpec
-    mount: MountSpec
-    material: Material
-    process: ProcessSpec
-    camera: CameraSpec
+from palpate.design import Finding
 
 
 @dataclass(frozen=True)

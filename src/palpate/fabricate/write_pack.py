@@ -5,24 +5,23 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
-from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError, atomic_folder, provenance
 from palpate.core.report import write_csv
 from palpate.design import (
     ContactModule,
+    Design,
     Finding,
-    MarkerLayout,
+    MarkerSpec,
+    MountSpec,
     Severity,
-    Skin,
     build_contact_module,
     build_module_solid,
-    build_skin,
-    place_markers,
     raise_on_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
@@ -42,7 +41,7 @@ from palpate.fabricate.frame import plan_frame
 from palpate.fabricate.instructions import write_filling, write_instructions, write_markdown, write_sheet
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
-from palpate.fabricate.pack import FabricationPack, PackSpec
+from palpate.fabricate.pack import FabricationPack
 from palpate.fabricate.pins import build_dimples, build_pins
 from palpate.fabricate.spec import ProcessSpec
 from palpate.fabricate.template import build_template
@@ -62,27 +61,34 @@ _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 class _Made:
     """Everything that a pack shows."""
 
-    skin: Skin
-    layout: MarkerLayout
+    design: Design
+    mount: MountSpec
+    process: ProcessSpec
     module: ContactModule
     mold: Mold
     enclosure: Enclosure
     artwork: Artwork | None
-    camera: Camera
     solids: dict[str, CadSolid]
     gel: str
     window: WindowPlate | None
 
 
-def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
+def write_pack(
+    folder: Path,
+    design: Design,
+    process: ProcessSpec = ProcessSpec(),  # noqa: B008  (a spec is frozen)
+    mount: MountSpec = MountSpec(),  # noqa: B008  (frozen as well)
+) -> FabricationPack:
     """Write everything a workshop needs to make a contact module and its enclosure.
 
     Parameters
     ----------
     folder
         New or empty folder.
-    spec
-        The design and how it is made.
+    design
+        The design; the distance of its camera places the camera in the enclosure.
+    process, mount
+        How it is made, and the flange.
 
     Returns
     -------
@@ -94,46 +100,45 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     PalpateError
         If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
     """
-    skin = build_skin(spec.skin)
-    layout = place_markers(skin, spec.markers)
-    camera = build_camera(spec.camera)
-    build_contact_module(skin, spec.mount)  # refuses what has none before anything is checked
-    findings = check_process(skin, layout, spec.material, camera, spec.process)
+    layout, camera = design.layout, design.camera
+    build_contact_module(design.skin, mount)  # refuses what has none before anything is checked
+    findings = check_process(design, process)
     raise_on_errors(findings)
     with atomic_folder(folder) as work:
-        made = _make(spec, skin, layout, camera)
+        made = _make(design, process, mount)
         findings = (
             *findings,
-            *check_enclosure(made.module, made.enclosure, spec.process),
-            *check_mold(made.mold, spec.process),
-            *_check_filling(made, spec.process),
+            *check_enclosure(made.module, made.enclosure, process),
+            *check_mold(made.mold, process),
+            *_check_filling(made),
             *(check_frame(made.enclosure.frame, layout, camera) if made.enclosure.frame else ()),
         )
-        meshes, findings = _write_solids(work, made, spec, findings)
+        meshes, findings = _write_solids(work, made, findings)
         _write_print(work, made)
-        _write_sheets(work, made, meshes, spec, findings)
+        _write_sheets(work, made, meshes, findings)
         volumes = {name: solid.volume for name, solid in made.solids.items()}
         files = hash_files(work)
-        _write_manifest(work / MANIFEST, spec, (files, volumes, findings))
+        _write_manifest(work / MANIFEST, made, (files, volumes, findings))
     return FabricationPack(folder, files, volumes, findings)
 
 
-def _check_filling(made: _Made, process: ProcessSpec) -> tuple[Finding, ...]:
+def _check_filling(made: _Made) -> tuple[Finding, ...]:
     if made.window is None:
         return ()
-    return tuple(check_window(made.window, made.layout, made.gel, made.camera, process))
+    return tuple(check_window(made.window, made.design.layout, made.gel, made.design.camera, made.process))
 
 
-def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
-    module = build_contact_module(skin, spec.mount)
-    window = _build_window(spec, module)
-    scale = 1 / (1 - spec.process.shrinkage_percent / 100)
-    marked = spec.process.orientation_mark
-    scaled, depth = build_contact_module(skin, spec.mount, scale), spec.process.dot_depth
+def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
+    skin, layout = design.skin, design.layout
+    module = build_contact_module(skin, mount)
+    window = _build_window(design, process, module)
+    scale = 1 / (1 - process.shrinkage_percent / 100)
+    marked = process.orientation_mark
+    scaled, depth = build_contact_module(skin, mount, scale), process.dot_depth
     holes = [*build_pins(skin, layout, scale, mark=marked), *build_dimples(skin, layout, depth, scale, mark=marked)]
     frame = plan_frame(module, layout) if skin.hole else None
-    enclosure = build_enclosure(module, spec.camera.distance, spec.process, window, frame)
-    mold = build_mold(scaled, spec.process, holes)
+    enclosure = build_enclosure(module, design.camera_spec.distance, process, window, frame)
+    mold = build_mold(scaled, process, holes)
     body = build_module_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
@@ -144,15 +149,15 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
         )
     check_interference(mold.parts)
     check_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
-    artwork = None if skin.hole else draw_artwork(skin, layout, spec.process.mapping, mark=marked)
+    artwork = None if skin.hole else draw_artwork(skin, layout, process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
-    gel = spec.material.gel.name if spec.material.gel else ""
-    return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids, gel, window)
+    gel = design.material.gel.name if design.material.gel else ""
+    return _Made(design, mount, process, module, mold, enclosure, artwork, solids, gel, window)
 
 
-def _build_window(spec: PackSpec, module: ContactModule) -> WindowPlate | None:
+def _build_window(design: Design, process: ProcessSpec, module: ContactModule) -> WindowPlate | None:
     """The window of a filled skin."""
-    gel, window = spec.material.gel, spec.camera.window
+    gel, window = design.material.gel, design.camera_spec.window
     if gel is None:
         return None
     if window is None:
@@ -161,11 +166,11 @@ def _build_window(spec: PackSpec, module: ContactModule) -> WindowPlate | None:
             "Name it by thickness in mm and refractive indices: --window 2,1.49,1.41.",
             code="window-missing",
         )
-    return build_window(module, window.thickness, spec.process)
+    return build_window(module, window.thickness, process)
 
 
 def _write_solids(
-    work: Path, made: _Made, spec: PackSpec, findings: tuple[Finding, ...]
+    work: Path, made: _Made, findings: tuple[Finding, ...]
 ) -> tuple[dict[str, SurfaceMesh], tuple[Finding, ...]]:
     """Write STEP of the assemblies and, as it is printed, STL and 3MF of every part."""
     write_step(work / "module.step", "contact_module", {"module": made.solids["module"]})
@@ -174,7 +179,7 @@ def _write_solids(
     meshes = {name: _for_printer(name, solid.mesh()) for name, solid in made.solids.items()}
     if made.artwork is not None:
         try:
-            meshes["template"] = build_template(made.skin, made.layout, spec.process)
+            meshes["template"] = build_template(made.design.skin, made.design.layout, made.process)
         except PalpateError as error:
             findings = (*findings, Finding(Severity.NOTE, "no-template", error.problem, error.remedy))
     for name, mesh in meshes.items():
@@ -201,24 +206,22 @@ def _write_print(work: Path, made: _Made) -> None:
     if made.window is not None:
         write_cut(work / "window.dxf", made.window.line)
     columns = ["marker", "x_mm", "y_mm", "z_mm", *([] if artwork is None else ["page_x_mm", "page_y_mm"])]
-    pages = np.empty((len(made.layout), 0)) if artwork is None else artwork.dots
-    places = np.hstack([made.layout.positions, pages])
+    pages = np.empty((len(made.design.layout), 0)) if artwork is None else artwork.dots
+    places = np.hstack([made.design.layout.positions, pages])
     rows = ([number, *(f"{value:.4f}" for value in place)] for number, place in enumerate(places))
     write_csv(work / "markers.csv", rows, columns)
 
 
 def _title(made: _Made) -> str:
-    skin = made.skin
-    return f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.layout)} markers"
+    skin = made.design.skin
+    return f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.design.layout)} markers"
 
 
-def _write_sheets(
-    work: Path, made: _Made, meshes: dict[str, SurfaceMesh], spec: PackSpec, findings: tuple[Finding, ...]
-) -> None:
+def _write_sheets(work: Path, made: _Made, meshes: dict[str, SurfaceMesh], findings: tuple[Finding, ...]) -> None:
     mold, enclosure = made.mold, made.enclosure
     assembly = [made.solids["module"], *enclosure.parts.values()]
     figures = {
-        **_draw_sections(made, spec.process),
+        **_draw_sections(made, made.process),
         "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
         "enclosure_parts": draw_bodies(
             [("module", made.solids["module"]), *enclosure.parts.items(), ("assembled", gather(assembly))]
@@ -229,11 +232,15 @@ def _write_sheets(
     for name, figure in figures.items():
         figure.savefig(work / f"{name}.png", dpi=120)
     sections = write_instructions(
-        made.skin, made.layout, spec.material.name, (mold, enclosure, made.camera, spec.process), findings
+        made.design.skin,
+        made.design.layout,
+        made.design.material.name,
+        (mold, enclosure, made.design.camera, made.process),
+        findings,
     )
     if made.window is not None:
         place = next(k for k, section in enumerate(sections) if section.title == "Inspect")
-        sections.insert(place, write_filling(made.window, made.gel, spec.process))
+        sections.insert(place, write_filling(made.window, made.gel, made.process))
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
     pages = [] if made.artwork is None else [draw_page(made.artwork, _title(made))]
     write_sheet(work / "instructions.pdf", sections, [*figures.values()], pages)
@@ -242,7 +249,7 @@ def _write_sheets(
 def _draw_sections(made: _Made, process: ProcessSpec) -> dict[str, Figure]:
     """Sections of module and mold."""
     mold, sizes = made.mold, (process.mold_floor, process.plate)
-    if made.skin.hole:
+    if made.design.skin.hole:
         return {
             "module_section": draw_barrel_section(made.module),
             "mold_section": draw_barrel_mold(mold, *sizes, mold.spigot),
@@ -253,20 +260,26 @@ def _draw_sections(made: _Made, process: ProcessSpec) -> dict[str, Figure]:
     }
 
 
+def _markers_data(design: Design) -> dict[str, Any]:
+    if isinstance(design.markers, MarkerSpec):
+        return design.markers.model_dump(mode="json")
+    return {"positions_mm": design.layout.positions.tolist(), "diameter": design.layout.diameter}
+
+
 def _write_manifest(
-    path: Path, spec: PackSpec, found: tuple[dict[str, str], dict[str, float], tuple[Finding, ...]]
+    path: Path, made: _Made, found: tuple[dict[str, str], dict[str, float], tuple[Finding, ...]]
 ) -> None:
     files, volumes, findings = found
     data = {
         "made_by": provenance(),
         "design": {
-            "dome": spec.skin.model_dump(mode="json"),
-            "markers": spec.markers.model_dump(mode="json"),
-            "mount": spec.mount.model_dump(mode="json"),
-            "material": spec.material.name,
-            **({"gel": spec.material.gel.name} if spec.material.gel else {}),
-            "process": spec.process.model_dump(mode="json"),
-            "camera": spec.camera.model_dump(mode="json"),
+            "dome": made.design.skin_spec.model_dump(mode="json"),
+            "markers": _markers_data(made.design),
+            "mount": made.mount.model_dump(mode="json"),
+            "material": made.design.material.name,
+            **({"gel": made.design.material.gel.name} if made.design.material.gel else {}),
+            "process": made.process.model_dump(mode="json"),
+            "camera": made.design.camera_spec.model_dump(mode="json"),
         },
         "volumes_mm3": volumes,
         "findings": [asdict(finding) for finding in findings],

@@ -99,11 +99,11 @@ def _press(press: PressSummary) -> Row:
 
 def _row(design: DesignResult) -> dict[str, Cell]:
     return {
-        "height_mm": design.skin.height,
-        "base_radius_mm": design.skin.base_radius,
-        "thickness_mm": design.skin.thickness,
-        "shape": str(design.shape),
-        "markers": design.markers.count,
+        "height_mm": design.design.skin.height,
+        "base_radius_mm": design.design.skin.base_radius,
+        "thickness_mm": design.design.skin.thickness,
+        "shape": str(design.design.skin.shape),
+        "markers": len(design.design.layout),
         **_built(design.built),
         **_errors(design.clean, "", _unit(design)),
         **_errors(design.jittered, "_jitter", _unit(design)),

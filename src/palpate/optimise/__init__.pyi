@@ -14,7 +14,7 @@ from palpate.optimise.influence import compute_sobol_indices
 from palpate.optimise.optimise_design import optimise_design, validate_front
 from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
 from palpate.optimise.proposal import LayoutOption, SkinEvaluation
-from palpate.optimise.search_folder import SearchDesign, SearchFolder, is_search, read_search
+from palpate.optimise.search_folder import SearchFolder, is_search, read_search
 from palpate.optimise.search_skins import Evaluation, SearchPlan, SearchTrial, search_skins
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.spec import BaselineDesignSpec, CameraChoice, RequirementsSpec, read_requirements
@@ -32,7 +32,6 @@ __all__ = [
     "RequirementsSpec",
     "RingCandidates",
     "RingSelection",
-    "SearchDesign",
     "SearchFolder",
     "SearchPlan",
     "SearchTrial",

@@ -10,8 +10,8 @@ import numpy as np
 from ruamel.yaml import YAML
 
 from palpate.camera import CameraSpec
-from palpate.design import MarkerSpec, MountSpec, SkinSpec
-from palpate.fabricate import FabricationPack, PackSpec, write_pack
+from palpate.design import Design, MarkerSpec
+from palpate.fabricate import FabricationPack, write_pack
 from palpate.material import get_material
 from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.spec import RequirementsSpec
@@ -27,24 +27,24 @@ def camera_of(spec: RequirementsSpec, entry: DesignCandidate) -> CameraSpec:
     return camera.model_copy(update={"distance": entry.option.distance})
 
 
-def design_study(
-    spec: RequirementsSpec, name: str, skin: SkinSpec, material: str, markers: MarkerSpec, camera: CameraSpec
-) -> Study:
-    """The study of one design alone, over the working range of the requirements."""
-    return Study.model_validate(_study_data(spec, name, skin, material, markers, camera))
+def design_of(spec: RequirementsSpec, entry: DesignCandidate) -> Design:
+    """Return one design of a front."""
+    proposal = entry.trial.finest
+    return Design(proposal.skin, entry.option.markers, camera_of(spec, entry), get_material(proposal.material))
+
+
+def design_study(spec: RequirementsSpec, name: str, design: Design, material: str) -> Study:
+    """The study of one design alone, over the working range of the requirements.
+
+    `material` is the elastomer's name as a study has it.
+    """
+    return Study.model_validate(_study_data(spec, name, design, material))
 
 
 def winner_study(front: Front, winner: DesignCandidate) -> str:
     """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
-    proposal, spec = winner.trial.finest, front.spec
-    study = _study_data(
-        spec,
-        f"{spec.name}-winner",
-        proposal.skin,
-        proposal.material,
-        winner.option.markers,
-        camera_of(spec, winner),
-    )
+    spec = front.spec
+    study = _study_data(spec, f"{spec.name}-winner", design_of(spec, winner), winner.trial.finest.material)
     text = io.StringIO()
     YAML().dump(study, text)
     return text.getvalue()
@@ -65,20 +65,17 @@ def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
     """
     found = []
     for entry in front.pareto:
-        place, proposal = folder / PACKS / pack_name(entry), entry.trial.finest
+        place = folder / PACKS / pack_name(entry)
         if place.exists():
             continue
         place.parent.mkdir(parents=True, exist_ok=True)
-        material, camera = get_material(proposal.material), camera_of(front.spec, entry)
-        pack = PackSpec(proposal.skin, entry.option.markers, MountSpec(), material, front.spec.process, camera)
-        found.append(write_pack(place, pack))
+        found.append(write_pack(place, design_of(front.spec, entry), front.spec.process))
     return found
 
 
-def _study_data(
-    spec: RequirementsSpec, name: str, skin: SkinSpec, material: str, markers: MarkerSpec, camera: CameraSpec
-) -> dict[str, Any]:
-    shape = skin.model_dump()
+def _study_data(spec: RequirementsSpec, name: str, design: Design, material: str) -> dict[str, Any]:
+    shape, markers = design.skin_spec.model_dump(), design.markers
+    assert isinstance(markers, MarkerSpec), "a search proposes specs"
     sizes = {size: shape.pop(size) for size in ("height", "base_radius", "thickness")}
     return {
         "name": name,
@@ -93,7 +90,7 @@ def _study_data(
         "material": {"name": material},
         "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
         "obstacle": {"depth": spec.depth, "depth_step": spec.depth / 10.0},
-        "camera": camera.model_dump(mode="json", exclude_defaults=True),
+        "camera": design.camera_spec.model_dump(mode="json", exclude_defaults=True),
         "built": {
             "calibration_presses": max(spec.calibration_presses, 1),
             "tolerance": spec.tolerance.model_dump(exclude_defaults=True),

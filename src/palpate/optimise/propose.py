@@ -19,7 +19,15 @@ from palpate.built import (
 )
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe, stage_version
-from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
+from palpate.design import (
+    Design,
+    MarkerSpec,
+    Severity,
+    SkinSpec,
+    markers_in_rings,
+    place_markers,
+    ring_diameters,
+)
 from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
 from palpate.material import get_material
@@ -86,7 +94,7 @@ class SkinEvaluationTask(Task):
     @property
     def skin(self) -> SkinSpec:
         """The skin that is judged."""
-        return self.twin.presses[0].skin
+        return self.twin.presses[0].design.skin_spec
 
     @property
     def name(self) -> str:
@@ -158,7 +166,7 @@ def plan_skin_evaluation(
     twin = plan_twin(study, skin)
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
-    inverted = PressTask(skin, straight.mesh, straight.material, straight.obstacle, plain, Branch.INVERTED)
+    inverted = replace(straight, solver=plain, branch=Branch.INVERTED)
     checks = plan_validation_presses(twin, spec) if full else ()
     return SkinEvaluationTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
 
@@ -250,14 +258,14 @@ def _refuse(
     twin: Twin, markers: MarkerSpec, material: str, camera: Camera, spec: RequirementsSpec, units: int
 ) -> PalpateError | None:
     """Why a layout is not offered: it cannot be made, or one of so many units cannot be read at rest."""
-    layout = place_markers(twin.skin, markers)
-    for finding in check_process(twin.skin, layout, get_material(material), camera, spec.process):
+    design = Design.of_skin(twin.skin, markers, camera.spec, get_material(material))
+    for finding in check_process(design, spec.process):
         if finding.severity is Severity.ERROR:
             return PalpateError(finding.message, finding.remedy, code=finding.code)
-    unit = Unit(twin.skin, layout, nominal=camera.spec, tolerance=spec.tolerance)
+    unit = Unit(design, tolerance=spec.tolerance)
     for number in range(_FIRST_UNIT, _FIRST_UNIT + units):
         deviation = sample_deviation(spec.tolerance, spec.seed, number)
-        scene = build_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
+        scene = build_scene(design, deviation, DEGRADED)
         try:
             open_sensor([scene.render_rest()], unit, twin)
         except MissingExtraError:

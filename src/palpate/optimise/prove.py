@@ -17,14 +17,13 @@ import numpy as np
 
 from palpate.bench import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
 from palpate.built import ContradictionError, Deviation, PredictedAccuracy, predict_accuracy, sample_deviation
-from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
-from palpate.design import MarkerSpec, Skin, SkinSpec, build_skin, place_markers
+from palpate.design import Design
 from palpate.fea import Press, WallSpec, press_recipe, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
-from palpate.optimise.design_study import camera_of, design_study
+from palpate.optimise.design_study import design_of, design_study
 from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
 from palpate.optimise.propose import SkinEvaluationTask, accuracy_spec, plan_skin_evaluation
@@ -46,10 +45,7 @@ class UnitTrialTask(Task):
 
     reader: Task
     """Makes what reads: the design's twin, or a trained network."""
-    skin: SkinSpec
-    material: str
-    markers: MarkerSpec
-    camera: CameraSpec
+    design: Design
     spec: VirtualBenchSpec
     unit: int
 
@@ -57,7 +53,8 @@ class UnitTrialTask(Task):
 
     @property
     def name(self) -> str:
-        return f"unit {self.unit} of {self.skin.build().name} {self.markers.count} markers, {self.reader.recipe.kind}"
+        design = f"{self.design.skin.name} {len(self.design.layout)} markers"
+        return f"unit {self.unit} of {design}, {self.reader.recipe.kind}"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -95,8 +92,7 @@ class UnitTrialTask(Task):
 
     def _bench(self, model: Path, store: ArtefactStore) -> VirtualBench:
         """The bench of this design, whose results are known by what makes the model, before that is made."""
-        material, key = get_material(self.material), self.reader.recipe.key
-        return VirtualBench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
+        return VirtualBench(self.spec, self.design, model, store, self.reader.recipe.key)
 
 
 @dataclass(frozen=True)
@@ -112,7 +108,9 @@ class CalculixTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
-        return press_recipe(press.skin, press.mesh, press.material, press.obstacle, solver, press.branch)
+        return press_recipe(
+            press.design.skin_spec, press.mesh, press.design.material, press.obstacle, solver, press.branch
+        )
 
     @property
     def dependencies(self) -> tuple[Task, ...]:
@@ -123,8 +121,8 @@ class CalculixTask(Task):
         return 60.0 * self.press.obstacle.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        mesh = mesh_skin(build_skin(self.press.skin), self.press.mesh)
-        press = solve_press_calculix(mesh, self.press.material, self.press.obstacle)
+        mesh = mesh_skin(self.press.design.skin, self.press.mesh)
+        press = solve_press_calculix(mesh, self.press.design.material, self.press.obstacle)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -152,7 +150,7 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
     return ValidationResult(
         designs=tuple(design.evaluate(store, reasons) for design in designs),
         known=winner.bench.calibration_presses,
-        second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
+        second=None if problem else _compare(store, second, winner.design.layout.positions),
         second_problem=problem,
     )
 
@@ -176,28 +174,23 @@ class _Candidate:
 
     spec: RequirementsSpec
     title: str
-    skin: SkinSpec
+    design: Design
     material: str
-    markers: MarkerSpec
-    camera: CameraSpec
+    """Name of the elastomer in the requirements."""
 
     @classmethod
     def of(cls, front: Front, title: str, entry: DesignCandidate) -> _Candidate:
         """A design of a front."""
-        proposal = entry.trial.finest
-        camera = camera_of(front.spec, entry)
-        return cls(front.spec, title, proposal.skin, proposal.material, entry.option.markers, camera)
+        return cls(front.spec, title, design_of(front.spec, entry), entry.trial.finest.material)
 
     @classmethod
     def rival(cls, spec: RequirementsSpec) -> _Candidate:
         """The rival of the requirements, in the first of the cameras and elastomers."""
         assert spec.baseline is not None
         camera = spec.cameras[0].camera.model_copy(update={"distance": spec.baseline.distance})
-        return cls(spec, "rival", spec.baseline.skin(), spec.materials[0], spec.baseline.markers, camera)
-
-    @property
-    def built(self) -> Skin:
-        return self.skin.build()
+        material = spec.materials[0]
+        design = Design(spec.baseline.skin(), spec.baseline.markers, camera, get_material(material))
+        return cls(spec, "rival", design, material)
 
     @cached_property
     def bench(self) -> VirtualBenchSpec:
@@ -214,7 +207,7 @@ class _Candidate:
 
     @cached_property
     def _proposal(self) -> SkinEvaluationTask:
-        return plan_skin_evaluation(self.spec, self.skin, self.material, full=True)
+        return plan_skin_evaluation(self.spec, self.design.skin_spec, self.material, full=True)
 
     @property
     def twin(self) -> TwinTask:
@@ -233,13 +226,12 @@ class _Candidate:
     def trained_units(self) -> tuple[UnitTrialTask, ...]:
         if self.spec.validation != "trained":
             return ()
-        study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
+        study = design_study(self.spec, self.spec.name, self.design, self.material)
         estimator = plan_study(resolve_device(study)).designs[0].estimator
         return self._simulate(estimator, self.bench.model_copy(update={"calibration_presses": 0}))
 
     def _simulate(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
-        design = (self.skin, self.material, self.markers, self.camera)
-        return tuple(UnitTrialTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
+        return tuple(UnitTrialTask(reader, self.design, bench, unit) for unit in range(1, UNITS + 1))
 
     def second_solver(self) -> tuple[tuple[Task, ...], str]:
         """A press by palpate and by CalculiX, and why there is none by the latter."""
@@ -259,7 +251,7 @@ class _Candidate:
             read_twin(find_artefact(store, self.twin)),
             replace(accuracy_spec(self.spec), calibration_presses=self.bench.calibration_presses),
         )
-        layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
+        layout, camera = self.design.layout, self.design.camera
         checks = [each.find(store) for each in self._proposal.checks]
         try:
             return predict_accuracy(twin, layout, camera, self.spec.tolerance, spec, checks)
@@ -269,7 +261,13 @@ class _Candidate:
     def evaluate(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
         """What was foreseen and what was played."""
         empty = ValidatedDesign(
-            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, predicted=None, simulated=None
+            self.title,
+            self.design.skin.name,
+            len(self.design.layout),
+            self.design.camera_spec.distance,
+            0.0,
+            predicted=None,
+            simulated=None,
         )
         lacks = next((task for task in self.predicted_by if store.find(task.recipe) is None), None)
         if lacks is not None:

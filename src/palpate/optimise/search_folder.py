@@ -16,7 +16,8 @@ from pydantic import ValidationError
 
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError, rename_columns
-from palpate.design import MarkerSpec, SkinSpec, skin_from_data
+from palpate.design import Design, MarkerSpec, SkinSpec, skin_from_data
+from palpate.material import get_material
 from palpate.optimise.front import DesignCandidate, Front, SkinTrial
 from palpate.optimise.optimise_design import ASKED, JOURNAL
 from palpate.optimise.proposal import SkinEvaluation
@@ -27,25 +28,6 @@ Row = Mapping[str, Any]
 _COMPLETE = 1
 """State of a trial in the journal that was told what it gave."""
 _AGAIN = "Run `palpate optimise` again with this folder: it goes on where it was."
-
-
-@dataclass(frozen=True, eq=False)
-class SearchDesign:
-    """One design of a search.
-
-    Attributes
-    ----------
-    row
-        Its figures, by the columns of ``front.csv``.
-    skin, material, markers, camera
-        Its parts.
-    """
-
-    row: Row
-    skin: SkinSpec
-    material: str
-    markers: MarkerSpec
-    camera: CameraSpec
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +58,8 @@ class SearchFolder:
     skins: int
     finished: bool
 
-    def design(self, number: int) -> SearchDesign:
-        """The parts of one design.
+    def design(self, number: int) -> Design:
+        """One design of the search.
 
         Raises
         ------
@@ -92,7 +74,8 @@ class SearchFolder:
             )
         row = self.rows[number]
         try:
-            return SearchDesign(row, _skin(row), str(row["material"]), _markers(row, self.spec), self._camera(row))
+            material = get_material(str(row["material"]))
+            return Design(_skin(row), _markers(row, self.spec), self._camera(row), material)
         except (KeyError, TypeError, ValueError, ValidationError) as error:
             raise PalpateError(
                 f"Row {number} of the search is no design: {error}.", _AGAIN, code="design-row-unreadable"

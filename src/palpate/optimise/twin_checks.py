@@ -57,7 +57,7 @@ def plan_validation_presses(twin: TwinTask, spec: RequirementsSpec) -> tuple[Val
 
 def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> Iterator[PressTask]:
     own = twin.presses[0]
-    coarse = mesh_skin(own.skin.build(), own.mesh).spec
+    coarse = mesh_skin(own.design.skin, own.mesh).spec
     mesh = coarse.model_copy(update={"cells": round(FINER * (coarse.cells or 0))})
     for tilt_deg in tilts_deg:
         changed = {

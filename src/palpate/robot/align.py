@@ -87,7 +87,7 @@ class Aligner:
         self._limit.check_step(_LONGER * self.spec.step)
         self._factor = float(np.sqrt(chi2.ppf(self.spec.level, 2)))
         self._images, self._gap = 0, 0.0
-        skin = sensor.unit.skin
+        skin = sensor.unit.design.skin
         self._apex = skin.support_point(np.array([0.0, 0.0, 1.0]))
 
     def align(self) -> Alignment:

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from palpate.built import read_unit
 from palpate.camera import open_source, read_calibration
 from palpate.core import PalpateError, Spec, parameter
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import Design, MarkerSpec
 from palpate.sensor import Sensor, SensorSpec, Unit, open_sensor
 from palpate.twin import read_twin
 
@@ -74,7 +74,7 @@ def open_from_parameters(spec: SensorLaunchSpec) -> Sensor:
     markers = MarkerSpec(file=spec.layout) if spec.layout else MarkerSpec(count=spec.markers)
     lens = read_calibration(spec.lens).camera_spec() if spec.lens else None
     known = read_unit(spec.unit) if spec.unit else None
-    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, identified=known)
+    unit = Unit(Design.of_skin(twin.skin, markers), spec.mark, lens=lens, identified=known)
     with open_source(spec.source) as source:
         first, clock = list(islice(source.images(), spec.rest_images)), source.clock
     images = [image for image in first if not isinstance(image, PalpateError)]

@@ -20,10 +20,9 @@ from palpate.built import (
     ToleranceSpec,
     sample_deviation,
 )
-from palpate.camera import CameraSpec, RenderSpec
+from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, generator
-from palpate.design import MarkerLayout, SkinSpec, build_skin, wall_normal
-from palpate.material import Material
+from palpate.design import Design, wall_normal
 from palpate.robot.align import Aligner
 from palpate.robot.alignment import Alignment
 from palpate.robot.placement import Placement, rotation_from_vector
@@ -55,12 +54,10 @@ class AlignmentScenario:
 
     Attributes
     ----------
-    twin, layout
-        The design's twin and its print; the twin reads.
-    skin, material
-        The design, for presses that are solved anew.
-    camera
-        As designed.
+    twin
+        The design's twin, which reads.
+    design
+        Its markers and camera; skin and material for presses that are solved anew.
     align, robot, tolerance
         How walls are touched, how well the robot does, and how far units and walls may be from the design.
     max_tilt_deg
@@ -74,10 +71,7 @@ class AlignmentScenario:
     """
 
     twin: Twin
-    layout: MarkerLayout
-    skin: SkinSpec
-    material: Material
-    camera: CameraSpec = field(default_factory=CameraSpec)
+    design: Design
     align: AlignSpec = field(default_factory=AlignSpec)
     robot: SimulatedRobotSpec = field(default_factory=SimulatedRobotSpec)
     tolerance: ToleranceSpec = WALLS
@@ -139,10 +133,11 @@ class VirtualUnit:
     def __init__(self, scenario: AlignmentScenario, number: int) -> None:
         self.play, self.number = scenario, number
         self.deviation = sample_deviation(scenario.tolerance, scenario.seed, number)
-        skin = build_skin(scenario.skin)
-        self._scene = build_scene(skin, scenario.layout, self.deviation, scenario.camera, LIGHT)
-        self._unit = SimulatedUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
-        unit = Unit(skin, scenario.layout, nominal=scenario.camera, tolerance=scenario.tolerance)
+        self._scene = build_scene(scenario.design, self.deviation, LIGHT)
+        self._unit = SimulatedUnit(
+            scenario.design.skin, self.deviation.thickness, self._scene, self._pressed(self._scene)
+        )
+        unit = Unit(scenario.design, tolerance=scenario.tolerance)
         self._sensor = open_sensor([self._scene.render_rest()], unit, scenario.twin, SensorSpec())
         if scenario.calibration_presses:
             self._identify()
@@ -152,7 +147,7 @@ class VirtualUnit:
         play = self.play
         if play.by_solver:
             deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
-            return SolverBackend(play.skin, play.material, scene.edges, self.deviation, deepest)
+            return SolverBackend(self.deviation.built(play.design), scene.edges, deepest)
         return TwinBackend(play.twin, scene.edges, self.deviation)
 
     def _identify(self) -> None:

@@ -14,9 +14,8 @@ import numpy as np
 
 from palpate.built import Deviation
 from palpate.core import FloatArray
-from palpate.design import SkinSpec, build_skin, wall_normal
+from palpate.design import Design, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import MarkerTwin, Twin
 
@@ -75,22 +74,18 @@ class SolverBackend(ContactBackend):
 
     Attributes
     ----------
-    dome, material
-        The design.
+    built
+        The unit as built.
     rest
-        (m, k, 3) mm, edges of the unit's dots.
-    deviation
-        The unit.
+        (m, k, 3) mm, edges of its dots.
     depth
         To which it can be pressed, mm.
     cells
         Of the mesh, along a meridian; `None`: its own number.
     """
 
-    dome: SkinSpec
-    material: Material
+    built: Design
     rest: FloatArray
-    deviation: Deviation
     depth: float
     cells: int | None = None
     _solved: dict[tuple[float, float], Press] = field(default_factory=dict)
@@ -117,9 +112,8 @@ class SolverBackend(ContactBackend):
         if key not in self._solved:
             contact = 1.0 / inverse_friction if inverse_friction > 0 else "no-slip"
             wall = WallSpec(tilt_deg=key[0], depth=self.depth, depth_step=_STEP_MM, contact=contact)
-            spec = MeshSpec(cells=self.cells, filled=self.material.has_gel)
-            mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), spec)
-            self._solved[key] = solve_press(mesh, self.deviation.material(self.material), wall)
+            spec = MeshSpec(cells=self.cells, filled=self.built.material.has_gel)
+            self._solved[key] = solve_press(mesh_skin(self.built.skin, spec), self.built.material, wall)
         return self._solved[key], azimuth_deg
 
 

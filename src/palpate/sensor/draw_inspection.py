@@ -34,7 +34,7 @@ def draw_inspection(inspection: Inspection) -> Figure:
     """
     figure = Figure(figsize=(6.4, 6.0), layout="constrained")
     axis = figure.add_subplot()
-    x, y = inspection.unit.layout.positions[:, :2].T
+    x, y = inspection.unit.design.layout.positions[:, :2].T
     azimuth = np.arctan2(y, x)
     azimuth[np.hypot(x, y) < 1e-9] = 0.0
     out, around = inspection.error.T
@@ -55,7 +55,7 @@ def draw_inspection(inspection: Inspection) -> Figure:
                 *(x[chosen], y[chosen], enlarged * u[chosen], enlarged * v[chosen]),
                 angles="xy", scale_units="xy", scale=1.0, width=0.003, color=colour,
             )  # fmt: skip
-    radius = inspection.unit.skin.base_radius
+    radius = inspection.unit.design.skin.base_radius
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
     if inspection.distortion is not None:

@@ -102,18 +102,24 @@ def inspect_unit(
         If the dots are not those of the design, or their names are ambiguous.
     """
     registration = analyse_rest(images, unit, detect).registration
-    camera, points = registration.camera, unit.layout.positions
-    outward = unit.skin.normal(points)
+    camera, points = registration.camera, unit.design.layout.positions
+    outward = unit.design.skin.normal(points)
     nominal = camera.project(points)
-    bias = project_markers(camera, flat_marker_outlines(points, outward, unit.layout.diameter)).centres - nominal
+    bias = (
+        project_markers(camera, flat_marker_outlines(points, outward, unit.design.layout.diameter)).centres - nominal
+    )
     seen = nominal + registration.reprojection_residual_px
     found = np.isfinite(seen).all(axis=1)
     dots = np.full_like(points, np.nan)
-    dots[found] = _on_dome(camera, unit.skin, seen[found])
-    axes = np.stack(unit.skin.tangents(points)[1:], axis=1)
+    dots[found] = _on_dome(camera, unit.design.skin, seen[found])
+    axes = np.stack(unit.design.skin.tangents(points)[1:], axis=1)
     error = np.einsum("mij,mj->mi", axes, dots - points)
     return Inspection(
-        unit, registration, error, _scale(camera, unit.skin, nominal + bias), (spec or InspectionSpec()).tolerance
+        unit,
+        registration,
+        error,
+        _scale(camera, unit.design.skin, nominal + bias),
+        (spec or InspectionSpec()).tolerance,
     )
 
 

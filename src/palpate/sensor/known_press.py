@@ -11,9 +11,9 @@ from scipy.spatial import cKDTree
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
+from palpate.design import Design
 from palpate.fea import WallSpec, solve_press
 from palpate.markers import MarkerAssignment, PressFit, disambiguate_by_press
-from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor.register import register_dome
 from palpate.sensor.unit import Unit
@@ -39,7 +39,7 @@ class ReferencePress:
     positions: FloatArray
 
     @classmethod
-    def simulate(cls, image: NDArray[Any], pose: tuple[float, float, float], unit: Unit, material: Material) -> Self:
+    def simulate(cls, image: NDArray[Any], pose: tuple[float, float, float], design: Design) -> Self:
         """Simulate the press of an image.
 
         Parameters
@@ -48,7 +48,7 @@ class ReferencePress:
             The image of the press.
         pose
             rx, ry (degrees) and depth (mm) of the wall, as a robot or a wedge gives them; 1 mm of depth does no harm.
-        unit, material
+        design
             The design.
 
         Raises
@@ -69,15 +69,15 @@ class ReferencePress:
             depth=depth,
             depth_step=min(_IMAGE_STEP, depth),
         )
-        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
-        press = solve_press(mesh, material, wall)
+        mesh = mesh_skin(design.skin, MeshSpec(cells=_CELLS, filled=design.material.has_gel))
+        press = solve_press(mesh, design.material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",
                 "Press less deep.",
                 code="press-ends-early",
             )
-        return cls(image, press.positions(unit.layout.positions)[-1])
+        return cls(image, press.positions(design.layout.positions)[-1])
 
 
 def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: FloatArray, unit: Unit) -> PressFit:
@@ -90,10 +90,10 @@ def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: Fl
     PalpateError
         If a numbering cannot be registered, or where `palpate.markers.disambiguate_by_press` fails.
     """
-    nominal = unit.lens or unit.nominal or CameraSpec()
+    nominal = unit.camera_spec
     choices = (naming, *naming.alternatives)
     motions = np.stack([_motion(choice, positions, unit, nominal) for choice in choices])
-    rest = build_camera(nominal).project(unit.layout.positions)
+    rest = build_camera(nominal).project(unit.design.layout.positions)
     spacing = float(cKDTree(rest).query(rest, 2)[0][:, 1].min())
     return disambiguate_by_press(naming, motions, pressed_px, spacing)
 
@@ -107,5 +107,5 @@ def _motion(choice: MarkerAssignment, positions: FloatArray, unit: Unit, nominal
         choice = replace(choice, positions_px=seen, mirrored=False, turn_deg=180.0 - choice.turn_deg)
         lens = build_camera(nominal).lens.mirrored().coefficients
         nominal = nominal.model_copy(update={"cx_px": width - nominal.cx_px, "distortion": lens})
-    camera = register_dome(choice, unit.layout, unit.skin, nominal).camera
-    return np.asarray((camera.project(positions) - camera.project(unit.layout.positions)) * flip)
+    camera = register_dome(choice, unit.design.layout, unit.design.skin, nominal).camera
+    return np.asarray((camera.project(positions) - camera.project(unit.design.layout.positions)) * flip)

@@ -20,7 +20,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.built import FitState, Force, PoseFit, PoseFitter, build_unit_model, infer_from_rest, predict_force
-from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
@@ -128,8 +127,8 @@ class NetworkEstimator(PoseEstimator):
     ) -> None:
         self.predictor, self.unit, self.space = predictor, unit, predictor.space
         self._camera = registration.camera
-        self._nominal = build_camera(unit.nominal)
-        self._rest_model = self._nominal.project(unit.layout.positions)
+        self._nominal = unit.design.camera
+        self._rest_model = self._nominal.project(unit.design.layout.positions)
         self._rest = self._carry(self._camera.sight_lines(naming.positions_px))
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
@@ -162,9 +161,9 @@ class NetworkEstimator(PoseEstimator):
     def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
         """Dots on sights of the real camera as the nominal camera would show them, for a wall of about this pose."""
         starts, rays = sight
-        reach = (self.unit.layout.positions[:, 2] - starts[:, 2]) / rays[:, 2]
+        reach = (self.unit.design.layout.positions[:, 2] - starts[:, 2]) / rays[:, 2]
         if pose is not None:
-            normal, limit = _wall(self.unit.skin, pose)
+            normal, limit = _wall(self.unit.design.skin, pose)
             to_wall = (limit - starts @ normal) / np.maximum(rays @ normal, 1e-3)
             reach = np.minimum(reach, to_wall)
         return self._nominal.project(starts + rays * reach[:, None])
@@ -183,17 +182,17 @@ class TwinEstimator(PoseEstimator):
     ) -> None:
         self.space = TILT_SPACE
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
-        calibrated = unit.lens or unit.nominal or CameraSpec()
+        calibrated = unit.camera_spec
         mounting, scale = None, None
         if unit.identified is None:
             belief = infer_from_rest(
-                twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px
+                twin, _as_printed(unit.design.layout, law), calibrated, rest, unit.tolerance, spec.noise_px
             )
         else:
             belief, mounting = replace(unit.identified.posterior, rest_px=rest), unit.identified.mounting
             scale = unit.identified.scale
             _refuse_moved(unit.identified.posterior.rest_px, rest, spec.drift_px)
-        model = build_unit_model(twin, unit.layout, belief, unit.tolerance)
+        model = build_unit_model(twin, unit.design.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = DriftTracker(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
@@ -314,14 +313,14 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
 def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) -> None:
     """Refuse a model of another design, or of another pose, with a `PalpateError`."""
     if isinstance(model, Twin):
-        if model.skin.spec_data != unit.skin.spec_data:
+        if model.skin.spec_data != unit.design.skin.spec_data:
             raise PalpateError(
-                f"The twin is of {model.skin.name}, the design is {unit.skin.name}.",
+                f"The twin is of {model.skin.name}, the design is {unit.design.skin.name}.",
                 "Use its own twin.",
                 code="twin-design-differs",
             )
         if unit.identified is not None:
-            unit.identified.check(unit.skin, unit.layout)
+            unit.identified.check(unit.design.skin, unit.design.layout)
         estimates = TILT_SPACE
     else:
         if unit.identified is not None:
@@ -330,9 +329,9 @@ def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) ->
                 "Read by the design's twin.",
                 code="network-no-unit",
             )
-        if model.markers != len(unit.layout):
+        if model.markers != len(unit.design.layout):
             raise PalpateError(
-                f"The model reads {model.markers} markers, the design has {len(unit.layout)}.",
+                f"The model reads {model.markers} markers, the design has {len(unit.design.layout)}.",
                 "Use the model of this design.",
                 code="model-marker-count",
             )

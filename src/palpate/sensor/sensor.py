@@ -129,7 +129,7 @@ class Sensor:
         blobs = self.detector.find(image)
         sighting, tracks = self._tracker.follow(blobs.positions_px, self._state.tracks)
         found = int(sighting.found.sum())
-        if found < self.spec.min_found * len(self.unit.layout):
+        if found < self.spec.min_found * len(self.unit.design.layout):
             self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
         sighting, estimate, state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
@@ -227,8 +227,8 @@ def analyse_rest(
         raise PalpateError(
             "There is no image at rest.", "Record the untouched dome first.", code="rest-image-missing"
         )
-    mark = place_orientation_mark(unit.skin, unit.layout) if unit.has_orientation_mark else None
-    pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
+    mark = place_orientation_mark(unit.design.skin, unit.design.layout) if unit.has_orientation_mark else None
+    pattern = build_pattern(unit.design.layout.positions, build_camera(unit.camera_spec).project, mark)
     detector, naming = _find_and_name(images[0], unit, detect, pattern)
     if naming.ambiguous and reference_press is not None:
         naming = disambiguate(
@@ -247,7 +247,7 @@ def analyse_rest(
             code="orientation-mark-unseen",
         )
     naming = _average(naming, detector, images)
-    where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)
+    where = register_dome(naming, unit.design.layout, unit.design.skin, unit.camera_spec, refine_lens)
     return RestReference(detector, naming, where)
 
 
@@ -263,16 +263,16 @@ def _find_and_name(
         detector = prepare_detector(image, detect, doubt=False, gap=gap)  # naming holds the dots against the design
         return detector, assign_markers(detector.find(image).positions_px, pattern)
     except PalpateError:
-        camera = unit.lens or unit.nominal
-        if detect is not None or camera is None:
+        camera = unit.camera_spec
+        if detect is not None:
             raise
-        away = camera.distance + float(np.median(unit.layout.positions[:, 2]))
-        size = camera.fx_px * unit.layout.diameter / away
+        away = camera.distance + float(np.median(unit.design.layout.positions[:, 2]))
+        size = camera.fx_px * unit.design.layout.diameter / away
         for spec in (DetectSpec(polarity="dark", diameter_px=size), DetectSpec(polarity="bright", diameter_px=size)):
             with suppress(PalpateError):
                 detector = prepare_detector(image, spec, doubt=False, gap=gap)
                 found = detector.find(image).positions_px
-                if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout) + _DIRT:
+                if _FOUND[0] * len(unit.design.layout) <= len(found) <= _FOUND[1] * len(unit.design.layout) + _DIRT:
                     return detector, assign_markers(found, pattern)
         raise
 

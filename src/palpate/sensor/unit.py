@@ -1,4 +1,4 @@
-"""One built sensor: its design, its camera, and the camera that its model was trained for."""
+"""One built sensor: its design, its lens and its calibration."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from palpate.built import IdentifiedUnit, ToleranceSpec
 from palpate.camera import CameraSpec
-from palpate.design import MarkerLayout, Skin
+from palpate.design import Design
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,24 +15,25 @@ class Unit:
 
     Attributes
     ----------
-    skin, layout
-        Its design.
+    design
+        The design that it was made to; a network was trained for the camera of the design.
     has_orientation_mark
         Whether the orientation mark is printed.
-    nominal
-        The camera that the model was trained for.
     lens
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
     identified
-        What presses told about it (`palpate identify`).
+        Its parameters from calibration presses (`palpate identify`).
     tolerance
         How far it may be from its design.
     """
 
-    skin: Skin
-    layout: MarkerLayout
+    design: Design
     has_orientation_mark: bool = True
-    nominal: CameraSpec | None = None
     lens: CameraSpec | None = None
     identified: IdentifiedUnit | None = None
     tolerance: ToleranceSpec = field(default_factory=ToleranceSpec)
+
+    @property
+    def camera_spec(self) -> CameraSpec:
+        """The calibrated lens, or the camera of the design."""
+        return self.lens or self.design.camera_spec

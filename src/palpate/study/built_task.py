@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from palpate.built import AccuracySpec, PredictedAccuracy, ToleranceSpec, predict_accuracy
-from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe, atomic_write, stage_version
-from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
+from palpate.design import Design, SkinSpec
 from palpate.fea import Branch, WallSpec, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import AsBuiltSpec, Study
@@ -46,7 +45,7 @@ class TwinTask(Task):
 
     @property
     def name(self) -> str:
-        return f"twin {self.presses[0].skin.build().name}"
+        return f"twin {self.presses[0].design.skin.name}"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -76,9 +75,7 @@ class AccuracyTask(Task):
     """Foresee built units of one design, before and after known presses."""
 
     twin: TwinTask
-    skin: SkinSpec
-    markers: MarkerSpec
-    camera: CameraSpec
+    design: Design
     tolerance: ToleranceSpec
     specs: tuple[AccuracySpec, ...]
 
@@ -86,15 +83,15 @@ class AccuracyTask(Task):
 
     @property
     def name(self) -> str:
-        return f"built units of {self.skin.build().name} {self.markers.count} markers"
+        return f"built units of {self.design.skin.name} {len(self.design.layout)} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
-        layout = place_markers(build_skin(self.skin), self.markers)
+        layout = self.design.layout
         spec = {
             "markers_mm": layout.positions.tolist(),
             "diameter": layout.diameter,
-            "camera": self.camera.model_dump(mode="json"),
+            "camera": self.design.camera_spec.model_dump(mode="json"),
             "tolerance": self.tolerance.model_dump(mode="json"),
             "figures": [asdict(figure) for figure in self.specs],
         }
@@ -110,7 +107,7 @@ class AccuracyTask(Task):
 
     def make(self, store: ArtefactStore) -> None:
         twin = read_twin(find_artefact(store, self.twin))
-        layout, camera = place_markers(twin.skin, self.markers), build_camera(self.camera)
+        layout, camera = self.design.layout, self.design.camera
         found = [asdict(predict_accuracy(twin, layout, camera, self.tolerance, spec)) for spec in self.specs]
         store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
 
@@ -144,14 +141,14 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
 
 
-def plan_accuracy(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> AccuracyTask:
+def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
     """What units of one design will be, with its markers counted."""
     asked = study.built or AsBuiltSpec()
     specs = (
         AccuracySpec(calibration_presses=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed)
         for known in (0, asked.calibration_presses)
     )
-    return AccuracyTask(twin, skin, markers, study.camera, asked.tolerance, tuple(specs))
+    return AccuracyTask(twin, design, asked.tolerance, tuple(specs))
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
@@ -161,9 +158,8 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
         for tilt_deg in study.tilts_deg:
             changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.obstacle.depth_step}
             yield PressTask(
-                skin=skin,
+                design=study.design(skin),
                 mesh=study.material.mesh(study.mesh),
-                material=study.material.material(),
                 obstacle=study.obstacle.model_copy(update=changed),
                 solver=solver,
             )
@@ -179,9 +175,8 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[P
         if study.obstacle.contact != "frictionless":
             changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
         yield PressTask(
-            skin=skin,
+            design=study.design(skin),
             mesh=study.material.mesh(study.mesh),
-            material=study.material.material(),
             obstacle=study.obstacle.model_copy(update=changed),
             solver=study.solver,
         )
@@ -199,9 +194,8 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     for tilt_deg in study.tilts_deg:
         changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
         yield PressTask(
-            skin=skin,
+            design=study.design(skin),
             mesh=mesh,
-            material=study.material.material(),
             obstacle=study.obstacle.model_copy(update=changed),
             solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
             branch=Branch.INVERTED,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import ArtefactStore, provenance, stage_version
-from palpate.design import Symmetry, build_skin
+from palpate.design import Symmetry
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
 from palpate.study.built_task import AccuracyTask, read_accuracy
@@ -55,11 +55,11 @@ def collect_bounds(
     found = []
     for task in tasks:
         path = store.find(task.recipe, task.suffix)
-        design = (task.dataset.skin, task.dataset.markers)
+        design = task.dataset.design
         if path is not None:
-            found.append(DesignBounds(*design, read_bounds(path)))
+            found.append(DesignBounds(design, read_bounds(path)))
         else:
-            found.append(DesignBounds(*design, (), _reason((task, *task.dependencies), outcomes)))
+            found.append(DesignBounds(design, (), _reason((task, *task.dependencies), outcomes)))
     return tuple(found)
 
 
@@ -88,9 +88,7 @@ def _collect_design(
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
     parts: tuple[Task, ...] = (dataset, task.bound, task.estimator, task, *([forces] if forces else ()))
     return DesignResult(
-        skin=dataset.skin,
-        markers=dataset.markers,
-        shape=build_skin(dataset.skin).shape,
+        design=dataset.design,
         clean=Metrics.from_dict(tally["clean"]) if tally else None,
         jittered=Metrics.from_dict(tally["jittered"]) if tally else None,
         travel_mm=float(tally["travel_mm"]) if tally else float("nan"),
@@ -122,7 +120,7 @@ _SIZES = {"height", "base_radius", "thickness"}
 
 def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
     """The azimuths that were pressed, of a skin that is no body of revolution."""
-    if dataset.skin.build().symmetry is Symmetry.REVOLVED:
+    if dataset.design.skin.symmetry is Symmetry.REVOLVED:
         return {}
     return {"azimuths_deg": sorted({item.obstacle.turn_deg for item in dataset.presses})}
 
@@ -132,16 +130,16 @@ def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     press = dataset.presses[0]
     obstacle = press.obstacle.model_dump(mode="json", exclude={press.obstacle.position_name, "azimuth_deg"})
     positions = list(dict.fromkeys(item.obstacle.radial for item in dataset.presses))
-    own = dataset.skin.model_dump(mode="json", exclude=_SIZES)
+    own = dataset.design.skin_spec.model_dump(mode="json", exclude=_SIZES)
     return {
         **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
-        "material": press.material.key_data(),
+        "material": press.design.material.key_data(),
         positions_field(press.obstacle): positions,
         **_azimuths(dataset),
         "obstacle": obstacle,
         "solver": press.solver.model_dump(mode="json"),
-        "camera": dataset.camera.model_dump(mode="json"),
+        "camera": dataset.design.camera_spec.model_dump(mode="json"),
         "dataset": dataset.spec.model_dump(mode="json"),
         "learning": task.spec.model_dump(mode="json"),
     }

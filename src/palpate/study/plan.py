@@ -92,18 +92,11 @@ def plan_study(study: Study) -> Plan:
         alone = study.material.gel or skin.build().hole
         inverted = straight if alone else replace(straight, branch=Branch.INVERTED)
         for given in study.designs.markers:
-            markers = check_markers(skin, given)
-            dataset = DatasetTask(
-                presses=presses,
-                skin=skin,
-                markers=markers,
-                camera=study.camera,
-                spec=study.dataset,
-                perturbed_presses=relatives,
-            )
+            design = study.design(skin, check_markers(skin, given))
+            dataset = DatasetTask(presses, design, study.dataset, relatives)
             designs.append(EvaluationTask(dataset=dataset, spec=study.learning, inverted=inverted))
             if twin is not None:
-                built.append(plan_accuracy(study, twin, skin, markers))
+                built.append(plan_accuracy(study, twin, design))
     forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
 
@@ -129,10 +122,9 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     for position, azimuth_deg in _poses(study, build_skin(skin)):
         turned = {"azimuth_deg": azimuth_deg} if azimuth_deg else {}
         yield PressTask(
-            skin=skin,
+            design=study.design(skin),
             # half a skin is symmetric about the plane of the tilt
             mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
-            material=study.material.material(),
             obstacle=study.obstacle_at(position, **turned),
             solver=study.solver,
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from palpate.built import PredictedAccuracy
-from palpate.design import MarkerSpec, SkinSpec
+from palpate.design import Design
 from palpate.learn import Coverage, ErrorBound, Metrics
 
 
@@ -75,10 +75,8 @@ class DesignResult:
 
     Attributes
     ----------
-    skin, markers
-        What was designed.
-    shape
-        The shape's name as in the paper.
+    design
+        Skin, markers, camera and elastomer.
     clean, jittered
         Errors on the held-out presses without and with pixel jitter; `None` where the chain broke
         (`failure`).
@@ -116,9 +114,7 @@ class DesignResult:
         Why there is no result; empty where there is one.
     """
 
-    skin: SkinSpec
-    markers: MarkerSpec
-    shape: str
+    design: Design
     clean: Metrics | None
     jittered: Metrics | None
     travel_mm: float
@@ -144,16 +140,15 @@ class DesignBounds:
 
     Attributes
     ----------
-    skin, markers
-        What was designed.
+    design
+        Skin, markers, camera and elastomer.
     limits
         Bounds by rising depth.
     failure
         Why there are none; empty where there are.
     """
 
-    skin: SkinSpec
-    markers: MarkerSpec
+    design: Design
     limits: tuple[ErrorBound, ...]
     failure: str = ""
 

@@ -83,7 +83,7 @@ def run_study(
     run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
-    made = {built.skin: run.store.find(built.twin.recipe) for built in plan.built}
+    made = {built.design.skin_spec: run.store.find(built.twin.recipe) for built in plan.built}
     export_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
     names = {task.recipe.key: task.name for task in run.tasks}
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}

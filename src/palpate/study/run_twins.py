@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.built import PredictedAccuracy
-from palpate.design import MarkerSpec, SkinSpec
+from palpate.design import Design
 from palpate.study.built_task import AccuracyTask, read_accuracy
 from palpate.study.observer import NullObserver, Observer
 from palpate.study.plan import plan_study
@@ -21,7 +21,7 @@ class DesignAccuracy:
 
     Attributes
     ----------
-    skin, markers
+    design
         The design.
     twin
         File of the skin's twin; `None` where it could not be made.
@@ -31,8 +31,7 @@ class DesignAccuracy:
         Why there are none.
     """
 
-    skin: SkinSpec
-    markers: MarkerSpec
+    design: Design
     twin: Path | None
     accuracies: tuple[PredictedAccuracy, ...]
     problem: str = ""
@@ -69,4 +68,4 @@ def _collect(run: Run, task: AccuracyTask) -> DesignAccuracy:
     twin = None if reason else find_artefact(run.store, task.twin)
     reason = reason or run.reason(task)
     figures = () if reason else read_accuracy(find_artefact(run.store, task))
-    return DesignAccuracy(task.skin, task.markers, twin, figures, reason)
+    return DesignAccuracy(task.design, twin, figures, reason)

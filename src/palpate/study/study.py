@@ -26,7 +26,7 @@ from palpate.built import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
-from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
+from palpate.design import SKINS, Design, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact
 from palpate.learn import LearningSpec
 from palpate.material import Material, get_material
@@ -283,6 +283,10 @@ class Study(Spec):
                 {"label": self.obstacle.label, "field": field, "other": other},
             )
         return self
+
+    def design(self, skin: SkinSpec, markers: MarkerSpec = MarkerSpec()) -> Design:  # noqa: B008  (a spec is frozen)
+        """The design of one skin and layout, with the camera and the elastomer of the study."""
+        return Design(skin, markers, self.camera, self.material.material())
 
     @property
     def positions(self) -> tuple[float, ...]:

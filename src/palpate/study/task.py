@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.dataset import (
     Dataset,
@@ -20,10 +19,9 @@ from palpate.dataset import (
     read_dataset,
     write_dataset,
 )
-from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
+from palpate.design import Design, Symmetry
 from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_press, write_press
 from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec
-from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import build_field
@@ -73,9 +71,9 @@ class Task(ABC):
 class PressTask(Task):
     """Press of one skin at one position of an obstacle, on the flat or the inverted branch."""
 
-    skin: SkinSpec
+    design: Design
+    """Its skin and its elastomer count; presses of designs that differ in the rest are the same."""
     mesh: MeshSpec
-    material: Material
     obstacle: ObstacleSpec
     solver: SolverSpec
     branch: Branch = Branch.FLAT
@@ -84,7 +82,7 @@ class PressTask(Task):
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
         friction = "" if isinstance(self.obstacle.contact, str) else f" friction {self.obstacle.contact:g}"
-        skin = self.skin.build()
+        skin = self.design.skin
         turned = skin.symmetry is not Symmetry.REVOLVED and self.obstacle.radial > 0
         azimuth = f" azimuth {self.obstacle.turn_deg:g}°" if turned else ""
         tilted = self.obstacle.pose_space.is_tilt
@@ -94,7 +92,9 @@ class PressTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         solver = self.solver.model_dump(mode="json")
-        return press_recipe(self.skin, self.mesh, self.material, self.obstacle, solver, self.branch)
+        return press_recipe(
+            self.design.skin_spec, self.mesh, self.design.material, self.obstacle, solver, self.branch
+        )
 
     @property
     def dependencies(self) -> tuple[Task, ...]:
@@ -108,8 +108,8 @@ class PressTask(Task):
         return a_piece * images * (10.0 if self.mesh.filled else 1.0) * (2.0 if self.mesh.whole else 1.0)
 
     def make(self, store: ArtefactStore) -> None:
-        mesh = mesh_skin(build_skin(self.skin), self.mesh)
-        press = solve_press(mesh, self.material, self.obstacle, self.solver, self.branch)
+        mesh = mesh_skin(self.design.skin, self.mesh)
+        press = solve_press(mesh, self.design.material, self.obstacle, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -118,27 +118,24 @@ class DatasetTask(Task):
     """Make the images of one design from the presses of its dome."""
 
     presses: tuple[PressTask, ...]
-    skin: SkinSpec
-    markers: MarkerSpec
-    camera: CameraSpec
+    design: Design
     spec: DatasetSpec
     perturbed_presses: tuple[tuple[PressTask, ...], ...] = ()
     """Presses of units that differ: for each friction of `spec.randomise`, then of a thinner and a thicker wall."""
 
     @property
     def name(self) -> str:
-        return f"dataset {self.skin.build().name} {self.markers.count} markers"
+        return f"dataset {self.design.skin.name} {len(self.design.layout)} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
-        layout = place_markers(build_skin(self.skin), self.markers)
         spec = {
-            "markers_mm": layout.positions.tolist(),
-            "camera": self.camera.model_dump(mode="json"),
+            "markers_mm": self.design.layout.positions.tolist(),
+            "camera": self.design.camera_spec.model_dump(mode="json"),
             "dataset": self.spec.model_dump(mode="json"),
         }
         inputs = tuple(press.recipe.key for press in self.dependencies)
-        return Recipe(kind="dataset", spec=spec, inputs=inputs, version=dataset_version(build_camera(self.camera)))
+        return Recipe(kind="dataset", spec=spec, inputs=inputs, version=dataset_version(self.design.camera))
 
     @property
     def dependencies(self) -> tuple[Task, ...]:
@@ -146,7 +143,7 @@ class DatasetTask(Task):
 
     @property
     def cost(self) -> float:
-        return 1.0 + 0.02 * self.markers.count
+        return 1.0 + 0.02 * len(self.design.layout)
 
     def make(self, store: ArtefactStore) -> None:
         dataset = self.generate(store)
@@ -158,10 +155,9 @@ class DatasetTask(Task):
             [read_press(find_artefact(store, task)) for task in group]
             for group in (self.presses, *self.perturbed_presses)
         ]
-        layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
         relatives = PerturbedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
-        return generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives, forces)
+        return generate_dataset(groups[0], self.design.layout, self.design.camera, self.spec, relatives, forces)
 
 
 @dataclass(frozen=True)
@@ -174,7 +170,7 @@ class BoundTask(Task):
 
     @property
     def name(self) -> str:
-        return f"limit {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
+        return f"limit {self.dataset.design.skin.name} {len(self.dataset.design.layout)} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -194,8 +190,8 @@ class BoundTask(Task):
 
         dataset = self.dataset
         presses = [read_press(find_artefact(store, task)) for task in dataset.presses]
-        field = build_field(presses, place_markers(build_skin(dataset.skin), dataset.markers))
-        camera = build_camera(dataset.camera)
+        field = build_field(presses, dataset.design.layout)
+        camera = dataset.design.camera
         # near the axis the place of a line does not determine its direction: there is no bound
         limits = () if field.space.is_line else compute_error_bounds(field, camera, dataset.spec, dataset.spec.seed)
         store.write(self.recipe, lambda path: write_json(path, [asdict(limit) for limit in limits]), self.suffix)
@@ -212,7 +208,7 @@ class EstimatorTask(Task):
 
     @property
     def name(self) -> str:
-        return f"estimator {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
+        return f"estimator {self.dataset.design.skin.name} {len(self.dataset.design.layout)} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -256,7 +252,7 @@ class EvaluationTask(Task):
 
     @property
     def name(self) -> str:
-        return f"learning {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
+        return f"learning {self.dataset.design.skin.name} {len(self.dataset.design.layout)} markers"
 
     @cached_property
     def bound(self) -> BoundTask:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from palpate.grid import Row, SpecificationGrid, own_column, rows_for_design
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
 from palpate.viewer.pressed_skin import SurfaceMotion
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 
-def force_curves(shown: list[tuple[Design, SurfaceMotion]]) -> tuple[list[ChartCurve], list[ChartCurve]]:
+def force_curves(shown: list[tuple[GridDesign, SurfaceMotion]]) -> tuple[list[ChartCurve], list[ChartCurve]]:
     """Force (N) over depth (mm) of one or two designs, a curve a branch, and where a second state begins."""
     curves, marks = [], []
     for (design, motion), colour in zip(shown, (FIRST, SECOND), strict=False):
@@ -28,7 +28,7 @@ def force_curves(shown: list[tuple[Design, SurfaceMotion]]) -> tuple[list[ChartC
     return curves, marks
 
 
-def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurve]:
+def error_curves(grid: SpecificationGrid, shown: list[GridDesign]) -> list[ChartCurve]:
     """Jittered RMSE (degrees or mm) and least-squares bound by depth (mm) of one or two designs."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
@@ -45,8 +45,8 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurv
     return curves
 
 
-def _short(design: Design) -> str:
-    return f"H{design.skin.height:g} T{design.skin.thickness:g} {len(design.layout)}"
+def _short(design: GridDesign) -> str:
+    return f"H{design.design.skin.height:g} T{design.design.skin.thickness:g} {len(design.design.layout)}"
 
 
 def _points(rows: Sequence[Row], column: str) -> list[tuple[float, float]]:

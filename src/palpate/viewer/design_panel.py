@@ -8,7 +8,7 @@ from nicegui import ui
 
 from palpate.grid import MAIN_COLUMNS, grid_column
 from palpate.viewer.page_head import heading
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 
 class DesignPanel:
@@ -19,7 +19,7 @@ class DesignPanel:
             heading("Figures")
             self._table = ui.element("table").classes("figures").props('data-testid="figures"')
 
-    def show(self, designs: Sequence[Design]) -> None:
+    def show(self, designs: Sequence[GridDesign]) -> None:
         """Show the figures of these designs, a column each."""
         self._table.clear()
         with self._table:

@@ -19,7 +19,7 @@ from palpate.viewer.library import DesignLibrary
 from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 from palpate.viewer.words import jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
@@ -209,8 +209,8 @@ class ExplorePage:
         self._draw_curves()
 
     def _draw_curves(self) -> None:
-        designs: list[Design] = []
-        shown: list[tuple[Design, SurfaceMotion]] = []
+        designs: list[GridDesign] = []
+        shown: list[tuple[GridDesign, SurfaceMotion]] = []
         faults: list[PalpateError] = []
         for number in self._numbers():
             try:
@@ -323,7 +323,7 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
     return int(value[place]) if isinstance(value, list) and len(value) > place else None
 
 
-def _end_sentence(design: Design, motion: SurfaceMotion) -> str:
+def _end_sentence(design: GridDesign, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
     return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"

@@ -15,17 +15,19 @@ from palpate.viewer.gltf import Part
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_skin import SurfaceMotion
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 
-def marker_rows(design: Design, specimen: RenderedSkin, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
+def marker_rows(
+    design: GridDesign, specimen: RenderedSkin, tilt_deg: float, azimuth_deg: float
+) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
-    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
+    seen = follow_markers(specimen.pressed, motion, design.design.layout, design.design.camera, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
-        for marker in range(len(design.layout)):
+        for marker in range(len(design.design.layout)):
             x, y, z = (f"{value:.5f}" for value in seen.positions[k, marker])
             u, v = (f"{value:.4f}" for value in seen.pixels[k, marker])
             pose = {"rx_deg": f"{rx:.6g}", "ry_deg": f"{ry:.6g}", "depth_mm": f"{depth:.6g}"}
@@ -34,7 +36,7 @@ def marker_rows(design: Design, specimen: RenderedSkin, tilt_deg: float, azimuth
     return rows
 
 
-def dome_parts(design: Design, specimen: RenderedSkin, pose: tuple[float, float, float]) -> list[Part]:
+def dome_parts(design: GridDesign, specimen: RenderedSkin, pose: tuple[float, float, float]) -> list[Part]:
     """Skin, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the skin's frame.
 
     Raises
@@ -77,11 +79,13 @@ def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatA
     return mixed
 
 
-def _markers(design: Design, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]) -> Part:
+def _markers(
+    design: GridDesign, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]
+) -> Part:
     """Each marker as an octahedron as wide as its dot."""
-    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
+    seen = follow_markers(specimen.pressed, motion, design.design.layout, design.design.camera, pose[2])
     centres = _between(motion, seen.positions, pose[0])
-    corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.layout.diameter / 2
+    corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     points = (centres[:, None] + corners).reshape(-1, 3)
     triangles = (faces[None] + 6 * np.arange(len(centres))[:, None, None]).reshape(-1, 3)

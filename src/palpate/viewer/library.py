@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.pressed_skin import PressedSkin
-from palpate.viewer.results import Design, Results, read_design, read_presses
+from palpate.viewer.results import GridDesign, Results, read_design, read_presses
 from palpate.viewer.shell import Shell, build_shell
 
 CACHE_SIZE = 4
@@ -43,11 +43,11 @@ class DesignLibrary:
     _cache: OrderedDict[tuple[str, ...], RenderedSkin] = field(default_factory=OrderedDict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def design(self, number: int) -> Design:
+    def design(self, number: int) -> GridDesign:
         """The design of one row; see `read_design` for what may be wrong."""
         return read_design(self.results, number)
 
-    def specimen(self, design: Design) -> RenderedSkin:
+    def specimen(self, design: GridDesign) -> RenderedSkin:
         """Dome and presses of a design; see `read_presses` for what may be wrong."""
         with self._lock:
             found = self._cache.get(design.press_keys)

@@ -20,7 +20,7 @@ from palpate.learn import Predictor
 from palpate.recording import RecordedModel
 from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
 from palpate.twin import Twin
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 LONGEST = 100_000
 """Readings of the longest record."""
@@ -122,7 +122,7 @@ class Live:
             self._source.close()
 
 
-def open_live(design: Design, model: Predictor | Twin, source: Source, *, marked: bool = True) -> Live:
+def open_live(design: GridDesign, model: Predictor | Twin, source: Source, *, marked: bool = True) -> Live:
     """Open a unit of a design on the first image of a source, which shows it untouched.
 
     Parameters
@@ -141,7 +141,7 @@ def open_live(design: Design, model: Predictor | Twin, source: Source, *, marked
     """
     images = source.images()
     first = _first_of(images, "Record the untouched dome first.")
-    unit = Unit(design.skin, design.layout, has_orientation_mark=marked, nominal=design.camera.spec)
+    unit = Unit(design.design, has_orientation_mark=marked)
     check_model(model, unit, TILT_SPACE)
     sensor = open_sensor([first], unit, model)
     sensor.clock = source.clock

@@ -19,7 +19,7 @@ from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live import Live, open_live, open_recorded_live
 from palpate.viewer.recordings import find_recordings, inside
-from palpate.viewer.results import Design, model_path
+from palpate.viewer.results import GridDesign, model_path
 
 _VIRTUAL = "virtual touches"
 _FIELD = "dense outlined options-dense"
@@ -100,7 +100,7 @@ class DesignOpening(LiveOpening):
                 code="model-missing",
             )
         design = self._library.design(int(self._design.value))
-        twin, chosen = twin_path(self.folder, design.skin), str(self._source.value)
+        twin, chosen = twin_path(self.folder, design.design.skin), str(self._source.value)
         model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
         source = self._touches(design) if chosen == _VIRTUAL else self._open_source(chosen)
         try:
@@ -109,8 +109,8 @@ class DesignOpening(LiveOpening):
             source.close()
             raise
 
-    def _touches(self, design: Design) -> Source:
-        unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
+    def _touches(self, design: GridDesign) -> Source:
+        unit = Unit(design.design)
         return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.presses))
 
 

@@ -14,18 +14,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, PalpateError
-from palpate.design import (
-    MarkerLayout,
-    MarkerSpec,
-    Skin,
-    build_skin,
-    place_markers,
-    skin_from_data,
-)
+from palpate.design import Design, MarkerLayout, MarkerSpec, Skin, place_markers, skin_from_data
 from palpate.fea import Press, read_press
 from palpate.grid import Cell, SpecificationGrid, design_label, design_spec, read_grid
+from palpate.material import material_from_data
 
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
@@ -51,7 +45,7 @@ class Results:
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class GridDesign:
     """One row of a grid, as things that can be drawn.
 
     Attributes
@@ -60,17 +54,15 @@ class Design:
         Number of the row, from 0.
     row
         Its figures.
-    skin, layout, camera
-        What was designed.
+    design
+        Skin, markers, camera and elastomer.
     press_keys
         Keys of its presses in the store; empty where the chain broke before them.
     """
 
     number: int
     row: Mapping[str, Cell]
-    skin: Skin
-    layout: MarkerLayout
-    camera: Camera
+    design: Design
     press_keys: tuple[str, ...]
 
     @property
@@ -103,7 +95,7 @@ def read_results(folder: Path) -> Results:
     return Results(folder, grid)
 
 
-def read_design(results: Results, number: int) -> Design:
+def read_design(results: Results, number: int) -> GridDesign:
     """The design of one row.
 
     Raises
@@ -121,16 +113,18 @@ def read_design(results: Results, number: int) -> Design:
     try:
         sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
         spec = design_spec(row)
-        skin = build_skin(skin_from_data(spec.get("skin", {}) | sizes))
-        camera = build_camera(CameraSpec(**spec.get("camera", {})))
-        return Design(number, row, skin, _read_layout(results, row, skin), camera, _keys(row, "press"))
+        skin = skin_from_data(spec.get("skin", {}) | sizes)
+        layout = _read_layout(results, row, skin.build())
+        material = {"material": material_from_data({"name": "", **spec["material"]})} if "material" in spec else {}
+        design = Design(skin, layout, CameraSpec(**spec.get("camera", {})), **material)
+        return GridDesign(number, row, design, _keys(row, "press"))
     except (KeyError, TypeError, ValueError, ValidationError) as error:
         raise PalpateError(
             f"Row {number} of the grid is no design: {error}.", _AGAIN, code="design-row-unreadable"
         ) from None
 
 
-def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
+def read_presses(results: Results, design: GridDesign) -> tuple[Press, ...]:
     """Every press of a design, by rising tilt.
 
     Raises
@@ -161,7 +155,7 @@ def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
     return path
 
 
-def model_path(results: Results, design: Design) -> Path:
+def model_path(results: Results, design: GridDesign) -> Path:
     """Path of a design's trained estimator, an ONNX file.
 
     Raises

@@ -27,7 +27,7 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
     @router.get("/shell/{name}")
     def shell(name: str) -> Response:
         design, specimen = shelf.find(name)
-        return Response(describe_shell(specimen, design.layout, design.camera), media_type=BINARY)
+        return Response(describe_shell(specimen, design.design.layout, design.design.camera), media_type=BINARY)
 
     @router.get("/motion/{name}")
     def motion(name: str, tilt: float = 0.0, azimuth: float = 0.0, stress: bool = False) -> Response:
@@ -39,7 +39,7 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
         pressed = specimen.pressed
-        seen = follow_markers(pressed, pressed.at(tilt, azimuth), design.layout, design.camera, azimuth)
+        seen = follow_markers(pressed, pressed.at(tilt, azimuth), design.design.layout, design.design.camera, azimuth)
         return Response(describe_markers(seen), media_type=BINARY)
 
     @router.get("/markers.csv")

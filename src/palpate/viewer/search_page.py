@@ -105,10 +105,10 @@ class SearchPage:
             return
         self._bench.show(
             {
-                "skin": found.skin,
+                "skin": found.skin_spec,
                 "markers": found.markers,
-                "material": {"name": found.material},
-                "camera": found.camera,
+                "material": {"name": str(self._search.rows[self._shown]["material"])},
+                "camera": found.camera_spec,
                 "process": self._search.spec.process,
                 "obstacle": self._wall,
             }

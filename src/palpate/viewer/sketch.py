@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator
 
-from palpate.camera import CameraSpec, build_camera
+from palpate.camera import CameraSpec
 from palpate.core import PalpateError, Spec
 from palpate.design import (
+    Design,
     DomeSpec,
     Finding,
     MarkerSpec,
     Severity,
     SkinSpec,
-    build_skin,
-    place_markers,
     skin_from_data,
 )
 from palpate.fabricate import ProcessSpec, check_process
@@ -25,7 +25,7 @@ from palpate.fea import WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 from palpate.viewer.library import RenderedSkin
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 from palpate.viewer.revolved_presses import rest_skin
 from palpate.viewer.shell import build_shell
 
@@ -47,12 +47,17 @@ class DesignDraft(Spec):
     obstacle: WallSpec = WallSpec()
     process: ProcessSpec = ProcessSpec()
 
+    @cached_property
+    def design(self) -> Design:
+        """The design of these values."""
+        return Design(self.skin, self.markers, self.camera, self.material.material())
+
 
 @dataclass(frozen=True, eq=False)
 class DesignPreview:
     """A sketch as it is shown: the design, its dome at rest, and what was found about it, errors first."""
 
-    design: Design
+    design: GridDesign
     specimen: RenderedSkin
     findings: tuple[Finding, ...]
 
@@ -65,14 +70,13 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
     PalpateError
         If the dome cannot be built or its markers not be placed on it.
     """
-    skin = build_skin(sketch.skin)
-    layout, camera = place_markers(skin, sketch.markers), build_camera(sketch.camera)
+    skin, layout, camera = sketch.design.skin, sketch.design.layout, sketch.design.camera
     if not layout.on_dome.all():
         raise PalpateError(
             "Some markers lie outside the dome.", "Use smaller rings, or a wider dome.", code="markers-outside-skin"
         )
     mesh = mesh_skin(skin, MeshSpec(cells=REST_CELLS))
-    findings = check_process(skin, layout, sketch.material.material(), camera, sketch.process)
+    findings = check_process(sketch.design, sketch.process)
     hidden = int((~camera.visible(layout.positions, skin)).sum())
     if hidden:
         remedy = "Move the camera further away, or leave the outer ring out."
@@ -80,7 +84,7 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
         findings = (Finding(Severity.WARNING, "markers-out-of-sight", sentence, remedy), *findings)
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
-    design = Design(-1, sketch_row(sketch), skin, layout, camera, ())
+    design = GridDesign(-1, sketch_row(sketch), sketch.design, ())
     return DesignPreview(design, RenderedSkin(rest_skin(mesh, sketch.obstacle.tilt_deg), build_shell(mesh)), findings)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from palpate.core import PalpateError
 from palpate.viewer.library import DesignLibrary, RenderedSkin
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 CACHE_SIZE = 24
 """Designs made on the page that are kept; a dome at rest takes about 1 MB."""
@@ -25,11 +25,11 @@ class DesignCache:
     """
 
     library: DesignLibrary | None = None
-    _made: OrderedDict[str, tuple[Design, RenderedSkin]] = field(default_factory=OrderedDict)
+    _made: OrderedDict[str, tuple[GridDesign, RenderedSkin]] = field(default_factory=OrderedDict)
     _count: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def put(self, design: Design, specimen: RenderedSkin) -> str:
+    def put(self, design: GridDesign, specimen: RenderedSkin) -> str:
         """Keep a design made on the page and return its name."""
         with self._lock:
             self._count += 1
@@ -39,7 +39,7 @@ class DesignCache:
                 self._made.popitem(last=False)
             return name
 
-    def find(self, name: str) -> tuple[Design, RenderedSkin]:
+    def find(self, name: str) -> tuple[GridDesign, RenderedSkin]:
         """A design with its presses.
 
         Raises

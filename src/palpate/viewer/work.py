@@ -6,8 +6,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from palpate.design import MountSpec, build_skin
-from palpate.fabricate import PackSpec, write_pack
+from palpate.fabricate import write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.job import Report
@@ -16,27 +15,19 @@ from palpate.viewer.sketch import DesignDraft
 
 def press_sketch(sketch: DesignDraft, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
-    mesh = mesh_skin(build_skin(sketch.skin), sketch.material.mesh(MeshSpec()))
+    mesh = mesh_skin(sketch.design.skin, sketch.material.mesh(MeshSpec()))
     wall = sketch.obstacle
     return solve_press(
-        mesh, sketch.material.material(), wall, on_increment=lambda depth: report(min(depth / wall.depth, 1.0))
+        mesh, sketch.design.material, wall, on_increment=lambda depth: report(min(depth / wall.depth, 1.0))
     )
 
 
 def pack_sketch(sketch: DesignDraft, report: Report) -> bytes:
     """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
-    spec = PackSpec(
-        skin=sketch.skin,
-        markers=sketch.markers,
-        mount=MountSpec(),
-        material=sketch.material.material(),
-        process=sketch.process,
-        camera=sketch.camera,
-    )
     report(0.0)
     with tempfile.TemporaryDirectory(prefix="palpate-pack-") as name:
         folder, archive = Path(name) / "pack", Path(name) / "pack.zip"
-        write_pack(folder, spec)
+        write_pack(folder, sketch.design, sketch.process)
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
             for path in sorted(folder.iterdir()):
                 file.write(path, f"pack/{path.name}")

@@ -6,10 +6,9 @@ from pathlib import Path
 from palpate.bench import Deviation, VirtualBench, VirtualBenchSpec, unit_recipe
 from palpate.bench.bench import _mesh_spec, _press_recipe, _wall
 from palpate.built import sample_deviation
-from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
 from palpate.deck import CalculixSpec
-from palpate.design import DomeSpec, MarkerSpec
+from palpate.design import Design, MarkerSpec
 from palpate.fea import Branch
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
@@ -23,11 +22,11 @@ def tried(tmp_path: Path, branch: Branch, **chosen: object) -> tuple[VirtualBenc
     """A bench, the same press as a task of a study, and the key by which the bench knows it."""
     spec = VirtualBenchSpec(**chosen)
     bench = VirtualBench(
-        spec, DomeSpec(), MarkerSpec(count=37), ECOFLEX, CameraSpec(), Path("m"), ArtefactStore(tmp_path)
+        spec, Design(markers=MarkerSpec(count=37), material=ECOFLEX), Path("m"), ArtefactStore(tmp_path)
     )
     unit = Deviation(friction=1.0)
     wall, mesh = _wall(bench, unit, 3.0, branch), _mesh_spec(bench, unit, branch)
-    task = PressTask(DomeSpec(), mesh, ECOFLEX, wall, SolverSpec(), branch)
+    task = PressTask(Design(material=ECOFLEX), mesh, wall, SolverSpec(), branch)
     return bench, task, _press_recipe(bench, unit, 3.0, branch).key
 
 
@@ -49,9 +48,7 @@ def test_a_unit_of_the_validation_is_one_artefact(tmp_path: Path) -> None:
     """What a search's validation stores of a unit is what the bench stores of it, known before its model is made."""
     bench, press, _ = tried(tmp_path, Branch.FLAT)
     twin = TwinTask((press,))
-    task = UnitTrialTask(
-        twin, DomeSpec(), "zaid_2024_ecoflex_00_30", MarkerSpec(count=37), CameraSpec(), bench.spec, 2
-    )
+    task = UnitTrialTask(twin, Design(markers=MarkerSpec(count=37)), bench.spec, 2)
     unit = sample_deviation(bench.spec.tolerance, bench.spec.seed, 2)
     assert task.recipe.kind == "unit"
     assert task.recipe.key == unit_recipe(replace(bench, model_key=twin.recipe.key), unit).key

@@ -39,7 +39,15 @@ from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting
 from palpate.built.twin_error import TwinError, measure_twin_error, simulate_exact_markers
 from palpate.camera import CameraSpec, WindowSpec, build_camera, marker_outlines, project_markers, render
 from palpate.core import generator
-from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers, wall_normal
+from palpate.design import (
+    Design,
+    DomeSpec,
+    MarkerLayout,
+    MarkerSpec,
+    build_skin,
+    place_markers,
+    wall_normal,
+)
 from palpate.fea import Branch, Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
@@ -555,7 +563,7 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     from palpate.cli import main
 
     deviation = replace(sample_deviation(TOLERANCE, 11, 7), friction=1.0, thickness=0.0, missing=0.0)
-    scene = build_scene(DOME, LAYOUT, deviation, NOMINAL, RenderSpec(noise=2.0, blur_px=0.6))
+    scene = build_scene(Design.of_skin(DOME, LAYOUT, NOMINAL), deviation, RenderSpec(noise=2.0, blur_px=0.6))
     rows, number = [], 0
     cv2.imwrite(str(tmp_path / "rest.png"), scene.render_rest())
     for k, azimuth_deg in enumerate((40.0, 184.0, 328.0, 112.0, 256.0)):

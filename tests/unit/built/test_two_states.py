@@ -8,7 +8,7 @@ import pytest
 from palpate.bench.photograph import build_scene
 from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, marker_outlines, project_markers
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec
 from palpate.markers import MotionModel, Tracker
 from palpate.material import get_material
@@ -110,8 +110,8 @@ def test_a_skin_that_comes_back_is_read_as_flat_again(twin: Twin, other: Press) 
 
 def test_a_picture_in_which_the_skin_has_popped_is_named_anew(twin: Twin, other: Press) -> None:
     """From rest to the inverted state at once: dots beside the ridge change places, until the fit foresees them."""
-    scene = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
-    sensor = open_sensor([scene.render_rest()], Unit(DOME, LAYOUT, nominal=CameraSpec()), twin)
+    scene = build_scene(Design.of_skin(DOME, LAYOUT, CameraSpec()), Deviation(), RenderSpec())
+    sensor = open_sensor([scene.render_rest()], Unit(Design.of_skin(DOME, LAYOUT, CameraSpec())), twin)
     picture = list(scene.render_press(other))[-1]
     by_motion_alone = Tracker(MotionModel(sensor.assignment.positions_px)).step(
         sensor.detector.find(picture).positions_px

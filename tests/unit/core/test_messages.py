@@ -230,7 +230,7 @@ def missing_image() -> None:
 
 
 def negative_depth() -> None:
-    ReferencePress.simulate(np.zeros((2, 2)), (0.0, 0.0, -1.0), None, None)  # type: ignore[arg-type]
+    ReferencePress.simulate(np.zeros((2, 2)), (0.0, 0.0, -1.0), None)  # type: ignore[arg-type]
 
 
 def time_that_goes_back() -> None:

@@ -5,8 +5,9 @@ import pytest
 
 from errors import refused
 from palpate.cad import CadSolid, revolve
-from palpate.design import ConeSpec, Dome, Ellipsoid, Rim, SplineSpec, skin_from_data
+from palpate.design import ConeSpec, Dome, Rim, SplineSpec, skin_from_data
 from palpate.design.cone import Cone
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.design.revolved import RevolvedSkin
 
 FINGER = Cone(30.0, 10.0, 1.0, 0.0, 10.0)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from palpate.design import Dome, Ellipsoid, Rim, turn_about_axis, wall_normal
+from palpate.design import Dome, Rim, turn_about_axis, wall_normal
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.design.revolved import RevolvedSkin
 
 PAIRS = [(Dome(h, 20.0, t), Ellipsoid(h, 20.0, t, 1.0)) for h, t in ((10.0, 1.0), (20.0, 2.0), (30.0, 3.0))]

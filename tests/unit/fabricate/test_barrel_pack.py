@@ -15,6 +15,7 @@ from palpate.cad import CadSolid, box, cylinder
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import (
     ContactModule,
+    Design,
     MarkerLayout,
     MarkerSpec,
     MountSpec,
@@ -24,12 +25,11 @@ from palpate.design import (
     place_orientation_mark,
 )
 from palpate.design.barrel import BarrelSpec
-from palpate.fabricate import PackSpec, ProcessSpec, build_enclosure, build_mold, check_process, write_pack
+from palpate.fabricate import ProcessSpec, build_enclosure, build_mold, check_process, write_pack
 from palpate.fabricate.check_parts import check_enclosure, check_frame, check_interference
 from palpate.fabricate.enclosure import free_travel
 from palpate.fabricate.frame import ROD, plan_frame
 from palpate.fabricate.pins import build_dimples
-from palpate.material import get_material
 
 needs("build123d")
 TACLINK = BarrelSpec().build()
@@ -46,9 +46,9 @@ def small_process(**change: float) -> ProcessSpec:
     return ProcessSpec(pour_diameter=4, working_depth=3, working_tilt_deg=0, **change)
 
 
-def spec_of(**change: object) -> PackSpec:
-    material = get_material("zaid_2024_ecoflex_00_30")
-    return replace(PackSpec(SMALL, ROWS, MOUNT, material, small_process(), FISHEYE), **change)
+def pack_of(**change: object) -> tuple[Design, ProcessSpec, MountSpec]:
+    process, mount = change.pop("process", small_process()), change.pop("mount", MOUNT)
+    return replace(Design(SMALL, ROWS, FISHEYE), **change), process, mount
 
 
 @pytest.fixture(scope="module")
@@ -218,7 +218,7 @@ def test_a_wall_at_the_side_is_stopped_by_the_rings_where_geometry_says(
 
 @pytest.mark.slow
 def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet(tmp_path: Path) -> None:
-    pack = write_pack(tmp_path / "pack", spec_of())
+    pack = write_pack(tmp_path / "pack", *pack_of())
     for name, volume in pack.volumes.items():
         mesh = trimesh.load(pack.folder / f"{name}.stl")
         assert mesh.is_watertight, name
@@ -255,9 +255,9 @@ def check_floors(folder: Path, scale: float) -> None:
     ("change", "message"),
     [
         ({"process": small_process(printer_size=100)}, ("part-too-long", "mold_core", "106.1", "100")),
-        ({"skin": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
-        ({"skin": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
-        ({"skin": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
+        ({"skin_spec": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
+        ({"skin_spec": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
+        ({"skin_spec": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
         ({"process": small_process(dot_depth=0.1)}, ("dimple-too-shallow", "0.081", "0.1")),
         ({"markers": ROWS.model_copy(update={"around": 36, "count": 144})}, ("dimples-too-near",)),
     ],
@@ -266,12 +266,11 @@ def test_a_barrel_that_cannot_be_made_is_refused_and_leaves_nothing(
     change: dict[str, object], message: tuple[str, ...], tmp_path: Path
 ) -> None:
     with refused(*message):
-        write_pack(tmp_path / "pack", spec_of(**change))
+        write_pack(tmp_path / "pack", *pack_of(**change))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_workshop_hears_of_a_barrels_limits() -> None:
-    skin = SMALL.model_copy(update={"thickness": 1.0}).build()
-    found = check_process(skin, place_markers(skin, ROWS), spec_of().material, build_camera(FISHEYE), PROCESS)
+    found = check_process(Design(SMALL.model_copy(update={"thickness": 1.0}), ROWS, FISHEYE), PROCESS)
     assert {finding.code for finding in found} == {"undercut", "peel-stretch", "wall-uneven"}
     assert all(finding.message and finding.remedy for finding in found)

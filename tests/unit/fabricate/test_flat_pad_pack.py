@@ -17,6 +17,7 @@ from palpate.cad import SurfaceMesh
 from palpate.camera import CameraSpec, WindowSpec
 from palpate.design import (
     ContactModule,
+    Design,
     MarkerSpec,
     MountSpec,
     Rim,
@@ -26,7 +27,7 @@ from palpate.design import (
     wall_normal,
 )
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fabricate import PackSpec, ProcessSpec, build_mold, write_pack
+from palpate.fabricate import ProcessSpec, build_mold, write_pack
 from palpate.fabricate.enclosure import Enclosure, free_travel
 from palpate.fabricate.window_plate import build_window
 from palpate.material import get_material
@@ -135,15 +136,15 @@ def test_the_ring_stops_the_wall_of_the_worst_azimuth(module: ContactModule) -> 
     assert max(heights) > min(heights) + 0.05
 
 
-def pack_spec() -> PackSpec:
+def design_of(camera: CameraSpec) -> Design:
     material = replace(get_material("neo-hooke:0.1"), gel=get_material("neo-hooke:0.03"))
     markers = MarkerSpec(ring_diameters=(4.5, 9.0, 13.5), diameter=0.6)
-    return PackSpec(SPEC, markers, MountSpec(), material, PROCESS, CameraSpec(distance=30, window=WindowSpec()))
+    return Design(SPEC, markers, camera, material)
 
 
 @pytest.mark.slow
 def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel(tmp_path: Path) -> None:
-    pack = write_pack(tmp_path / "pack", pack_spec())
+    pack = write_pack(tmp_path / "pack", design_of(CameraSpec(distance=30, window=WindowSpec())), PROCESS)
     for name, volume in pack.volumes.items():
         mesh = meshio.read(pack.folder / f"{name}.stl")
         points, number = np.unique(mesh.points, axis=0, return_inverse=True)
@@ -164,5 +165,5 @@ def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel(tmp_path: 
 
 def test_a_gel_without_a_window_is_refused(tmp_path: Path) -> None:
     with refused("window-missing"):
-        write_pack(tmp_path / "pack", replace(pack_spec(), camera=CameraSpec(distance=30)))
+        write_pack(tmp_path / "pack", design_of(CameraSpec(distance=30)), PROCESS)
     assert list(tmp_path.iterdir()) == []

@@ -7,29 +7,20 @@ import numpy as np
 import pytest
 
 from palpate.cad import read_step
-from palpate.camera import CameraSpec
-from palpate.design import DomeSpec, MarkerSpec, MountSpec
+from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.design.pinned import PinnedSpec
-from palpate.fabricate import PackSpec, ProcessSpec, write_pack
-from palpate.material import get_material
+from palpate.fabricate import ProcessSpec, write_pack
 
-SPEC = PackSpec(
-    PinnedSpec(height=18, base_radius=18, thickness=1, pin=2),
-    MarkerSpec(count=19, diameter=1.2),
-    MountSpec(),
-    get_material("zaid_2024_ecoflex_00_30"),
-    ProcessSpec(),
-    CameraSpec(),
-)
+DESIGN = Design(PinnedSpec(height=18, base_radius=18, thickness=1, pin=2), MarkerSpec(count=19, diameter=1.2))
 PINS_MM3 = 20 * np.pi / 4 * 1.2**2 * 2.0
 """Of 19 markers and the orientation mark; a root that is round instead of flat adds less than 1 %."""
 
 
 @pytest.mark.slow
 def test_a_pack_of_pins_fills_them_from_the_core(tmp_path: Path) -> None:
-    pack = write_pack(tmp_path / "pack", SPEC)
-    bare = write_pack(tmp_path / "bare", replace(SPEC, skin=DomeSpec(height=18, base_radius=18, thickness=1)))
-    scale = 1 / (1 - SPEC.process.shrinkage_percent / 100)
+    pack = write_pack(tmp_path / "pack", DESIGN)
+    bare = write_pack(tmp_path / "bare", replace(DESIGN, skin_spec=DomeSpec(height=18, base_radius=18, thickness=1)))
+    scale = 1 / (1 - ProcessSpec().shrinkage_percent / 100)
     for name, size, sign in (("module", 1.0, 1), ("mold_core", scale**3, -1)):
         assert sign * (pack.volumes[name] - bare.volumes[name]) == pytest.approx(size * PINS_MM3, rel=0.02)
     assert read_step(tmp_path / "pack" / "module.step")["module"].pieces == 1

@@ -13,23 +13,23 @@ from step_files import read_parts
 
 from errors import refused
 from needs import needs
-from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_skin, place_markers
-from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, check_process, write_pack
+from palpate.camera import CameraSpec
+from palpate.design import Design, DomeSpec, MarkerSpec, Severity
+from palpate.fabricate import FabricationPack, ProcessSpec, check_process, write_pack
 from palpate.material import get_material
 
 needs("build123d")
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 
 
-def pack_spec(dome: DomeSpec | None = None, markers: MarkerSpec | None = None, **process) -> PackSpec:
+def pack_of(dome: DomeSpec | None = None, markers: MarkerSpec | None = None, **process) -> tuple[Design, ProcessSpec]:
     markers = markers or MarkerSpec(count=37)
-    return PackSpec(dome or DomeSpec(), markers, MountSpec(), MATERIAL, ProcessSpec(**process), CameraSpec())
+    return Design(dome or DomeSpec(), markers, CameraSpec(), MATERIAL), ProcessSpec(**process)
 
 
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory) -> FabricationPack:
-    return write_pack(tmp_path_factory.mktemp("packs") / "pack", pack_spec())
+    return write_pack(tmp_path_factory.mktemp("packs") / "pack", *pack_of())
 
 
 def test_write_pack_leaves_all_that_the_manifest_says(pack: FabricationPack) -> None:
@@ -99,35 +99,35 @@ def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        (pack_spec(dome=DomeSpec(height=8, base_radius=6, thickness=12)), ("not-a-shell",)),
-        (pack_spec(markers=MarkerSpec(count=169, diameter=3.5)), ("dots-too-near",)),
-        (pack_spec(markers=MarkerSpec(count=7, diameter=0.2)), ("dot-too-small", "0.4")),
-        (pack_spec(pour_diameter=12), ("pour-hole-too-wide", "12")),
+        (pack_of(dome=DomeSpec(height=8, base_radius=6, thickness=12)), ("not-a-shell",)),
+        (pack_of(markers=MarkerSpec(count=169, diameter=3.5)), ("dots-too-near",)),
+        (pack_of(markers=MarkerSpec(count=7, diameter=0.2)), ("dot-too-small", "0.4")),
+        (pack_of(pour_diameter=12), ("pour-hole-too-wide", "12")),
     ],
 )
-def test_a_design_that_cannot_be_made_leaves_nothing(spec: PackSpec, message: tuple[str, ...], tmp_path) -> None:
+def test_a_design_that_cannot_be_made_leaves_nothing(
+    spec: tuple[Design, ProcessSpec], message: tuple[str, ...], tmp_path
+) -> None:
     with refused(*message):
-        write_pack(tmp_path / "pack", spec)
+        write_pack(tmp_path / "pack", *spec)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_with_something_in_it_is_left_as_it_is(tmp_path) -> None:
     (tmp_path / "mine.txt").write_text("x")
     with refused("folder-exists"):
-        write_pack(tmp_path, pack_spec())
+        write_pack(tmp_path, *pack_of())
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
 
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
     (tmp_path / "file").write_text("")
     with refused("file-unwritable"):
-        write_pack(tmp_path / "file" / "pack", pack_spec())
+        write_pack(tmp_path / "file" / "pack", *pack_of())
 
 
 def codes(dome: DomeSpec, markers: MarkerSpec, **process) -> dict[str, Severity]:
-    built = build_skin(dome)
-    layout = place_markers(built, markers)
-    findings = check_process(built, layout, MATERIAL, build_camera(CameraSpec()), ProcessSpec(**process))
+    findings = check_process(Design(dome, markers, material=MATERIAL), ProcessSpec(**process))
     return {finding.code: finding.severity for finding in findings}
 
 

@@ -231,7 +231,7 @@ def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
     def refuse(*_: object) -> PredictedAccuracy:
         raise error("No.", "", code="no-way")
 
-    for name in ("read_twin", "find_artefact", "place_markers", "build_camera", "accuracy_spec"):
+    for name in ("read_twin", "find_artefact", "accuracy_spec"):
         monkeypatch.setattr(f"palpate.optimise.prove.{name}", lambda *_: AccuracySpec())
     monkeypatch.setattr("palpate.optimise.prove.predict_accuracy", refuse)
     design = MagicMock(bench=MagicMock(calibration_presses=0), _proposal=MagicMock(checks=()))
@@ -253,7 +253,7 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
     opened = list[int]()
 
     def open_most(images: Sequence[object], unit: Unit, twin: Twin) -> None:
-        opened.append(len(unit.layout))
+        opened.append(len(unit.design.layout))
         if opened[-1] == 7 and opened.count(7) >= 12:
             raise PalpateError("Ring 1 was not found.", "", code="ring-missing")
 

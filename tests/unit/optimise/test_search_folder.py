@@ -10,6 +10,7 @@ import pytest
 from errors import refused
 from palpate.core import stage_version
 from palpate.design import DomeSpec
+from palpate.material import get_material
 from palpate.optimise import Evaluation, SearchPlan, SkinEvaluation, SkinSpace, is_search, read_search, search_skins
 from palpate.optimise.optimise_design import ASKED, JOURNAL, _Evaluator, constraint_violations, objective_values
 from palpate.optimise.space import Place
@@ -90,9 +91,9 @@ def test_a_design_has_the_parts_that_were_found(tmp_path: Path) -> None:
     found = read_search(tmp_path)
     for number, entry in enumerate(front.pareto):
         design = found.design(number)
-        assert (design.skin, design.material) == (entry.trial.finest.skin, MATERIAL)
+        assert (design.skin_spec, design.material) == (entry.trial.finest.skin, get_material(MATERIAL))
         assert design.markers == entry.option.markers
-        assert design.camera == SPEC.cameras[0].camera.model_copy(update={"distance": 44.0})
+        assert design.camera_spec == SPEC.cameras[0].camera.model_copy(update={"distance": 44.0})
     with refused("design-unknown", "999"):
         found.design(999)
 

@@ -10,7 +10,7 @@ import pytest
 from errors import refused
 from palpate.built import ToleranceSpec
 from palpate.core import PalpateError
-from palpate.design import build_skin, place_markers, wall_normal
+from palpate.design import Design, build_skin, place_markers, wall_normal
 from palpate.fea import Press
 from palpate.fea.press import IncrementFields
 from palpate.robot import (
@@ -45,12 +45,9 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
 
 
 def play(twin: Twin, **changes: Any) -> AlignmentScenario:
-    layout = place_markers(build_skin(DOME), MARKERS)
     return AlignmentScenario(
         twin,
-        layout,
-        DOME,
-        MATERIAL,
+        Design(DOME, MARKERS, material=MATERIAL),
         align=SPEC,
         **{"calibration_presses": 0, "max_tilt_deg": 4.0, "tolerance": WALLS} | changes,
     )
@@ -229,7 +226,7 @@ def test_the_twins_dome_goes_where_a_solved_one_goes(twin: Twin, unit: VirtualUn
     """Two ways to the same dots: what a played unit shows, and a press solved anew, of a tilt between the twin's."""
     rest = unit._scene.edges
     by_twin = TwinBackend(twin, rest, unit.deviation)
-    solved = SolverBackend(DOME, MATERIAL, rest, unit.deviation, 4.0, cells=6)
+    solved = SolverBackend(unit.deviation.built(unit.play.design), rest, 4.0, cells=6)
     pose, slip = np.array([2.5, -1.5, 3.1]), 1.0
     one, other = (dome.marker_outlines(pose, slip, np.zeros(3)) for dome in (by_twin, solved))
     moved = np.linalg.norm(one - rest, axis=2)
@@ -265,7 +262,7 @@ def test_the_command_prints_touches_and_writes_them(
 
 def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: VirtualUnit, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where dots are between two images is read from a press of these two, whose every field has two rows."""
-    solved, seen = SolverBackend(DOME, MATERIAL, unit._scene.edges, unit.deviation, 1.0, cells=4), []
+    solved, seen = SolverBackend(unit.deviation.built(unit.play.design), unit._scene.edges, 1.0, cells=4), []
     positions = Press.positions
 
     def remember(press: Press, points: np.ndarray) -> np.ndarray:

@@ -16,9 +16,9 @@ import palpate.camera
 from errors import check_values
 from palpate.bench import build_scene
 from palpate.built import Deviation
-from palpate.camera import CameraSpec, RenderSpec, Source
+from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
-from palpate.design import build_skin, place_markers
+from palpate.design import Design, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -206,7 +206,7 @@ def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
     mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     presses = [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
     write_twin(tmp_path / "twin.h5", build_twin(presses))
-    scene = build_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=1.0))
+    scene = build_scene(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=1.0))
     (tmp_path / "images").mkdir()
     for number, image in enumerate([scene.render_rest(), list(scene.render_press(presses[1]))[6]]):
         cv2.imwrite(str(tmp_path / "images" / f"{number}.png"), image)

@@ -9,7 +9,7 @@ from needs import needs
 from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec
-from palpate.design import build_skin, place_markers, wall_normal
+from palpate.design import Design, build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
     """A twin, and images of a unit at rest, then under a wall of 4° at 30°: 3 mm and 4 mm deep, cut off, 4 mm."""
     folder = tmp_path_factory.mktemp("sensor")
     write_twin(folder / "twin.h5", build_twin([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)]))
-    scene = build_scene(SKIN, LAYOUT, LEANING, CameraSpec(), RenderSpec(noise=1.0))
+    scene = build_scene(Design.of_skin(SKIN, LAYOUT, CameraSpec()), LEANING, RenderSpec(noise=1.0))
     images = [scene.render_rest(), *(list(scene.render_press(PRESSED))[k] for k in (6, 8, 8, 8))]
     (folder / "images").mkdir()
     for number, image in enumerate(images):

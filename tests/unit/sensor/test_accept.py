@@ -146,7 +146,7 @@ def recording(tmp_path_factory):
     """Images of a small virtual unit with their truth, and its model."""
     folder = tmp_path_factory.mktemp("recording")
     bench = small_bench(folder / "bench", write_small_model(folder / "m.onnx"))
-    scene = build_scene(bench.nominal, bench.layout, Deviation(), bench.camera, bench.spec.render)
+    scene = build_scene(bench.design, Deviation(), bench.spec.render)
     rows = [["rest.png", "rest", "", "", ""]]
     cv2.imwrite(str(folder / "rest.png"), scene.render_rest())
     for press in solve_unit_presses(bench, Deviation()):

@@ -11,7 +11,15 @@ from needs import needs
 from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
-from palpate.design import OFFSET_SPACE, TILT_SPACE, DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import (
+    OFFSET_SPACE,
+    TILT_SPACE,
+    Design,
+    DomeSpec,
+    MarkerSpec,
+    build_skin,
+    place_markers,
+)
 from palpate.fea import BallSpec, WallSpec
 from palpate.learn import (
     TrainingSpec,
@@ -92,7 +100,7 @@ def test_limits_of_a_ball_are_of_its_place(dataset, presses):
 
 def test_a_simulated_sensor_reads_where_a_ball_presses(predictor, presses, tmp_path):
     assert predictor.space == OFFSET_SPACE
-    unit = Unit(DOME, LAYOUT)
+    unit = Unit(Design.of_skin(DOME, LAYOUT))
     source = SimulatedSource(unit, sample_presses(presses[1:2], seed=3))
     images = source.images()
     sensor = open_sensor([next(images)], unit, predictor)
@@ -114,7 +122,7 @@ def test_a_simulated_sensor_reads_where_a_ball_presses(predictor, presses, tmp_p
 
 def test_a_model_of_a_ball_is_refused_where_tilts_are_asked_for(predictor):
     with refused("model-outputs-differ", "x_mm, y_mm, depth_mm", "rx_deg, ry_deg, depth_mm"):
-        check_model(predictor, Unit(DOME, LAYOUT), TILT_SPACE)
+        check_model(predictor, Unit(Design.of_skin(DOME, LAYOUT)), TILT_SPACE)
 
 
 def test_presses_of_a_ball_and_of_a_wall_are_not_mixed(presses):

@@ -11,7 +11,7 @@ from needs import needs
 from palpate.bench import SimulatedSource
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
-from palpate.design import DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
 from palpate.fea.edge import EdgeSpec
 from palpate.learn import (
     TrainingSpec,
@@ -100,7 +100,7 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
     write_estimator(path, calibrate_interval(estimator, dataset))
     predictor = open_predictor(path)
     assert predictor.space == LINES
-    unit = Unit(DOME, LAYOUT)
+    unit = Unit(Design.of_skin(DOME, LAYOUT))
     for touched, offset, azimuth_deg in ((presses[1], 2.0, 150.0), (presses[0], 0.0, 70.0)):
         wall = touched.obstacle.model_copy(update={"azimuth_deg": azimuth_deg})
         source = SimulatedSource(unit, [replace(touched, obstacle=wall)])

@@ -5,7 +5,7 @@ import pytest
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import generator
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.sensor import InspectionSpec, Unit, inspect_unit
 
 SEATED = CameraSpec(offset_x=0.3, offset_y=-0.2, distance=48.7, tilt_x_deg=0.6, tilt_y_deg=-0.4, roll_deg=12.0)
@@ -14,23 +14,23 @@ SPOILED = RenderSpec(vignetting=0.3, unevenness=0.2, blur_px=0.7, noise=2.0, dir
 
 def printed(unit, error):
     """Places of the dots that are off by (meridian, ring) mm, the mark after them."""
-    points = unit.layout.positions
+    points = unit.design.layout.positions
     rho = np.hypot(points[:, 0], points[:, 1])
-    polar = np.arctan2(rho, points[:, 2] - unit.skin.center_z) + error[:, 0] / unit.skin.radius
+    polar = np.arctan2(rho, points[:, 2] - unit.design.skin.center_z) + error[:, 0] / unit.design.skin.radius
     azimuth = np.arctan2(points[:, 1], points[:, 0]) + np.where(rho > 0, error[:, 1] / np.maximum(rho, 1e-9), 0)
     around = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
-    moved = unit.skin.radius * around + [0, 0, unit.skin.center_z]
-    return np.vstack([moved, place_orientation_mark(unit.skin, unit.layout)])
+    moved = unit.design.skin.radius * around + [0, 0, unit.design.skin.center_z]
+    return np.vstack([moved, place_orientation_mark(unit.design.skin, unit.design.layout)])
 
 
 def photograph(unit, places, camera=SEATED, light=SPOILED):
-    normals = (places - [0, 0, unit.skin.center_z]) / unit.skin.radius
-    return render(build_camera(camera), flat_marker_outlines(places, normals, unit.layout.diameter), light)
+    normals = (places - [0, 0, unit.design.skin.center_z]) / unit.design.skin.radius
+    return render(build_camera(camera), flat_marker_outlines(places, normals, unit.design.layout.diameter), light)
 
 
 def unit_of(height, count):
     dome = build_skin(DomeSpec(height=height))
-    return Unit(dome, place_markers(dome, MarkerSpec(count=count)))
+    return Unit(Design.of_skin(dome, place_markers(dome, MarkerSpec(count=count))))
 
 
 @pytest.mark.parametrize("count", [7, 19])

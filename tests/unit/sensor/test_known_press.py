@@ -8,12 +8,12 @@ import pytest
 from errors import refused
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import generator
-from palpate.design import MarkerSpec, build_skin, place_markers
+from palpate.design import Design, MarkerSpec, build_skin, place_markers
 from palpate.markers import assign_markers, build_pattern, disambiguate_by_press
 from palpate.sensor import ReferencePress, Unit
 from palpate.sensor.known_press import disambiguate
 from palpate.sensor.sensor import analyse_rest
-from small_chain import DOME, MARKERS, MATERIAL, solve
+from small_chain import DOME, MARKERS, solve
 
 BUILT = build_skin(DOME)
 
@@ -29,7 +29,7 @@ def turned(press, azimuth_deg):
 
 
 def unit_of(count):
-    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), has_orientation_mark=False)
+    return Unit(Design.of_skin(BUILT, place_markers(BUILT, MarkerSpec(count=count))), has_orientation_mark=False)
 
 
 def mounted(rng):
@@ -61,12 +61,12 @@ def right(naming, truth):
 
 def ask(unit, press, simulated, rng, mirror=False):
     """The fit to the deepest image of a press but one, where another press is simulated, and the truth at rest."""
-    camera, points = mounted(rng), press.positions(unit.layout.positions)
+    camera, points = mounted(rng), press.positions(unit.design.layout.positions)
     rest, truth = seen_dots(camera, points[0], rng, mirror)
     pressed, _ = seen_dots(camera, points[-2], rng, mirror)
-    naming = assign_markers(rest, build_pattern(unit.layout.positions, build_camera().project))
+    naming = assign_markers(rest, build_pattern(unit.design.layout.positions, build_camera().project))
     assert naming.ambiguous
-    return disambiguate(naming, pressed, simulated.positions(unit.layout.positions)[-1], unit), truth
+    return disambiguate(naming, pressed, simulated.positions(unit.design.layout.positions)[-1], unit), truth
 
 
 @pytest.mark.parametrize("count", [37, 91, 169])
@@ -97,8 +97,8 @@ def test_a_straight_press_tells_nothing():
 
 def test_another_press_than_was_given_is_refused(steep):
     unit, camera = unit_of(37), build_camera()
-    points = steep[0].positions(unit.layout.positions)
-    naming = assign_markers(camera.project(points[0]), build_pattern(unit.layout.positions, camera.project))
+    points = steep[0].positions(unit.design.layout.positions)
+    naming = assign_markers(camera.project(points[0]), build_pattern(unit.design.layout.positions, camera.project))
     for dots in (camera.project(points[0]), np.empty((0, 2))):
         with refused("calibration-press-unexplained"):
             disambiguate(naming, dots, points[-1], unit)
@@ -108,7 +108,7 @@ def test_another_press_than_was_given_is_refused(steep):
 
 def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
     layout = place_markers(BUILT, MARKERS)
-    unit, camera = Unit(BUILT, layout), build_camera(CameraSpec(roll_deg=70.0, tilt_x_deg=1.0))
+    unit, camera = Unit(Design.of_skin(BUILT, layout)), build_camera(CameraSpec(roll_deg=70.0, tilt_x_deg=1.0))
 
     def photograph(points):
         normals = (layout.positions - [0, 0, BUILT.center_z]) / BUILT.radius
@@ -120,14 +120,14 @@ def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
     with refused("orientation-mark-unseen", "12"):
         analyse_rest([rest], unit)
     slanted = (8.0 * np.cos(np.radians(15.0)), 8.0 * np.sin(np.radians(15.0)), 5.0)
-    found = analyse_rest([rest], unit, reference_press=ReferencePress.simulate(pressed, slanted, unit, MATERIAL))
+    found = analyse_rest([rest], unit, reference_press=ReferencePress.simulate(pressed, slanted, unit.design))
     assert found.registration.camera.spec.roll_deg == pytest.approx(70.0, abs=0.2)
     along = photograph(turned(solve(8.0), 0.0).positions(layout.positions)[-1])
-    known = ReferencePress.simulate(along, (8.0, 0.0, 5.0), unit, MATERIAL)
+    known = ReferencePress.simulate(along, (8.0, 0.0, 5.0), unit.design)
     with refused("assignment-ambiguous", "2"):
         analyse_rest([rest], unit, reference_press=known)
 
 
 def test_a_press_without_depth_is_refused():
     with refused("press-depth-not-positive", "0"):
-        ReferencePress.simulate(np.zeros((9, 9)), (5.0, 0.0, 0.0), unit_of(37), MATERIAL)
+        ReferencePress.simulate(np.zeros((9, 9)), (5.0, 0.0, 0.0), unit_of(37).design)

@@ -8,7 +8,7 @@ import pytest
 from palpate.bench import DEGRADED, build_scene
 from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec
-from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Unit
 from palpate.sensor.sensor import analyse_rest
 
@@ -26,10 +26,10 @@ def test_numbers_are_told_of_every_unit(rings, distance):
     diameters = 2.0 * skin.at_arc_length(np.linspace(0.0, 0.75 * reach, rings + 1)[1:])
     layout = place_markers(skin, MarkerSpec(ring_diameters=tuple(map(float, diameters)), diameter=1.0))
     camera = CameraSpec(distance=distance)
-    unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
+    unit = Unit(Design.of_skin(skin, layout, camera), tolerance=tolerance)
     for number in range(1, 6):
         deviation = sample_deviation(tolerance, 0, number)
-        scene = build_scene(skin, layout, deviation, camera, DEGRADED)
+        scene = build_scene(Design.of_skin(skin, layout, camera), deviation, DEGRADED)
         naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
         assert not naming.ambiguous
         there = np.flatnonzero(scene.printed)
@@ -47,8 +47,8 @@ def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
     """Two rings beyond 27 px without a dot, where neighbours are 10 px apart: in one of 20 units they were masked."""
     skin, tolerance, camera = build_skin(FLAT), ToleranceSpec(), CameraSpec(distance=30.0)
     layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
-    scene = build_scene(skin, layout, sample_deviation(tolerance, 0, 8), camera, DEGRADED)
-    unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
+    scene = build_scene(Design.of_skin(skin, layout, camera), sample_deviation(tolerance, 0, 8), DEGRADED)
+    unit = Unit(Design.of_skin(skin, layout, camera), tolerance=tolerance)
     naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
     assert not naming.ambiguous
     assert naming.found.sum() >= scene.printed.sum() - 1

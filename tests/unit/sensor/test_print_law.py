@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from palpate.core import generator
+from palpate.design import Design
 from palpate.markers import assign_markers
 from palpate.sensor import Unit, draw_inspection, inspect_unit, register_dome
 
@@ -32,7 +33,7 @@ def test_an_inspection_of_a_bent_print_reports_the_rings_and_draws_them():
     rng = generator(4, "inspection")
     drawn = bent(91, rng, scale=1.6, mark=False, missing=0.0)
     design = design_of(91, 1.6)
-    unit = Unit(design.skin, design.layout, nominal=design.camera, has_orientation_mark=False)
+    unit = Unit(Design.of_skin(design.skin, design.layout, design.camera), has_orientation_mark=False)
     inspection = inspect_unit([draw(drawn["dots"], drawn["shape"], rng, scale=1.6)], unit)
     assert inspection.distortion is not None
     assert inspection.distortion.rms_px < 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec
 from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
@@ -57,7 +57,7 @@ class Drawn:
         rest = np.mean([self.dots() for _ in range(images)], axis=0)
         numbers = np.arange(len(rest))
         naming = MarkerAssignment(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
-        unit = Unit(DOME, self.layout, nominal=self.camera)
+        unit = Unit(Design.of_skin(DOME, self.layout, self.camera))
         return Following(TwinEstimator(self.twin, unit, naming, SensorSpec(noise_px=NOISE, **chosen)))
 
     def drift(self, way: str, share: float) -> None:
@@ -175,7 +175,7 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
     still = Following(
         TwinEstimator(
             twin,
-            Unit(DOME, FEW, nominal=unit.camera),
+            Unit(Design.of_skin(DOME, FEW, unit.camera)),
             MarkerAssignment(
                 np.arange(37), watchful.estimator.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0
             ),

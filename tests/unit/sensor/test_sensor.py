@@ -10,7 +10,15 @@ from errors import refused
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import PalpateError, generator
 from palpate.dataset import Normalisation
-from palpate.design import TILT_SPACE, DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import (
+    TILT_SPACE,
+    Design,
+    DomeSpec,
+    MarkerSpec,
+    build_skin,
+    place_markers,
+    place_orientation_mark,
+)
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
 from palpate.markers import DetectSpec, assign_markers, build_pattern
 from palpate.sensor import (
@@ -99,7 +107,7 @@ def predictor(tmp_path_factory):
 
 
 def opened(predictor, camera=None, **spoiled):
-    return open_sensor([photograph((0, 0, 0), camera, **spoiled)], Unit(DOME, LAYOUT), predictor)
+    return open_sensor([photograph((0, 0, 0), camera, **spoiled)], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
 
 
 @pytest.mark.parametrize("camera", [None, MOVED])
@@ -119,7 +127,7 @@ def test_a_press_is_read_from_images_whatever_the_camera_and_the_light(predictor
 
 def test_a_press_is_read_through_a_fisheye_by_a_model_of_the_nominal_camera(predictor):
     fisheye = MOVED.model_copy(update={"lens": "kannala-brandt", "distortion": (-0.05, 0.01, -0.05, 0.02)})
-    unit = Unit(DOME, LAYOUT, lens=CameraSpec(lens=fisheye.lens, distortion=fisheye.distortion))
+    unit = Unit(Design.of_skin(DOME, LAYOUT), lens=CameraSpec(lens=fisheye.lens, distortion=fisheye.distortion))
     sensor = open_sensor([photograph((0, 0, 0), fisheye)], unit, predictor)
     assert sensor.registration.rms_px < 0.2
     assert sensor.registration.camera.spec.offset_x == pytest.approx(MOVED.offset_x, abs=0.1)
@@ -199,9 +207,9 @@ def test_a_lens_that_the_image_cannot_tell_stays_as_calibrated():
 
 def test_a_mirrored_image_and_another_height_are_refused(predictor):
     with refused("image-mirrored"):
-        open_sensor([photograph((0, 0, 0))[:, ::-1].copy()], Unit(DOME, LAYOUT), predictor)
+        open_sensor([photograph((0, 0, 0))[:, ::-1].copy()], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
     flat = build_skin(DomeSpec(height=10))
-    other = Unit(flat, place_markers(flat, MarkerSpec(count=91)))
+    other = Unit(Design.of_skin(flat, place_markers(flat, MarkerSpec(count=91))))
     with refused(
         (
             "layout-misfit",
@@ -215,16 +223,16 @@ def test_a_mirrored_image_and_another_height_are_refused(predictor):
 
 
 def test_a_model_of_another_design_is_refused(predictor):
-    unit = Unit(DOME, place_markers(DOME, MarkerSpec(count=37)))
+    unit = Unit(Design.of_skin(DOME, place_markers(DOME, MarkerSpec(count=37))))
     with refused("model-marker-count", "91", "37"):
         open_sensor([photograph((0, 0, 0))], unit, predictor)
 
 
 def test_without_images_or_dots_there_is_no_sensor(predictor):
     with refused("rest-image-missing"):
-        open_sensor([], Unit(DOME, LAYOUT), predictor)
+        open_sensor([], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
     with refused("markers-not-found"):
-        open_sensor([np.zeros((260, 346), np.uint8)], Unit(DOME, LAYOUT), predictor)
+        open_sensor([np.zeros((260, 346), np.uint8)], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
 
 
 def test_a_hidden_mark_is_not_guessed(predictor):
@@ -232,8 +240,10 @@ def test_a_hidden_mark_is_not_guessed(predictor):
     normals = (points - [0, 0, DOME.center_z]) / DOME.radius
     image = render(build_camera(), flat_marker_outlines(points, normals, LAYOUT.diameter))
     with refused("orientation-mark-unseen", "12"):
-        open_sensor([image], Unit(DOME, LAYOUT), predictor)
-    assert open_sensor([image], Unit(DOME, LAYOUT, has_orientation_mark=False), predictor).assignment.ambiguous
+        open_sensor([image], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
+    assert open_sensor(
+        [image], Unit(Design.of_skin(DOME, LAYOUT), has_orientation_mark=False), predictor
+    ).assignment.ambiguous
 
 
 def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
@@ -259,8 +269,10 @@ def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
 def test_several_rest_images_are_averaged(predictor):
     images = [photograph((0, 0, 0), seed=k, noise=6.0, blur_px=0.7) for k in range(8)]
     true = build_camera().project(LAYOUT.positions)
-    alone = open_sensor(images[:1], Unit(DOME, LAYOUT), predictor)
-    together = open_sensor(images, Unit(DOME, LAYOUT), predictor, SensorSpec(), DetectSpec(polarity="dark"))
+    alone = open_sensor(images[:1], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
+    together = open_sensor(
+        images, Unit(Design.of_skin(DOME, LAYOUT)), predictor, SensorSpec(), DetectSpec(polarity="dark")
+    )
     error = [np.std(sensor.assignment.positions_px - true) for sensor in (alone, together)]
     assert error[1] < error[0]
 
@@ -272,7 +284,7 @@ def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
         def predict(self, images_px):
             return Prediction(np.zeros((1, 3)), np.ones((1, 3)), np.ones(1, bool))
 
-    sensor = open_sensor([photograph((0, 0, 0))], Unit(DOME, LAYOUT), Outside())
+    sensor = open_sensor([photograph((0, 0, 0))], Unit(Design.of_skin(DOME, LAYOUT)), Outside())
     assert sensor.read(photograph((0, 0, 0))).flags == ()
     assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUT_OF_DISTRIBUTION,)
     assert predictor.level is None
@@ -312,7 +324,7 @@ def test_dots_before_a_bright_toothed_rim_are_named(count, teeth):
     for seed in range(4):
         image = render(camera, edges, RenderSpec(seed=seed, noise=2.0, blur_px=0.8, vignetting=0.3))
         image = toothed_rim(image, middle, outermost + 6.0 + 2.0 * seed, 4.0 + 3.0 * seed, 90.0, teeth, seed)
-        naming = analyse_rest([image], Unit(DOME, layout, nominal=CameraSpec())).naming
+        naming = analyse_rest([image], Unit(Design.of_skin(DOME, layout, CameraSpec()))).naming
         assert naming.found.all()
         assert not naming.ambiguous
         assert np.linalg.norm(naming.positions_px - truth[:-1], axis=1).max() < 0.5

@@ -9,9 +9,8 @@ from errors import refused
 from needs import needs
 from palpate.bench import simulate_sensor
 from palpate.built import Force, PoseFit
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import prepare_detector
-from palpate.material import get_material
 from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_readings
 
 
@@ -19,7 +18,7 @@ from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_
 def simulated():
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
-    return simulate_sensor(Unit(dome, layout), get_material("zaid_2024_ecoflex_00_30"), presses=1)
+    return simulate_sensor(Unit(Design.of_skin(dome, layout)), presses=1)
 
 
 def test_a_simulated_sensor_stands_behind_the_device(simulated):

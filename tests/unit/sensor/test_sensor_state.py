@@ -8,7 +8,7 @@ import pytest
 
 from palpate.built import PoseFitter
 from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
@@ -58,7 +58,7 @@ def images(twin: Twin) -> list[np.ndarray]:
 def opened(twin: Twin, misfit: float) -> Sensor:
     rest = CAMERA.project(LAYOUT.positions)
     naming = MarkerAssignment(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
-    unit = Unit(DOME, LAYOUT, nominal=CameraSpec())
+    unit = Unit(Design.of_skin(DOME, LAYOUT, CameraSpec()))
     spec = SensorSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
     return Sensor(unit, TwinEstimator(twin, unit, naming, spec), spec, Dots(rest), naming, None)
 

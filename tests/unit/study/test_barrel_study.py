@@ -29,7 +29,7 @@ def test_the_preset_presses_its_side_at_every_tilt_and_looks_for_no_other_state(
     assert [press.obstacle.radial for press in presses] == list(read_study("barrel").tilts_deg)
     assert all(press.obstacle.sideways and press.obstacle.friction == 0.6 for press in presses)
     assert [task.recipe.kind for task in plan.tasks()].count("press") == len(presses)
-    assert plan.designs[0].dataset.markers.count == 256
+    assert plan.designs[0].dataset.design.markers.count == 256
     assert presses[0].name == "press barrel 50 H260 B32.804 T3.361 tilt 85° friction 0.6"
 
 

@@ -15,19 +15,19 @@ pytest.importorskip("PIL")
 
 
 from palpate.bench import SimulatedSource, sample_presses
-from palpate.camera import Source, build_camera, open_source
+from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.core.report import csv_text
-from palpate.design import TILT_SPACE, MarkerSpec, place_markers
+from palpate.design import TILT_SPACE, Design, MarkerSpec, place_markers
 from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 
 LAYOUT = place_markers(MESH.skin, MarkerSpec(count=19))
-DESIGN = Design(0, rows()[1], MESH.skin, LAYOUT, build_camera(), ())
+DESIGN = GridDesign(0, rows()[1], Design.of_skin(MESH.skin, LAYOUT), ())
 
 
 class MadeUpPredictor:
@@ -61,7 +61,7 @@ class MadeUpSource(Source):
 @pytest.fixture
 def touches():
     presses = [made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)]
-    return SimulatedSource(Unit(MESH.skin, LAYOUT), sample_presses(presses, seed=1))
+    return SimulatedSource(Unit(Design.of_skin(MESH.skin, LAYOUT)), sample_presses(presses, seed=1))
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):

@@ -24,9 +24,9 @@ from starlette.testclient import TestClient
 
 from palpate.bench import build_scene
 from palpate.built import Deviation
-from palpate.camera import CameraSpec, RenderSpec, Source
+from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
-from palpate.design import build_skin, place_markers
+from palpate.design import Design, build_skin, place_markers
 from palpate.learn import open_predictor
 from palpate.robot import Broadcast
 from palpate.sensor import Sensor, Unit, open_sensor
@@ -43,7 +43,7 @@ IMAGES = 12
 
 def rest_image() -> np.ndarray:
     skin = build_skin(DOME)
-    scene = build_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=2.0))
+    scene = build_scene(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=2.0))
     return scene.render_rest()
 
 
@@ -55,7 +55,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture
 def sensor(model: Any) -> Sensor:
     skin = build_skin(DOME)
-    return open_sensor([rest_image()], Unit(skin, place_markers(skin, MARKERS)), model)
+    return open_sensor([rest_image()], Unit(Design.of_skin(skin, place_markers(skin, MARKERS))), model)
 
 
 class Unplugged(Source):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from made_up_presses import MESH, depths, made_up_press, rows
 
-from palpate.camera import build_camera
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import Design, MarkerSpec, place_markers
 from palpate.grid import SpecificationGrid
 from palpate.viewer.charts import LIGHT, Selection, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
@@ -22,7 +21,7 @@ from palpate.viewer.link import (
     selected_rows,
     write_link,
 )
-from palpate.viewer.results import Design
+from palpate.viewer.results import GridDesign
 from palpate.viewer.words import column_label, find_column, jitter_words
 
 GRID = SpecificationGrid(rows(), depths())
@@ -110,7 +109,7 @@ def test_designs_without_a_figure_are_not_in_the_scatter():
 def test_curves_change_their_dash_with_the_branch():
     presses = [made_up_press(0.0, inverted_from=2.0)]
     layout = place_markers(MESH.skin, MarkerSpec(count=7))
-    design = Design(0, rows()[0], MESH.skin, layout, build_camera(), ())
+    design = GridDesign(0, rows()[0], Design.of_skin(MESH.skin, layout), ())
     curves, marks = force_curves([(design, build_pressed_skin(presses).at(0.0))])
     assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
     assert marks[0].points[0][0] == pytest.approx(3.2)
