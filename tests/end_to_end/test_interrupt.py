@@ -40,6 +40,7 @@ def test_an_interrupted_command_says_one_sentence(verb: str, seconds: float, tmp
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background ignores it
     )
     time.sleep(2.0)
     while folder and not (tmp_path / folder).exists() and process.poll() is None:

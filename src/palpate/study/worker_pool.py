@@ -151,9 +151,10 @@ class _Member:
         if ASK_WHERE is not None and self._traces.exists():  # else it could not answer yet, and would die of asking
             with suppress(ProcessLookupError):
                 os.kill(self._process.pid, ASK_WHERE)
-            limit = time.monotonic() + ANSWER_S
-            while not self.trace() and time.monotonic() < limit:
-                time.sleep(0.01)
+            limit, trace = time.monotonic() + ANSWER_S, ""
+            while not (trace and trace == self.trace()) and time.monotonic() < limit:  # it is written in pieces
+                trace = self.trace()
+                time.sleep(0.05)
         self._process.kill()
 
     def how(self) -> str:
