@@ -114,7 +114,7 @@ def read_recording(
     if len(kept) < len(chosen):
         notes.append(
             f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); "
-            "--most for more."
+            "--max-images for more."
         )
     chosen = chosen[kept]
     poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))
