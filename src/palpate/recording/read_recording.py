@@ -27,10 +27,8 @@ from palpate.recording.images import (
 )
 from palpate.recording.read_hdf5 import HDF5, read_hdf5
 from palpate.recording.read_lerobot import is_lerobot, read_lerobot
-from palpate.recording.table import TABLES, RecordingTable, read_table
+from palpate.recording.table import REST, TABLES, RecordingTable, read_table
 
-REST = "rest"
-"""Press, or stem of an image's name, of the untouched sensor."""
 LEAST_IMAGES, LEAST_PRESSES = 12, 8
 
 
