@@ -14,6 +14,8 @@ LIBRARIES = ("numpy", "scipy", "numba", "py-mkl-pardiso", "rslab")
 PRESS = ("core", "cad", "design", "mesh", "material", "relaxation", "mechanics", "fea")
 PARTS = {"press": PRESS, "twin": (*PRESS, "twin")}
 """Kind of a result → subpackages that decide it; the whole source if the kind is not named."""
+READ = (".py", ".yaml", ".csv", ".json")
+"""Endings of files that decide a result; of those of `PARTS`, only Python files, since inputs name the others."""
 STAMPS = "PALPATE_TEST_STAMPS"
 """Variable of the environment by which workers take the hashes from the process that starts them."""
 
@@ -21,7 +23,9 @@ STAMPS = "PALPATE_TEST_STAMPS"
 def source_stamp(kind: str) -> str:
     """Hash of the source that decides a kind of result, and of the versions of the numeric libraries."""
     if STAMPS not in os.environ:
-        files = {path.relative_to(SOURCE): _syntax(path) for path in sorted(SOURCE.rglob("*.py"))}
+        files = {
+            path.relative_to(SOURCE): _content(path) for path in sorted(SOURCE.rglob("*")) if path.suffix in READ
+        }
         os.environ[STAMPS] = json.dumps({kind: _hash(files, kind) for kind in (*PARTS, "")})
     stamps: dict[str, str] = json.loads(os.environ[STAMPS])
     return stamps.get(kind, stamps[""])
@@ -30,13 +34,15 @@ def source_stamp(kind: str) -> str:
 def _hash(files: dict[Path, str], kind: str) -> str:
     digest = hashlib.sha256(f"{sys.version}{[_version(name) for name in LIBRARIES]}".encode())
     for path, syntax in files.items():
-        if path.parts[0] in PARTS.get(kind, path.parts):
+        if kind not in PARTS or (path.parts[0] in PARTS[kind] and path.suffix == ".py"):
             digest.update(f"{path.as_posix()} {syntax}".encode())
     return digest.hexdigest()[:16]
 
 
-def _syntax(path: Path) -> str:
-    """Syntax tree of a file without docstrings."""
+def _content(path: Path) -> str:
+    """Syntax tree of a Python file without docstrings; the text of another file."""
+    if path.suffix != ".py":
+        return path.read_text("utf-8")
     tree = ast.parse(path.read_bytes())
     for node in ast.walk(tree):
         body = getattr(node, "body", None)

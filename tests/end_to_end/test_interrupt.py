@@ -12,7 +12,7 @@ import pytest
 DATA = Path(__file__).parents[2] / "examples" / "data"
 VERBS = {
     "press": ("press --whole --cells 30 --depth 12", ""),
-    "learn": (f"learn {DATA}/recording --out kept --learn depth_mm", "kept"),
+    "learn": (f"learn {DATA}/recording --out kept --targets rx_deg", "kept"),
     "run": (f"run {DATA}/small.yaml --out kept --workers 2", "kept"),
     "twin": (f"twin {DATA}/small.yaml --out kept --workers 2", "kept"),
     "limit": (f"limit {DATA}/small.yaml --out kept --workers 2", "kept"),
@@ -40,12 +40,14 @@ def test_an_interrupted_command_says_one_sentence(verb: str, seconds: float, tmp
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job in the background ignores it
     )
     time.sleep(2.0)
     while folder and not (tmp_path / folder).exists() and process.poll() is None:
         time.sleep(0.1)  # before there is a folder nothing can be kept
     time.sleep(seconds)
     if process.poll() is not None:
+        assert process.returncode == 0, process.communicate()[1]
         pytest.skip("it ended before the interruption")
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to all processes of the command
     _, error = process.communicate(timeout=60)

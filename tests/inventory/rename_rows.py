@@ -38,11 +38,11 @@ def classify(rows: list[Row]) -> Iterator[tuple[str, Row, str]]:
     names = {row["old"]: row["new"] for row in rows if row["kind"] in ("class", "function", "method")}
     for row in rows:
         other = changed.get((row["kind"], row["old"], row["where"]))
-        if row["kind"] in DEFERRED:
-            yield "deferred", row, f"{row['kind']}, renamed when it is moved"
-        elif other:
-            done = not other["new"] or applied(row | {"new": other["new"]}, names)
+        if other:
+            done = applied(row | {"new": other["new"]}, names) if other["new"] else gone(row, names)
             yield "changed" if done else "skipped", row, f"{other['new'] or '(none)'}: {other['reason']}"
+        elif row["kind"] in DEFERRED:
+            yield "deferred", row, f"{row['kind']}, renamed when it is moved"
         else:
             yield "applied" if applied(row, names) else "skipped", row, ""
 
@@ -61,12 +61,25 @@ def applied(row: Row, names: dict[str, str]) -> bool:
             if one["kind"] == "flag" and one["new"]
         ]
         return (old, new) in pairs
-    owner = [names.get(".".join(owner[: number + 1]), part) for number, part in enumerate(owner)]
-    places = [scope for scope in scopes(ROOT / row["where"], tuple(owner)) if new in scope or old in scope]
+    owner = owner_now(owner, names)
+    home = ROOT / row["where"]
+    places = [scope for scope in scopes(home, tuple(owner)) if new in scope or old in scope] if home.exists() else []
     if not places:  # moved to another file
         paths = sorted((ROOT / "src").rglob("*.py"))
         places = [scope for path in paths for scope in scopes(path, tuple(owner)) if new in scope]
     return bool(places) and all(new in scope and old not in scope for scope in places)
+
+
+def gone(row: Row, names: dict[str, str]) -> bool:
+    """Whether the source has the old name of a row no more."""
+    *owner, old = row["old"].split(".")
+    home = ROOT / row["where"]
+    return not home.exists() or not any(old in scope for scope in scopes(home, tuple(owner_now(owner, names))))
+
+
+def owner_now(owner: list[str], names: dict[str, str]) -> list[str]:
+    """Names of the definitions around a name as they are now."""
+    return [names.get(".".join(owner[: number + 1]), part) for number, part in enumerate(owner)]
 
 
 @cache

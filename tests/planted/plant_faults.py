@@ -17,6 +17,7 @@ import difflib
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -247,6 +248,9 @@ def try_fault(fault: Fault, folder: Path, coverage: Path | None) -> dict[str, ob
             done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, timeout=LIMIT_S)
         except subprocess.TimeoutExpired:
             return result(fault, "the tests did not end", start)
+        said = f"{done.stdout}\n{done.stderr}"
+        if re.search(r"^ERROR: (file or directory )?not found", said, re.MULTILINE):  # no test has run
+            raise SystemExit(f"A test of the coverage file does not exist: {said[-300:]}")
         failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
         if done.returncode not in (0, 5):
             return result(fault, failed[0][:150] if failed else done.stdout[-300:], start)

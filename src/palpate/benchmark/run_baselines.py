@@ -32,6 +32,13 @@ BASELINES = {
     "picture": "network on pictures",
 }
 """Names and words of the baselines."""
+_STAGES = {
+    "paper": ("estimator",),
+    "network": ("estimator",),
+    "twin": ("press", "twin"),
+    "picture": ("recorded_estimator",),
+}
+"""Stages that decide the predictions of each, in addition to `baseline`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +60,8 @@ class _Desk:
         fields |= {"network": {"network", "seed", "jitter_px"}, "picture": {"seed", "picture_px", "picture_epochs"}}
         chosen = self.spec.model_dump(mode="json", include=fields[name])
         about = digest(self.benchmark.folder / CHECKSUMS)
-        return Recipe("baseline", {"name": name, "part": part, "spec": chosen}, (about,), stage_version("baseline"))
+        version = "; ".join(map(stage_version, ("baseline", *_STAGES.get(name, ()))))
+        return Recipe("baseline", {"name": name, "part": part, "spec": chosen}, (about,), version)
 
 
 def run_baselines(

@@ -2,7 +2,7 @@
 
 `behaviour.json` contains, for each stage, the results of small reference cases. The stamp of a stage is the hash of
 its results. A test computes the cases again and fails if a result differs beyond rounding; then
-``python tests/behaviour/renew.py STAGE`` writes the new results, and with them a new stamp. A change of names or
+``python tests/behaviour/results.py STAGE`` writes the new results, and with them a new stamp. A change of names or
 messages leaves results and stamps as they are, so that stored artefacts stay valid.
 """
 

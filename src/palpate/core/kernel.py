@@ -12,6 +12,7 @@ import hashlib
 import os
 import shutil
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -21,6 +22,8 @@ from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_FOLDER = threading.Lock()
+"""Held while numba's folder is that of a kernel, which is a setting of the whole process."""
 _MARK = "@kernel"
 _PREFIX = "kernels-"
 STALE_S = 30 * 86_400.0
@@ -48,14 +51,16 @@ class _Kernel:
     def compiled(self) -> Any:
         numba = _import_numba()
         package, settings = Path(__file__).parents[1], cast(Any, numba.config)
-        chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
-        folder = Path(chosen or package / "__pycache__") / f"{_PREFIX}{_stamp(self.py_func, package)}"
-        _keep_fresh(folder)
-        settings.CACHE_DIR = str(folder)
-        try:
-            return numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(self.py_func)
-        finally:
-            settings.CACHE_DIR = chosen
+        compile_later = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+        with _FOLDER:
+            chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
+            folder = Path(chosen or package / "__pycache__") / f"{_PREFIX}{_stamp(self.py_func, package)}"
+            _keep_fresh(folder)
+            settings.CACHE_DIR = str(folder)
+            try:
+                return compile_later(self.py_func)
+            finally:
+                settings.CACHE_DIR = chosen
 
     def __call__(self, *arguments: Any) -> Any:
         return self.compiled(*arguments)

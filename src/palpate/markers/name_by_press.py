@@ -88,7 +88,7 @@ def disambiguate_by_press(
         raise PalpateError(
             f"The known press moves the markers by {moved:.2f} px only.",
             "Press deeper, by a slanted wall.",
-            code="calibration-press-too-light",
+            code="reference-press-too-light",
         )
     motions = np.stack([_by_dot(choice, motion) for choice, motion in zip(choices, motions_px, strict=True)])
     rest = _by_dot(naming, naming.positions_px)
@@ -108,7 +108,7 @@ def disambiguate_by_press(
             f"No numbering explains the press: {have.sum()} of {len(have)} markers found their dot, "
             f"{misfit[best]:.1f} px off.",
             "Check its roll, pitch and depth, and that camera and dome are where they were at rest.",
-            code="calibration-press-unexplained",
+            code="reference-press-unexplained",
         )
     apart = ((laid - laid[best]) ** 2).sum(axis=(1, 2)) / have.sum()
     sureness = (misfit**2 - misfit[best] ** 2) / np.maximum(2.0 * apart, 1e-12)

@@ -159,14 +159,14 @@ class _Evaluator:
 
     def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
-        old = [one for one in tried if one.evaluation.record.get("version") != stage_version("skin_evaluation")]
+        old = [one for one in tried if one.evaluation.record.get("version") != _evaluation_version()]
         anew = dict(zip((one.number for one in old), self.evaluate([one.place for one in old]), strict=True))
         return tuple(
             replace(one, evaluation=anew.get(one.number) or self._evaluation(self.skin(one).coarse)) for one in tried
         )
 
     def _evaluation(self, proposal: SkinEvaluation) -> Evaluation:
-        note = {"proposal": proposal.to_data(), "version": stage_version("skin_evaluation")}
+        note = {"proposal": proposal.to_data(), "version": _evaluation_version()}
         return Evaluation(objective_values(self.spec, proposal), constraint_violations(self.spec, proposal), note)
 
     def report_best(self, tried: Sequence[SearchTrial]) -> None:
@@ -230,6 +230,11 @@ class _Evaluator:
             else SkinEvaluation.from_data(json.loads(find_artefact(store, task).read_text("utf-8")))
             for task in tasks
         ]
+
+
+def _evaluation_version() -> str:
+    """Version of an evaluation in the journal: those of its stage, of twins and of presses."""
+    return "; ".join(map(stage_version, ("skin_evaluation", "twin", "press")))
 
 
 def _candidates(front: Front) -> list[int]:

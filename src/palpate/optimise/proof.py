@@ -142,14 +142,14 @@ class ValidationResult:
     ----------
     designs
         The winner first.
-    known
-        Known presses of each unit before it is read by its twin.
+    calibration_presses
+        Calibration presses of each unit before it is read by its twin.
     second, second_problem
         What CalculiX found; why it did not press.
     """
 
     designs: tuple[ValidatedDesign, ...]
-    known: int
+    calibration_presses: int
     second: SolverComparison | None = None
     second_problem: str = ""
 
@@ -227,7 +227,7 @@ def _sentences(proof: ValidationResult) -> Iterator[str]:
         counts = " and ".join(sorted({f"{one.simulated.units} units" for one in played if one.simulated}))
         yield (
             f"{counts} of each design, pressed by finite elements on another mesh, read from rendered images after "
-            f"{proof.known} known presses."
+            f"{proof.calibration_presses} calibration presses."
         )
         yield f"Foreseen and played are within {100 * max(one.relative_error for one in played):.0f} % of each other"
         yield f"and {_order(proof)}." if len(played) > 1 else "in both figures."

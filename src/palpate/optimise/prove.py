@@ -149,7 +149,7 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
     return ValidationResult(
         designs=tuple(design.evaluate(store, reasons) for design in designs),
-        known=winner.bench.calibration_presses,
+        calibration_presses=winner.bench.calibration_presses,
         second=None if problem else _compare(store, second, winner.design.layout.positions),
         second_problem=problem,
     )

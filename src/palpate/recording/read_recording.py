@@ -27,10 +27,8 @@ from palpate.recording.images import (
 )
 from palpate.recording.read_hdf5 import HDF5, read_hdf5
 from palpate.recording.read_lerobot import is_lerobot, read_lerobot
-from palpate.recording.table import TABLES, RecordingTable, read_table
+from palpate.recording.table import REST, TABLES, RecordingTable, read_table
 
-REST = "rest"
-"""Press, or stem of an image's name, of the untouched sensor."""
 LEAST_IMAGES, LEAST_PRESSES = 12, 8
 
 
@@ -114,7 +112,7 @@ def read_recording(
     if len(kept) < len(chosen):
         notes.append(
             f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); "
-            "--most for more."
+            "--max-images for more."
         )
     chosen = chosen[kept]
     poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))

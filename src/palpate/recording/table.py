@@ -17,6 +17,8 @@ from palpate.core import FloatArray, PalpateError
 
 TABLES = (".csv", ".tsv", ".txt", ".jsonl")
 """Endings of the tables that are read."""
+REST = "rest"
+"""Press, or stem of an image's name, of the untouched sensor."""
 _ROWS = 20_000
 """Rows that are held as text at a time."""
 _LONGEST = 240
@@ -157,7 +159,7 @@ def _columns(
         bad = np.isnan(numbers) & np.array([text.lower() not in ("", "nan") for text in texts])
         if name not in kinds:
             filled = sum(text != "" for text in texts)
-            kinds[name] = filled > 0 and bad.sum() <= 0.5 * filled
+            kinds[name] = filled > 0 and bad.sum() <= 0.5 * filled and not _numbers_presses(texts, numbers)
         if not kinds[name]:
             found[name] = np.array(texts)
             continue
@@ -166,6 +168,12 @@ def _columns(
             first = int(np.argmax(bad))
             faults[name] = f"line {part[first][0]} has '{texts[first][:30]}', which is no number"
     return found
+
+
+def _numbers_presses(texts: list[str], numbers: FloatArray) -> bool:
+    """Whether cells are numbers of presses, with images at rest among them."""
+    given = numbers[np.isfinite(numbers)]
+    return REST in map(str.lower, texts) and bool((given == np.round(given)).all())
 
 
 def _join(parts: list[Column | None], all_parts: list[dict[str, Column]]) -> Column:

@@ -1,6 +1,8 @@
 """Baselines of the benchmark: what they read, that they beat chance, and that they go on where they were stopped."""
 
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,6 +24,8 @@ from palpate.benchmark import run_baselines as door
 from palpate.benchmark.fit_baseline import order_images
 from palpate.benchmark.read_set import SplitMarkers
 from palpate.benchmark.register_images import align_to_design, build_dataset, design_rest
+from palpate.benchmark.run_baselines import CHECKSUMS, _Desk
+from palpate.core import stage_version
 
 TINY = PRESETS["tiny"]
 SPEC = TINY.model_copy(update={"designs": TINY.designs[:1], "presses": 30})
@@ -76,6 +80,30 @@ def test_networks_and_pictures_are_learnt_and_judged(made_set: BenchmarkSet, tmp
         read_predictions(tmp_path / "picture.csv").image.tolist() == made_set.table("test").image[pictured].tolist()
     )
     assert all(np.isfinite(score.all.parts["depth"].rmse) for own in found.values() for score in own)
+
+
+@pytest.mark.parametrize(
+    ("stage", "anew"),
+    [
+        ("baseline", set(BASELINES)),
+        ("estimator", {"paper", "network"}),
+        ("press", {"twin"}),
+        ("twin", {"twin"}),
+        ("recorded_estimator", {"picture"}),
+    ],
+)
+def test_a_baseline_is_made_anew_where_a_stage_of_its_own_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stage: str, anew: set[str]
+) -> None:
+    (tmp_path / CHECKSUMS).write_text("")
+    desk = _Desk(SimpleNamespace(folder=tmp_path), TINY_BASELINES, tmp_path, 1, print)  # type: ignore[arg-type]
+    before = {name: desk.recipe(name, "all").key for name in BASELINES}
+
+    def changed(name: str) -> str:
+        return stage_version(name) + "!" * (name == stage)
+
+    monkeypatch.setattr(sys.modules[door.__module__], "stage_version", changed)
+    assert {name for name in BASELINES if desk.recipe(name, "all").key != before[name]} == anew
 
 
 def test_a_baseline_that_is_none_is_refused(made_set: BenchmarkSet, tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 import json
+import signal
 import time
 from pathlib import Path
 
@@ -108,6 +109,8 @@ def test_an_unforeseen_error_is_one_line_with_a_log(
 
 
 def test_an_interruption_that_a_destructor_swallows_still_ends_the_command() -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
+
     class Swallowing:
         def __del__(self) -> None:
             raise KeyboardInterrupt
@@ -118,7 +121,10 @@ def test_an_interruption_that_a_destructor_swallows_still_ends_the_command() -> 
             time.sleep(0.05)
 
     start = time.monotonic()
-    assert guarded(command) == 130
+    try:
+        assert guarded(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert time.monotonic() - start < 3.0
 
 

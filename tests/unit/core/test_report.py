@@ -68,7 +68,7 @@ def words_of(text: str) -> str:
     return " ".join(text.split())
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(reports(), st.sampled_from(WIDTHS), st.booleans())
 def test_no_value_is_cut_and_no_line_is_too_long(report: Report, width: int | None, wide: bool) -> None:
     text = report_text(report, width, wide=wide)
@@ -80,7 +80,7 @@ def test_no_value_is_cut_and_no_line_is_too_long(report: Report, width: int | No
                 assert set(column.text(row[column.name]).split()) - {EMPTY} <= words
 
 
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 @given(reports(), st.sampled_from(WIDTHS))
 def test_columns_that_are_left_out_are_counted(report: Report, width: int | None) -> None:
     filled = [one for one in report.columns if any(one.text(row[one.name]) != EMPTY for row in report.rows)]

@@ -33,9 +33,11 @@ def test_the_figure_that_is_farthest_off_counts() -> None:
 def test_the_order_is_the_same_only_where_both_figures_say_so() -> None:
     winner, rival = design("winner", (0.02, 0.08), (0.021, 0.09)), design("rival", (0.026, 0.1), (0.027, 0.11))
     outlier = design("winner", (0.02, 0.08), (0.021, 0.15))
-    assert ValidationResult((winner, rival), known=5).order_preserved
-    assert not ValidationResult((outlier, rival), known=5).order_preserved
-    same, other = (list(validation_page(ValidationResult((one, rival), known=5))) for one in (winner, outlier))
+    assert ValidationResult((winner, rival), calibration_presses=5).order_preserved
+    assert not ValidationResult((outlier, rival), calibration_presses=5).order_preserved
+    same, other = (
+        list(validation_page(ValidationResult((one, rival), calibration_presses=5))) for one in (winner, outlier)
+    )
     check_values(same[-1], "12 %")
     check_values(other[-1], "88 %", "winner and rival")
     assert "winner and rival" not in same[-1]
@@ -46,11 +48,13 @@ def test_an_order_that_other_units_would_turn_is_not_contradicted() -> None:
     rng = np.random.default_rng(1)
     better = design("winner", (0.020, 0.080), (0.0203, 0.0808), rng.uniform(0.7, 1.3, 20))
     worse = design("rival", (0.021, 0.083), (0.0201, 0.0800), rng.uniform(0.7, 1.3, 20))
-    proof = ValidationResult((better, worse), known=5)
+    proof = ValidationResult((better, worse), calibration_presses=5)
     assert not proof.order_preserved
     assert proof.reversed_pairs == ()
     alike = rng.uniform(0.7, 1.3, 20)
-    sure = ValidationResult((design("winner", *FIGURES[0], alike), design("rival", *FIGURES[1], alike)), known=5)
+    sure = ValidationResult(
+        (design("winner", *FIGURES[0], alike), design("rival", *FIGURES[1], alike)), calibration_presses=5
+    )
     assert sure.reversed_pairs == ("winner and rival",)
     check_values(page_markdown(validation_page(sure)), "winner and rival")
 
@@ -71,9 +75,12 @@ def test_units_that_gave_no_pose_are_left_out_of_both() -> None:
     one = replace(design("winner", (0.02, 0.08), (0.0255, 0.09)), simulated=found)
     other = design("rival", (0.03, 0.1), (0.02, 0.08), (1.0, 50.0, 1.0))
     assert found.bootstrap_intervals[0] == pytest.approx([0.02, 0.03])
-    assert ValidationResult((one, other), known=5).reversed_pairs == ()
+    assert ValidationResult((one, other), calibration_presses=5).reversed_pairs == ()
     apart = replace(found, by_unit=(None, (0.02, 0.08), None)), replace(found, by_unit=((0.02, 0.08), None, None))
-    assert ValidationResult(tuple(replace(one, simulated=each) for each in apart), known=5).reversed_pairs == ()
+    assert (
+        ValidationResult(tuple(replace(one, simulated=each) for each in apart), calibration_presses=5).reversed_pairs
+        == ()
+    )
 
 
 def test_a_page_says_from_which_depth_the_solvers_part() -> None:

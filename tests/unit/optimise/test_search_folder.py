@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +13,14 @@ from palpate.core import stage_version
 from palpate.design import DomeSpec
 from palpate.material import get_material
 from palpate.optimise import Evaluation, SearchPlan, SkinEvaluation, SkinSpace, is_search, read_search, search_skins
-from palpate.optimise.optimise_design import ASKED, JOURNAL, _Evaluator, constraint_violations, objective_values
+from palpate.optimise.optimise_design import (
+    ASKED,
+    JOURNAL,
+    _evaluation_version,
+    _Evaluator,
+    constraint_violations,
+    objective_values,
+)
 from palpate.optimise.space import Place
 from small_search import MATERIAL, SPEC, propose, write_search
 
@@ -43,7 +51,7 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
             Evaluation(
                 (error, force),
                 constraint_violations(SPEC, one),
-                {"proposal": one.to_data(), "version": stage_version("skin_evaluation")},
+                {"proposal": one.to_data(), "version": _evaluation_version()},
             )
             for error, force, one in found
         ]
@@ -62,6 +70,19 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
     assert _Evaluator(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
     assert journal.read_bytes().startswith(told), "a journal that says what is said now is not written anew"
     assert not list(tmp_path.glob("*.new*"))
+
+
+@pytest.mark.parametrize("stage", ["skin_evaluation", "twin", "press"])
+def test_skins_are_evaluated_again_where_a_stage_behind_them_changes(
+    monkeypatch: pytest.MonkeyPatch, stage: str
+) -> None:
+    before = _evaluation_version()
+
+    def changed(name: str) -> str:
+        return stage_version(name) + "!" * (name == stage)
+
+    monkeypatch.setattr(sys.modules[_Evaluator.__module__], "stage_version", changed)
+    assert _evaluation_version() != before
 
 
 def test_a_line_that_is_being_written_is_left_for_the_next_time(tmp_path: Path) -> None:

@@ -80,8 +80,9 @@ def test_columns_that_stay_or_count_or_are_text_are_left_out_and_told(tmp_path: 
     check_values(told, "force_N", 1.5, "number", "lamp")
 
 
-def test_images_of_one_press_are_kept_together_and_rest_is_known_by_its_press(tmp_path: Path) -> None:
-    cells = [["rest" if number < 2 else f"p{number // 2}", *row] for number, row in enumerate(waves(9))]
+@pytest.mark.parametrize("letter", ["p", ""])
+def test_images_of_one_press_are_kept_together_and_rest_is_known_by_its_press(tmp_path: Path, letter: str) -> None:
+    cells = [["rest" if number < 2 else f"{letter}{number // 2}", *row] for number, row in enumerate(waves(9))]
     found = read(tmp_path, "press,rx_deg", cells)
     assert (len(found), found.presses, found.rest) == (22, 11, 2)
 

@@ -100,9 +100,9 @@ def test_another_press_than_was_given_is_refused(steep):
     points = steep[0].positions(unit.design.layout.positions)
     naming = assign_markers(camera.project(points[0]), build_pattern(unit.design.layout.positions, camera.project))
     for dots in (camera.project(points[0]), np.empty((0, 2))):
-        with refused("calibration-press-unexplained"):
+        with refused("reference-press-unexplained"):
             disambiguate(naming, dots, points[-1], unit)
-    with refused("calibration-press-too-light", "0.00"):
+    with refused("reference-press-too-light", "0.00"):
         disambiguate_by_press(naming, np.zeros((12, 37, 2)), camera.project(points[-1]), 20.0)
 
 
