@@ -253,8 +253,18 @@ def try_fault(fault: Fault, folder: Path, coverage: Path | None) -> dict[str, ob
             raise SystemExit(f"A test of the coverage file does not exist: {said[-300:]}")
         failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
         if done.returncode not in (0, 5):
+            refuse_failing_control(failed, copy, fault, environment)
             return result(fault, failed[0][:150] if failed else done.stdout[-300:], start)
     return result(fault, "", start)
+
+
+def refuse_failing_control(failed: list[str], copy: Path, fault: Fault, environment: dict[str, str]) -> None:
+    """End if the test that notices a fault fails without the fault, too: it would notice everything."""
+    shutil.copy2(ROOT / fault.path, copy / fault.path)
+    names = [line.split(maxsplit=2)[1] for line in failed]
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *names]
+    if names and subprocess.run(command, cwd=copy, env=environment, capture_output=True).returncode != 0:
+        raise SystemExit(f"{names[0]} fails without a fault.")
 
 
 def result(fault: Fault, caught_by: str, start: float) -> dict[str, object]:
