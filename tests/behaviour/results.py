@@ -52,7 +52,9 @@ def compare(stage: str, stored: dict[str, Any], found: dict[str, Any]) -> list[s
                 faults.append(f"{stage}, {case}, {name}: {old.shape} values, now {new.shape}")
                 continue
             difference = np.nanmax(np.abs(new - old), initial=0.0)
-            if difference > ROUNDING.get(stage, SHARE) * np.nanmax(np.abs(old), initial=0.0):
+            if difference > ROUNDING.get(f"{stage}, {case}", ROUNDING.get(stage, SHARE)) * np.nanmax(
+                np.abs(old), initial=0.0
+            ):
                 faults.append(f"{stage}, {case}, {name}: {difference:.3g} of {np.nanmax(np.abs(old)):.3g}")
     return faults
 

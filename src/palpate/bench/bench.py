@@ -36,7 +36,7 @@ from palpate.bench.played import (
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, Deviation, RobotUncertainty
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
-from palpate.deck import CalculixSpec
+from palpate.deck import calculix_recipe
 from palpate.design import (
     TILT_SPACE,
     Design,
@@ -353,10 +353,11 @@ def _curvature(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> fl
 
 
 def _press_recipe(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
-    other = bench.spec.solver == "calculix"
-    solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
     mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
     built = deviation.built(bench.design)
+    if bench.spec.solver == "calculix" and branch is Branch.FLAT:
+        return calculix_recipe(built, mesh, wall)
+    solver = SolverSpec().model_dump(mode="json")
     return press_recipe(built.skin_spec, mesh, built.material, wall, solver, branch)
 
 

@@ -24,6 +24,18 @@ BEHAVIOUR_FILE = Path(__file__).with_name("behaviour.json")
 
 _LIBRARIES = ("numpy", "scipy", "numba", "py-mkl-pardiso", "rslab")
 """Distributions that decide the digits of a result: arrays, compiled kernels, sparse linear solvers."""
+_VISION, _TRAINING = ("opencv-python-headless", "opencv-python"), ("torch",)
+_STAGE_LIBRARIES = {
+    "detections": _VISION,
+    "unit_trial": _VISION,
+    "skin_evaluation": _VISION,
+    "benchmark_unit": _VISION,
+    "estimator": _TRAINING,
+    "force_estimator": _TRAINING,
+    "recorded_estimator": (*_VISION, *_TRAINING),
+    "baseline": (*_VISION, *_TRAINING),
+}
+"""Further distributions that decide the results of a stage."""
 
 
 def stage_version(stage: str, *parts: object) -> str:
@@ -41,7 +53,8 @@ def stage_version(stage: str, *parts: object) -> str:
     PalpateError
         If the stage has no reference case.
     """
-    return "; ".join([behaviour_stamp(stage), *_library_versions(), *sorted({*map(_plugin_version, parts)} - {""})])
+    libraries = _library_versions((*_LIBRARIES, *_STAGE_LIBRARIES.get(stage, ())))
+    return "; ".join([behaviour_stamp(stage), *libraries, *sorted({*map(_plugin_version, parts)} - {""})])
 
 
 @cache
@@ -64,8 +77,8 @@ def behaviour_stamp(stage: str) -> str:
 
 
 @cache
-def _library_versions() -> tuple[str, ...]:
-    found = {name: installed_version(name) for name in _LIBRARIES}
+def _library_versions(names: tuple[str, ...]) -> tuple[str, ...]:
+    found = {name: installed_version(name) for name in names}
     return tuple(f"{name} {version}" for name, version in found.items() if version is not None)
 
 

@@ -9,25 +9,28 @@ displaced surface, as for our own solver.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from palpate.core import FloatArray, PalpateError, Spec, parameter
+from palpate.core import FloatArray, PalpateError, Recipe, Spec, parameter
 from palpate.deck.read_results import CalculixIncrements, read_counts, read_increments
 from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
-from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec
+from palpate.design import Design
+from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec, press_recipe
 from palpate.material import Material
 from palpate.mechanics import EndReason, OuterSurface, SolverSpec, fill_nodes
-from palpate.mesh import Mesh, gauss_points, shape_hexahedron
+from palpate.mesh import Mesh, MeshSpec, gauss_points, mesh_skin, shape_hexahedron
 
 PROGRAM = "ccx"
 _INVERTED_GAP = 0.1
@@ -117,6 +120,31 @@ def solve_press_calculix(
         newton_iterations=iterations,
         message=message,
     )
+
+
+def calculix_recipe(
+    design: Design, mesh: MeshSpec, obstacle: ObstacleSpec, spec: CalculixSpec | None = None
+) -> Recipe:
+    """Return the recipe of a press by CalculiX: its deck without comments, and the version of the program."""
+    spec = spec or CalculixSpec()
+    text = deck_text(mesh_skin(design.skin, mesh), design.material, obstacle, spec.deck)
+    lines = [line for line in text.splitlines() if not line.startswith("**")]
+    solver = {
+        "calculix": spec.model_dump(mode="json"),
+        "deck": hashlib.sha256("\n".join(lines).encode()).hexdigest(),
+        "program": _program_version(),
+    }
+    return press_recipe(design.skin_spec, mesh, design.material, obstacle, solver)
+
+
+@cache
+def _program_version() -> str:
+    """Version that ``ccx`` reports; empty if it is not installed."""
+    path = shutil.which(PROGRAM)
+    if path is None:
+        return ""
+    said = subprocess.run([path, "-v"], capture_output=True, text=True, timeout=60).stdout
+    return said.strip().removeprefix("This is Version ")
 
 
 @final

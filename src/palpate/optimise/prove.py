@@ -18,9 +18,9 @@ import numpy as np
 from palpate.bench import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
 from palpate.built import ContradictionError, Deviation, PredictedAccuracy, predict_accuracy, sample_deviation
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
-from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
+from palpate.deck import CalculixSolver, calculix_recipe, solve_press_calculix
 from palpate.design import Design
-from palpate.fea import Press, WallSpec, press_recipe, read_press, write_press
+from palpate.fea import Press, WallSpec, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import design_of, design_study
@@ -107,10 +107,7 @@ class CalculixTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
-        return press_recipe(
-            press.design.skin_spec, press.mesh, press.design.material, press.obstacle, solver, press.branch
-        )
+        return calculix_recipe(self.press.design, self.press.mesh, self.press.obstacle)
 
     @property
     def dependencies(self) -> tuple[Task, ...]:

@@ -41,7 +41,8 @@ def test_bench_and_validation_share_a_press_by_calculix(tmp_path: Path) -> None:
     other = CalculixTask(task).recipe
     assert other.key == key
     assert other.key != task.recipe.key
-    assert other.spec["solver"] == {"calculix": CalculixSpec().model_dump(mode="json")}
+    assert other.spec["solver"]["calculix"] == CalculixSpec().model_dump(mode="json")
+    assert len(other.spec["solver"]["deck"]) == 64
 
 
 def test_a_unit_of_the_validation_is_one_artefact(tmp_path: Path) -> None:
