@@ -185,7 +185,7 @@ def _coverage(coverage: Coverage | None, unit: str) -> dict[str, Cell]:
         f"interval_half_width_{position}": coverage.half_width_deg if coverage else None,
         "interval_half_width_mm": coverage.half_width_mm if coverage else None,
         "interval_presses": coverage.presses if coverage else None,
-        "flagged_ood": coverage.outside if coverage else None,
+        "flagged_ood": coverage.flagged_ood if coverage else None,
     }
 
 

@@ -14,7 +14,7 @@ from palpate.learn.interval import Interval, TrainedRange, press_quantile
 LEVEL = 0.9
 """Share of true values that an interval covers."""
 FALSE_ALARM = 0.02
-"""Share of images inside the trained range that may be called outside; more where few presses calibrate."""
+"""Share of images inside the trained range that may be flagged; more where few presses calibrate."""
 SHARE = 0.5
 """Share of the held-out presses that calibrate; coverage is measured on the others."""
 DRAWS = 4
@@ -41,7 +41,7 @@ class Coverage:
         Share of true values inside the interval: rx and ry pooled, and depth.
     half_width_deg, half_width_mm
         Mean half-width, of rx and ry pooled, and of depth.
-    outside
+    flagged_ood
         Share of images that were called out of the trained range, all of them falsely.
     false_alarm
         Share that was promised not to be exceeded there.
@@ -54,7 +54,7 @@ class Coverage:
     depth: float
     half_width_deg: float
     half_width_mm: float
-    outside: float
+    flagged_ood: float
     false_alarm: float
 
 
@@ -126,7 +126,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
         depth=float(covered[:, 2].mean()),
         half_width_deg=float(found.half_width[:, :2].mean()),
         half_width_mm=float(found.half_width[:, 2].mean()),
-        outside=float(found.out_of_distribution.mean()),
+        flagged_ood=float(found.out_of_distribution.mean()),
         false_alarm=interval.trained.false_alarm,
     )
 

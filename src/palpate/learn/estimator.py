@@ -95,7 +95,7 @@ class Estimator:
     def estimate(self, images_px: FloatArray) -> Prediction:
         """Estimate poses of images (n, m, 2), see `predict`, with half-widths and the flag of the trained range.
 
-        Without an interval the half-widths are infinite and no image is called outside.
+        Without an interval the half-widths are infinite and no image is out of distribution.
         """
         members = self.predict_members(images_px)
         poses = members.mean(axis=0)

@@ -70,7 +70,7 @@ class TrainedRange:
     threshold
         Greatest score that counts as inside.
     false_alarm
-        Share of images of new presses, at most, that are called outside.
+        Share of images of new presses, at most, that are flagged as out of distribution.
     """
 
     centre: FloatArray

@@ -1,7 +1,7 @@
 """The interval as part of the ONNX graph, so that any runtime gives it with the pose.
 
     half_width (n, 3) float, in the pose's units:  factor · sqrt( var over members + error(depth)² )
-    outside (n,) bool:                             score of the displacement > threshold
+    out_of_distribution (n,) bool:                 score of the displacement > threshold
 
 The error by depth is linear between knots, hence a sum of hinges: error(z) = e₀ + Σ cᵢ max(z − zᵢ, 0).
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Arrays = dict[str, NDArray[Any]]
 
-POSE, MEMBERS, HALF_WIDTH, OUTSIDE = "pose", "member_poses", "half_width", "outside"
+POSE, MEMBERS, HALF_WIDTH, OUT_OF_DISTRIBUTION = "pose", "member_poses", "half_width", "out_of_distribution"
 """Names of the graph's outputs: mean over the members, each member (r, n, 3), half-widths, flags."""
 MOVED = "moved_px"
 """Name of the displacement from rest (n, m, 2) in the graph, double."""
@@ -149,7 +149,7 @@ def _pose_nodes(count: int) -> list[NodeProto]:
         node("Div", ["depth_excess", "depth_scale"], ["depth_score"]),
         node("Max", ["excess", "rest_score", "tilt_score", "depth_score"], ["range_score"]),
         node("Greater", ["range_score", "range_threshold"], ["flags"]),
-        node("Squeeze", ["flags", "column"], [OUTSIDE]),
+        node("Squeeze", ["flags", "column"], [OUT_OF_DISTRIBUTION]),
     ]
 
 

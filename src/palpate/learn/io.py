@@ -4,8 +4,8 @@ The graph reads pixels and gives poses in units:
 
     markers_px (n, m, 2) double → (· − rest) / scale → float → layers → · sd + mean → pose (n, 3) float
 
-A calibrated estimator also gives half_width (n, 3) and outside (n,), see `interval_graph`; forces are added by
-`force_graph`, and reading a file as an estimator leaves them out.
+A calibrated estimator also gives half_width (n, 3) and out_of_distribution (n,), see `interval_graph`; forces are
+added by `force_graph`, and reading a file as an estimator leaves them out.
 
 The difference to the rest image is taken in double precision and the first bias moved to match, so that single
 precision after it costs less than 1e-5 degrees. Everything that is no weight stands in the model's metadata as text.
@@ -27,7 +27,7 @@ from palpate.learn.estimator import Estimator
 from palpate.learn.interval_graph import (
     HALF_WIDTH,
     MEMBERS,
-    OUTSIDE,
+    OUT_OF_DISTRIBUTION,
     POSE,
     describe_interval,
     interval_nodes,
@@ -68,7 +68,7 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         more, values = interval_nodes(estimator.interval)
         nodes, constants = nodes + more, constants | values
         outputs.append(helper.make_tensor_value_info(HALF_WIDTH, TensorProto.FLOAT, ["image", count]))
-        outputs.append(helper.make_tensor_value_info(OUTSIDE, TensorProto.BOOL, ["image"]))
+        outputs.append(helper.make_tensor_value_info(OUT_OF_DISTRIBUTION, TensorProto.BOOL, ["image"]))
     graph = helper.make_graph(
         nodes,
         "estimator",

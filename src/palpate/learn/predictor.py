@@ -13,10 +13,10 @@ from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.design import PoseSpace
 from palpate.learn.force_graph import FORCE, FORCE_HALF_WIDTH
 from palpate.learn.interval import Prediction
-from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
+from palpate.learn.interval_graph import HALF_WIDTH, OUT_OF_DISTRIBUTION, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
 
-_INTERVAL, _FORCES = (HALF_WIDTH, OUTSIDE), (FORCE, FORCE_HALF_WIDTH)
+_INTERVAL, _FORCES = (HALF_WIDTH, OUT_OF_DISTRIBUTION), (FORCE, FORCE_HALF_WIDTH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Predictor:
         Returns
         -------
         Prediction
-            Half-widths are infinite, and no image is called outside, where the model has no interval.
+            Half-widths are infinite, and no image is out of distribution, where the model has no interval.
 
         Raises
         ------

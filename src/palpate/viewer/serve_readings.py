@@ -83,7 +83,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         try:
             image = decode_image(await request.body())
         except PalpateError as error:
-            content = {"error": error.problem, "remedy": error.remedy, "code": error.code}
+            content = {"problem": error.problem, "remedy": error.remedy, "code": error.code}
             return JSONResponse(content, status_code=400)
         return JSONResponse(_with_schema(await run_in_threadpool(reader.read, image)))
 
