@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import re
 import shutil
@@ -9,7 +10,9 @@ import sys
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib import metadata
+from typing import Annotated
 
+from cyclopts import Parameter
 from packaging.markers import Marker
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
@@ -29,12 +32,17 @@ _COLUMNS = (
 )
 SYSTEM_PACKAGES = {
     "libGL.so.1": "libgl1",
+    "libX11.so.6": "libx11-6",
+    "libexpat.so.1": "libexpat1",
     "libgomp.so.1": "libgomp1",
     "libglib-2.0.so.0": "libglib2.0-0",
     "libgthread-2.0.so.0": "libglib2.0-0",
     "libstdc++.so.6": "libstdc++6",
 }
 """Shared library → system package (Debian, Ubuntu) that brings it."""
+LINKED = {"build123d": ("libGL.so.1", "libX11.so.6", "libexpat.so.1"), "pyvista": ("libGL.so.1",)}
+"""Package → shared libraries of the system that it needs to load."""
+_LOAD = "Also import every package, which takes some 10 s, and report those that do not load."
 
 
 @dataclass(frozen=True)
@@ -47,14 +55,14 @@ class InstallCheck:
     remedy: str = ""
 
 
-def doctor(*, output: Output = Output()) -> int:
-    """Say what is installed, which solver backend is used, and name what is missing."""
+def doctor(*, load: Annotated[bool, Parameter(negative="", help=_LOAD)] = False, output: Output = Output()) -> int:
+    """Report the packages and the linear solver that are installed, and how to install those that are missing."""
     needed = _needed()
     _modules_by_distribution.cache_clear()  # packages may have been installed since
-    checks = [_check_python(), *(_check_package(name, "") for name, extra in needed.items() if not extra)]
+    checks = [_check_python(), *(_check_package(name, "", load) for name, extra in needed.items() if not extra)]
     required_ok = all(check.ok for check in checks)
     backends = _check_backends() if required_ok else []
-    checks += [_check_package(name, extra) for name, extra in needed.items() if extra]
+    checks += [_check_package(name, extra, load) for name, extra in needed.items() if extra]
     checks.append(_check_calculix())
     used = next((check.name for check in backends if check.ok), None)
     healthy = required_ok and used is not None
@@ -100,12 +108,15 @@ def _only_for(marker: Marker, extra: str) -> bool:
     return marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
 
 
-def _check_package(name: str, extra: str) -> InstallCheck:
+def _check_package(name: str, extra: str, load: bool) -> InstallCheck:
     wanted = f'"palpate[{extra}]"' if extra else name
     if installed_version(name) is None:
         return InstallCheck(name, False, "not installed", f"pip install {wanted}")
     try:
-        importlib.import_module(_module_of(name))
+        for library in LINKED.get(name, ()) if sys.platform == "linux" else ():
+            ctypes.CDLL(library)
+        if load:
+            importlib.import_module(_module_of(name))
     except Exception as error:  # an old package beside a new one fails as it likes
         missing = re.search(r"lib[\w.+-]+\.so[.\d]*", str(error))
         if missing is not None:

@@ -36,7 +36,7 @@ def load_extra(module: str, extra: str, library: str = "") -> Any:
             raise KeyboardInterrupt from error
         raise PalpateError(
             f"{library or module} cannot be loaded: {error}.",
-            "`palpate doctor` names the system package that brings it.",
+            "`palpate doctor --load` names the system package that it needs.",
             code="library-unloadable",
         ) from error
 

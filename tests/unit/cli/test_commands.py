@@ -160,9 +160,23 @@ def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_p
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr("importlib.metadata.requires", lambda name: ["old; extra == 'viz'"])
     assert call("doctor") == 0
+    assert "removed in 2.0" not in capsys.readouterr().out
+    assert call("doctor", "--load") == 0
     output = capsys.readouterr().out
     assert "removed in 2.0" in output
     assert 'pip install --upgrade "palpate[viz]"' in output
+
+
+def test_doctor_names_the_system_package_of_a_library_that_is_missing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(library: str) -> None:
+        raise OSError(f"{library}: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr("ctypes.CDLL", refuse)
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: ["build123d; extra == 'cad'"])
+    assert call("doctor") == 0
+    assert "apt-get install libgl1" in capsys.readouterr().out
 
 
 def test_doctor_names_the_solver_in_use(capsys: pytest.CaptureFixture[str]) -> None:
