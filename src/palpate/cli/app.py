@@ -7,11 +7,23 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from typing import Any, cast
 
+import docstring_parser
 from cyclopts import App
 
 from palpate import __version__
 from palpate.cli.border import guarded
+
+_parse = docstring_parser.parse_from_object
+
+
+def _parse_functions(described: Any) -> docstring_parser.Docstring:
+    """Parse docstrings of functions only; each field of a class has a help of its own."""
+    return docstring_parser.parse("") if isinstance(described, type) else _parse(described)
+
+
+cast(Any, docstring_parser).parse_from_object = _parse_functions  # cyclopts looks it up at each call
 
 app = App(
     name="palpate",

@@ -56,7 +56,7 @@ class InstallCheck:
 
 
 def doctor(*, load: Annotated[bool, Parameter(negative="", help=_LOAD)] = False, output: Output = Output()) -> int:
-    """Report the packages and the linear solver that are installed, and how to install those that are missing."""
+    """Report installed packages, the linear solver, and how to install what is missing."""
     needed = _needed()
     _modules_by_distribution.cache_clear()  # packages may have been installed since
     checks = [_check_python(), *(_check_package(name, "", load) for name, extra in needed.items() if not extra)]

@@ -55,8 +55,9 @@ class ObstacleSpec(Spec, ABC):
 
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
     depth_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
-    unload: bool = False
-    """Whether the wall is drawn back to first touch, through the same increments."""
+    unload: bool = parameter(
+        False, unit="", meaning="whether the wall is drawn back to depth 0, through the same increments"
+    )
     contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         NO_SLIP,
         unit="1",

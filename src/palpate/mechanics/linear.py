@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy
 
 from palpate.core import FloatArray, IntArray, PalpateError
 
@@ -38,9 +38,9 @@ class Pattern:
         """Number of unknowns."""
         return len(self.start) - 1
 
-    def matrix(self, data: FloatArray) -> sparse.csr_matrix:
+    def matrix(self, data: FloatArray) -> scipy.sparse.csr_matrix:
         """Upper triangle (n, n) with the values `data` (nnz,)."""
-        return sparse.csr_matrix((data, self.column, self.start), shape=(self.size, self.size))
+        return scipy.sparse.csr_matrix((data, self.column, self.start), shape=(self.size, self.size))
 
 
 class LinearSolver(ABC):
@@ -115,9 +115,9 @@ class RslabSolver(LinearSolver):
         self._pattern = pattern
         self._symbolic: Any = None
 
-    def _full(self, data: FloatArray) -> sparse.csc_matrix:
+    def _full(self, data: FloatArray) -> scipy.sparse.csc_matrix:
         upper = self._pattern.matrix(data)
-        return sparse.csc_matrix(upper + sparse.triu(upper, 1).T)
+        return scipy.sparse.csc_matrix(upper + scipy.sparse.triu(upper, 1).T)
 
     def refactor(self, data: FloatArray) -> int:
         import rslab
@@ -149,7 +149,7 @@ class SuperLuSolver(LinearSolver):
         if not np.isfinite(data).all():
             raise SingularMatrixError("the matrix holds values that are not finite")
         upper = self._pattern.matrix(data)
-        full = sparse.csc_matrix(upper + sparse.triu(upper, 1).T)
+        full = scipy.sparse.csc_matrix(upper + scipy.sparse.triu(upper, 1).T)
         options = {"SymmetricMode": True}
         try:
             self._factor = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
