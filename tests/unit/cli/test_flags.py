@@ -36,3 +36,10 @@ def test_no_two_fields_of_a_command_share_a_flag(command: str) -> None:
     collection = COMMANDS[command].assemble_argument_collection()
     names = [name for argument in collection if argument.parse and not argument.children for name in argument.names]
     assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_flag_has_a_help(command: str) -> None:
+    collection = COMMANDS[command].assemble_argument_collection()
+    used = [argument for argument in collection if argument.parse and not argument.children]
+    assert [argument.name for argument in used if not argument.parameter.help] == []
