@@ -31,10 +31,10 @@ class CalibrationSpec(Spec):
     board: BoardSpec = BoardSpec()
     """The board in the images."""
     lens: Literal["pinhole", "fisheye"] = parameter("pinhole", unit="", meaning="model of the lens")
-    fix_k3: bool = False
-    """Whether the sixth-order term is left out: few boards tell it apart from the fourth."""
-    keep_outliers: bool = False
-    """Whether images that fit badly are kept."""
+    fix_k3: bool = parameter(
+        False, unit="", meaning="whether the sixth-order term is 0; few boards separate it from the fourth"
+    )
+    keep_outliers: bool = parameter(False, unit="", meaning="whether images that fit badly are kept")
     window_px: int | None = parameter(
         None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
     )

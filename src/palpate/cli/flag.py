@@ -44,5 +44,5 @@ def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group:
         parse=rf"^(?!({'|'.join(left_out)})$)" if left_out else None,  # read against the field's own name
         negative_iterable=(),
         consume_multiple=True,
-        group=Group.create_ordered(group) if group else None,
+        group=Group.create_ordered(group) if group else Group.create_default_parameters(),
     )
