@@ -44,7 +44,7 @@ DEAR = {
     "grid compare": "grid compare small small",
     "twin": "twin {data}/small.yaml --out small --workers 1",
     "accept": "accept {data}/recording/poses.csv --model small/twins/H20_T2.h5 --markers 61 --min-depth 1 --no-zero",
-    "learn": "learn recording --out learnt --estimators ridge",
+    "learn": "learn {data}/recording --out learnt --estimators ridge",
     "live": "live --source {data}/recording --model small/twins/H20_T2.h5 --markers 61 --count 4",
     "benchmark score": "benchmark score predictions.csv --set set/set",
     "fit": "fit --uniaxial {data}/rubber/uniaxial.csv --equibiaxial {data}/rubber/equibiaxial.csv "
@@ -174,10 +174,6 @@ def every_verb() -> dict[str, str]:
 
 def run_every_verb(folder: Path) -> None:
     """Run every verb at every width in one folder, so that later ones read the results of earlier ones."""
-    recording = folder / "recording"
-    shutil.copytree(DATA / "recording", recording)
-    rows = (recording / "poses.csv").read_text().splitlines()
-    (recording / "poses.csv").write_text("\n".join(row for row in rows if ",rest," not in row))
     found: dict[str, list[tuple[int, str, int]]] = {}
     for name, words in every_verb().items():
         if name == "benchmark score":

@@ -43,7 +43,7 @@ COMMANDS = {
     "inspect": f"inspect {{data}}/rest.png {DESIGN} --json",
     "live": f"live --source {{data}}/recording {TWIN} {DESIGN} --count 12 --out live.csv --json",
     "identify": f"identify {{data}}/recording/poses.csv {TWIN} {DESIGN} --out unit.json --json",
-    "accept": f"accept {{data}}/recording/poses.csv {TWIN} {DESIGN} --out accept --json",
+    "accept": f"accept {{data}}/recording/poses.csv {TWIN} {DESIGN} --no-zero --out accept --json",
     "learn": "learn {data}/recording --out learnt --estimators ridge --json",
     "bench": f"bench --out bench {TWIN} {DESIGN} --units 0 --tilts 2 --azimuths 1 --depth 5 --cells 6 --json",
     "bench, budget": f"bench --out budget {TWIN} {DESIGN} --budget --json",
