@@ -11,7 +11,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
 from palpate.fea import Branch, EndReason, Press, WallSpec
-from palpate.twin.force_field import forces_along_tilt
+from palpate.twin.revolved_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
 from palpate.twin.tilt_runs import SAME_DEPTH_MM, match_depths

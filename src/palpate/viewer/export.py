@@ -13,7 +13,6 @@ from palpate.fea import Plane
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import RenderedSkin
-from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 
@@ -21,7 +20,7 @@ from palpate.viewer.results import Design
 def marker_rows(design: Design, specimen: RenderedSkin, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
-    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
+    seen = specimen.pressed.markers(design.layout, design.camera, motion, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
@@ -79,8 +78,7 @@ def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatA
 
 def _markers(design: Design, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]) -> Part:
     """Each marker as an octahedron as wide as its dot."""
-    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
-    centres = _between(motion, seen.positions, pose[0])
+    centres = _between(motion, specimen.pressed.positions(design.layout, motion, pose[2]), pose[0])
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     points = (centres[:, None] + corners).reshape(-1, 3)

@@ -111,7 +111,7 @@ class DesignOpening(LiveOpening):
 
     def _touches(self, design: Design) -> Source:
         unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
-        return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.presses))
+        return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.solved))
 
 
 @final
