@@ -2,12 +2,12 @@
 
 from palpate.twin.batch_twin import BatchTwin
 from palpate.twin.build_field import build_field
-from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
+from palpate.twin.build_twin import build_twin, twin_derivatives
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.measure_off import measure_interpolation_error
 from palpate.twin.press_field import PressField, Series, surface_displacement
 from palpate.twin.tilt_runs import interpolate_depths
-from palpate.twin.twin import MarkerState, MarkerTwin, Twin
+from palpate.twin.twin import TWIN_DERIVATIVES, MarkerState, MarkerTwin, Twin
 from palpate.twin.twin_file import (
     TWIN_VERSION,
     find_twin,
@@ -35,6 +35,7 @@ __all__ = [
     "measure_interpolation_error",
     "read_twin",
     "surface_displacement",
+    "twin_derivatives",
     "twin_path",
     "twin_relaxation",
     "twin_version",
