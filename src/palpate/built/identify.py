@@ -136,7 +136,7 @@ def identify(
 
 
 def twin_error_sd(skin: Skin, left_out: Sequence[str] = ()) -> FloatArray:
-    """Twin error (15,) in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`; 0 in those that the twin leaves out."""
+    """Twin error (15,) in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`; 0 if the twin leaves it out."""
     names = (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)
     return size_scale(skin) * np.array([0.0 if name in left_out else _TWIN_SD.get(name, 0.0) for name in names])
 

@@ -118,7 +118,7 @@ class RandomisedField:
         rows: NDArray[np.intp],
         read: Callable[[PressField, NDArray[np.intp]], FloatArray],
     ) -> FloatArray:
-        """A quantity (k, …) of the units in the virtual presses `rows`; `read` gives some of another field's."""
+        """A quantity (k, …) of the units in the virtual presses `rows`; `read` reads another field."""
         mixed = base.copy()
         for weight, other in zip(self.weights[rows].T, self.others, strict=True):
             used = np.flatnonzero(weight)

@@ -111,7 +111,7 @@ class SolverBackend(ContactBackend):
         return interpolate_depths(press, pressing, depth) * wall_normal(*np.radians(pose[:2]))
 
     def _press(self, pose: FloatArray, inverse_friction: float) -> tuple[Press, FloatArray]:
-        """The increments of a press about a pose, and the depth (1,) mm among them, no deeper than the press."""
+        """Increments of a press about a pose, and the depth (1,) mm, no deeper than the press."""
         key = round(float(np.hypot(*pose[:2])), 3), round(inverse_friction, 6)
         if key not in self._solved:
             contact = 1.0 / inverse_friction if inverse_friction > 0 else "no-slip"

@@ -1,4 +1,4 @@
-"""From solved presses to an interpolation for any pose, by the symmetry of the skin."""
+"""Interpolation of solved presses for any pose, by the symmetry of the skin."""
 
 from __future__ import annotations
 

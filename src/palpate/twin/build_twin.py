@@ -80,7 +80,9 @@ def _stands(press: Press) -> bool:
 def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
     """The twin of one branch from its presses by rising slip, then tilt, over slips, tilts and depths."""
     slips, tilts, depths = axes
-    fields, forces, names = [], [], _derivatives_of(table[0])
+    fields: list[list[FloatArray]] = []
+    forces: list[list[FloatArray]] = []
+    names = _derivatives_of(table[0])
     part_of = [0, *(1 + TWIN_DERIVATIVES.index(name) for name in names)]
     for press in table:
         rates = (press.derivatives[name].force for name in names)

@@ -98,7 +98,7 @@ def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> ComplexA
 
 
 def sum_series(series: ComplexArray, turn: FloatArray, circles: MarkerCircles) -> FloatArray:
-    """Displacement (n, m, 3) mm of the markers from coefficients (n, c, 3, k) and turns (n,) in rad of the mesh."""
+    """Displacement (n, m, 3) mm of markers, of coefficients (n, c, 3, k) at turns (n,) in rad of the mesh."""
     order = np.arange(ORDERS)
     turned = series * np.exp(-1j * order * (turn[:, None] + QUARTER_TURN))[:, None, None, :]
     moved = np.empty((len(turn), 3, len(circles.circle)))

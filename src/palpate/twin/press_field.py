@@ -1,4 +1,4 @@
-"""Presses of one skin at any pose of the obstacle, interpolated: of markers, of the force, and of the whole surface.
+"""Presses of one skin interpolated to any pose of the obstacle: markers, force and whole surface.
 
 One type serves skins of revolution (`palpate.twin.revolved_field`) and skins with two mirrors
 (`palpate.twin.two_mirror_field`); datasets, error bounds and the viewer read it.
@@ -22,7 +22,7 @@ from palpate.mesh import Mesh
 from palpate.twin.tilt_runs import TiltRuns
 
 NodalRead = Callable[[Press, Mesh], FloatArray]
-"""Reads a nodal field (i, n, c) of a press's increments on another mesh of its skin; a vector if c = 3."""
+"""Reads a nodal field (i, n, c) of a press on another mesh of its skin; a vector if c = 3."""
 _SAME_MM = 1e-6
 
 
@@ -30,7 +30,7 @@ class Series(Protocol):
     """One quantity of all presses."""
 
     def at(self, tilt_deg: FloatArray, azimuth: FloatArray, depth_index: int) -> FloatArray:
-        """The quantity (n, …) at tilts (n,) in degrees, azimuths (n,) in rad and a depth; NaN if no run covers it."""
+        """Values (n, …) at tilts (n,) in degrees, azimuths (n,) in rad and a depth; NaN if not known."""
         ...
 
 
@@ -70,11 +70,11 @@ class PressField(ABC):
 
     @property
     def min_tilt_deg(self) -> float:
-        """Minimum tilt that was pressed of walls at the side, degrees; 0 if poses include the straight one."""
+        """Minimum tilt of walls at the side, degrees; 0 if poses include the straight one."""
         return float(self.runs.tilts_deg[0]) if self.space.is_side else 0.0
 
     def labels(self, tilt_deg: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
-        """Branch of each tilt (n,) at one depth, and the reason if it has no branch; see `TiltRuns.labels`."""
+        """Branch of each tilt (n,) at one depth, or the reason for its absence; see `TiltRuns.labels`."""
         return self.runs.labels(tilt_deg, depth_index)
 
     def with_markers(self, markers: MarkerLayout) -> Self:

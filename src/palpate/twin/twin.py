@@ -25,7 +25,7 @@ from palpate.twin.surface_series import place_circles
 from palpate.twin.tensor_spline import TensorSpline
 
 TWIN_DERIVATIVES = ("thickness", "curvature", *WallSpec.LATERAL_FIELDS)
-"""Derivatives that the presses of a twin have: by the skin's thickness, the wall's curvature and its drift."""
+"""Derivatives of a twin's presses: by the skin's thickness, the wall's curvature, and its lateral motion."""
 STRAIGHT_DEG = 1e-3
 """Tilt below which a wall counts as straight; its derivatives are taken there."""
 FORCES = 3
@@ -207,7 +207,7 @@ class MarkerTwin:
             If the twin leaves out a change that is not 0.
         """
         if self.twin.left_out:
-            _refuse_left_out(self.twin, (thickness, curvature, *(np.zeros(3) if lateral is None else lateral)))
+            refuse_left_out(self.twin, (thickness, curvature, *(np.zeros(3) if lateral is None else lateral)))
         tilt, azimuth = max(float(np.hypot(pose[0], pose[1])), STRAIGHT_DEG), float(np.arctan2(pose[1], pose[0]))
         even, odd = self._parts(
             np.array([inverse_friction, tilt, float(pose[2])]), (thickness, curvature), azimuth, lateral
@@ -269,8 +269,11 @@ class MarkerTwin:
         return even, odd
 
 
-def _refuse_left_out(twin: Twin, changes: Sequence[float]) -> None:
-    asked = [name for name, change in zip(TWIN_DERIVATIVES, changes, strict=True) if change and name in twin.left_out]
+def refuse_left_out(twin: Twin, changes: Sequence[float]) -> None:
+    """Raise a `PalpateError` if a twin leaves out a change, of those by `TWIN_DERIVATIVES`, that is not 0."""
+    asked = [
+        name for name, change in zip(TWIN_DERIVATIVES, changes, strict=False) if change and name in twin.left_out
+    ]
     if asked:
         raise PalpateError(
             f"The twin of {twin.skin.name} has no derivative by {asked[0]}, and a change of it was asked for.",

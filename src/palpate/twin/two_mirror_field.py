@@ -50,7 +50,7 @@ from palpate.twin.tilt_runs import (
 MIRRORS = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]])
 """(4, 3) factors of x, y and z: nothing, x → −x, y → −y, and both."""
 _DECIMALS = 6
-"""Of an azimuth in degrees."""
+"""Digits of an azimuth in degrees."""
 _CUBIC = 4
 """Levels between which one is interpolated."""
 _NOT_SO_DEEP = "not pressed so deep at every azimuth"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from errors import refused
+from needs import needs
 from palpate.built import (
     AccuracySpec,
     RobotUncertainty,
@@ -24,7 +25,7 @@ from palpate.fea import Press, WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
-from palpate.twin import TWIN_DERIVATIVES, Twin, read_twin, twin_derivatives, write_twin
+from palpate.twin import TWIN_DERIVATIVES, BatchTwin, Twin, read_twin, twin_derivatives, write_twin
 from presses import build_twin, solve_press
 
 SKIN = build_skin(
@@ -64,6 +65,9 @@ def test_the_twin_has_all_but_the_thickness_and_says_so(twin: Twin, tmp_path: Pa
     assert np.abs(found.jacobian[..., 5]).max() > 0.0
     with refused("twin-derivative-left-out", "thickness"):
         tips.evaluate(np.array([6.0, 0.0, 1.5]), 0.0, thickness=0.02)
+    needs("torch")
+    with refused("twin-derivative-left-out", "thickness"):
+        BatchTwin(tips, CAMERA, thickness=0.02)
 
 
 def test_units_are_predicted_and_identified_without_their_thickness(twin: Twin) -> None:
