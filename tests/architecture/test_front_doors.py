@@ -80,7 +80,7 @@ FRONT_DOORS = {
         "solve_press",
         "write_press",
     },
-    "twin": {"MarkerField", "Twin", "build_field", "build_twin", "image_jacobian", "read_twin", "write_twin"},
+    "twin": {"PressField", "Twin", "build_field", "build_twin", "image_jacobian", "read_twin", "write_twin"},
     "built": {
         "Deviation",
         "IdentifiedUnit",

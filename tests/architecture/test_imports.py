@@ -36,6 +36,24 @@ def test_other_stages_are_imported_through_their_public_names() -> None:
     assert inner == []
 
 
+def test_presses_are_interpolated_in_one_stage() -> None:
+    """Splines above `palpate.fea` are those of `palpate.twin`: of fields, of twins, and of modes along the skin."""
+    splines = {
+        name(path)
+        for path in FILES
+        for node in nodes(path)
+        if isinstance(node, ast.ImportFrom)
+        and node.module == "scipy.interpolate"
+        and {item.name for item in node.names} != {"RBFInterpolator"}  # over measurements, not over presses
+    }
+    below = {"design", "deck", "fea", "verify"}  # shapes, and the work of a press along its own increments
+    assert {file for file in splines if Path(file).parts[0] not in below} == {
+        "twin/tensor_spline.py",
+        "twin/tilt_runs.py",
+        "twin/twin.py",
+    }
+
+
 def imports_of(path: Path) -> set[str]:
     """Modules of the package that a file imports anywhere in it, inside functions and for types alone as well."""
     found = set()

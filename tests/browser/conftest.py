@@ -44,7 +44,7 @@ def results(tmp_path_factory) -> Path:
     recording = out / "recording"
     recording.mkdir()
     unit = Unit(design.design)
-    touches = SimulatedSource(unit, sample_presses(library.specimen(design).pressed.presses, seed=2))
+    touches = SimulatedSource(unit, sample_presses(library.specimen(design).pressed.solved, seed=2))
     for number, image in enumerate(islice(touches.images(), 30)):
         cv2.imwrite(str(recording / f"{number:03d}.png"), image)
     return out

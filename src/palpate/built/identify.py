@@ -73,6 +73,8 @@ class IdentificationResult:
         Its stiffness over the design's.
     estimate
         The numbers themselves. `posterior` and `mounting` have those with which the twin explains the images best.
+    left_out
+        Deviations that the twin leaves out, which are not estimated.
     """
 
     posterior: UnitPosterior
@@ -83,6 +85,7 @@ class IdentificationResult:
     robot_error: FloatArray
     scale: StiffnessScale
     estimate: UnitEstimate
+    left_out: tuple[str, ...] = ()
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
@@ -92,16 +95,13 @@ class IdentificationResult:
         found: list[dict[str, Any]] = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
+            if name not in self.left_out
         ]
-        slips = zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True)
+        prior = tolerance.inverse_friction_prior[1]
+        slips = enumerate(zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True), start=1)
         return found + [
-            {
-                "name": f"1/friction of press {k + 1}",
-                "mean": float(mean),
-                "sd": float(sd),
-                "before": tolerance.inverse_friction_prior[1],
-            }
-            for k, (mean, sd) in enumerate(slips)
+            {"name": f"1/friction of press {k}", "mean": float(mean), "sd": float(sd), "before": prior}
+            for k, (mean, sd) in slips
         ]
 
 
@@ -135,9 +135,10 @@ def identify(
     return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).solve(model)
 
 
-def twin_error_sd(skin: Skin) -> FloatArray:
-    """Twin error (15,) in the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as presses tell them."""
-    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)])
+def twin_error_sd(skin: Skin, left_out: Sequence[str] = ()) -> FloatArray:
+    """Twin error (15,) in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`; 0 if the twin leaves it out."""
+    names = (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)
+    return size_scale(skin) * np.array([0.0 if name in left_out else _TWIN_SD.get(name, 0.0) for name in names])
 
 
 def _lens_sd(skin: Skin) -> FloatArray:
@@ -194,11 +195,12 @@ class UnitFit:
         self.variance = noise**2 + self.shared_variance
         self.shared, self.own = len(UNIT_PARAMETERS) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
-        self.has_friction, self.slip_sd = (
-            len(self.twin.inverse_frictions) > 1,
-            model.tolerance.inverse_friction_prior[1],
-        )
+        self.has_friction = len(self.twin.inverse_frictions) > 1
+        self.slip_sd = model.tolerance.inverse_friction_prior[1]
         self.friction_slice = slice(self.shared, None, self.own)
+        self.twin_sd = np.zeros(self.size)
+        self.twin_sd[: self.shared] = twin_error_sd(skin, self.twin.left_out)
+        self.twin_sd[self.friction_slice] = _TWIN_SD["inverse_friction"]
 
     def solve(self, model: UnitModel) -> IdentificationResult:
         """Iterate to the maximum of the posterior."""
@@ -243,6 +245,7 @@ class UnitFit:
             robot_error=off,
             scale=prior_stiffness_scale(model.tolerance),
             estimate=self._estimate(belief, found, information, values - before),
+            left_out=self.twin.left_out,
         )
 
     def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
@@ -286,9 +289,7 @@ class UnitFit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
-        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
-        covariance[np.diag_indices(self.size)] += off**2
+        covariance[np.diag_indices(self.size)] += self.twin_sd**2
         return covariance
 
     def _estimate(
@@ -308,9 +309,7 @@ class UnitFit:
         which no error of the twin makes wider than what was known before.
         """
         normal, whole = found.normal, found.normal + information
-        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
-        lens = np.zeros(self.size)
+        off, lens = self.twin_sd, np.zeros(self.size)
         lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
         error = found.gradient_noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal

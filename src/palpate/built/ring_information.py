@@ -27,6 +27,7 @@ from palpate.built.unit_model import (
     UNIT_PARAMETERS,
     UnitPosterior,
     build_unit_model,
+    modelled_tolerance,
     rest_jacobian,
     unit_prior_sd,
 )
@@ -224,7 +225,7 @@ def compute_ring_information(
     camera, tolerance, spec
         As for `foresee`; ``spec.units`` is not used.
     """
-    spec = spec or AccuracySpec()
+    spec, tolerance = spec or AccuracySpec(), modelled_tolerance(twin, tolerance)
     rest_px = camera.project(layout.positions)
     sd = unit_prior_sd(tolerance)
     belief = UnitPosterior(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
@@ -269,7 +270,7 @@ def compute_ring_information(
         mounting_sd=mounting_prior_sd(tolerance),
         noise_px=noise,
         model_px=model_px(twin.skin, camera.spec),
-        twin_error=twin_error_sd(twin.skin),
+        twin_error=twin_error_sd(twin.skin, twin.left_out),
     )
 
 

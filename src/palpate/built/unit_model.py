@@ -52,6 +52,14 @@ _TOLERANCE = {
     "k1": "distortion",
     "thickness": "thickness",
 }
+_LEFT_OUT = {
+    "thickness": "thickness",
+    "curvature": "curvature",
+    "lateral_rate": "lateral",
+    "lateral_rate_across": "lateral",
+    "twist_rate_deg": "twist_deg",
+}
+"""The tolerance that needs a derivative of `palpate.twin.TWIN_DERIVATIVES`."""
 _STEP_MM = 0.05
 """Distance of the dots beside a dot, between which its surroundings are taken as straight."""
 _STEP = 0.02
@@ -67,6 +75,11 @@ def unit_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Standard deviations (11,) of `UNIT_PARAMETERS` before any image: even within the tolerances."""
     found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNIT_PARAMETERS]) / np.sqrt(3.0)
     return np.maximum(found, _LEAST_SD)
+
+
+def modelled_tolerance(twin: Twin, tolerance: ToleranceSpec) -> ToleranceSpec:
+    """A tolerance without the deviations that a twin leaves out: they are not estimated."""
+    return tolerance.model_copy(update={_LEFT_OUT[name]: 0.0 for name in twin.left_out})
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +141,7 @@ def infer_from_rest(
         Maximum of the posterior, and its covariance there.
     """
     seen = np.isfinite(rest_px).all(axis=1)
-    before = unit_prior_sd(tolerance)
+    before = unit_prior_sd(modelled_tolerance(twin, tolerance))
     sd = np.concatenate(
         [before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.print_shift, _LEAST_SD) / np.sqrt(3.0))]
     )
@@ -315,7 +328,7 @@ def build_unit_model(
     twin: Twin, layout: MarkerLayout, posterior: UnitPosterior, tolerance: ToleranceSpec
 ) -> UnitModel:
     """Make the model of a unit from what is known of it."""
-    skin, camera = twin.skin, posterior.camera()
+    skin, camera, tolerance = twin.skin, posterior.camera(), modelled_tolerance(twin, tolerance)
     steps = _STEP * unit_prior_sd(tolerance)
     seen: BoolArray = np.asarray(np.isfinite(posterior.rest_px).all(axis=1), dtype=np.bool_)
     about = np.where(

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from palpate.camera.arrays import array_module, as_array
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
 from palpate.camera.surface import Surface
@@ -61,15 +62,15 @@ class Camera:
         Parameters
         ----------
         points
-            (..., 3) in the dome's frame, mm.
+            (..., 3) in the dome's frame, mm; a tensor of torch as well, which then differentiates through it.
 
         Returns
         -------
         ndarray
-            (..., 2) column and row, px; NaN for points behind the camera.
+            (..., 2) column and row, px; NaN for points behind the camera; a tensor of tensors.
         """
         plane = self._on_unit_plane(points)
-        scale, middle = self._intrinsics()
+        scale, middle = (as_array(each, plane) for each in self._intrinsics())
         pixels: FloatArray = self.lens.distort(plane) * scale + middle
         return pixels
 
@@ -156,14 +157,17 @@ class Camera:
         return np.array([spec.fx_px, spec.fy_px]), np.array([spec.cx_px, spec.cy_px])
 
     def _on_unit_plane(self, points: ArrayLike) -> FloatArray:
-        camera = self._arm(np.asarray(points, float)) @ self.camera_from_dome.T
+        given = as_array(points)
+        camera = self._arm(given) @ as_array(self.camera_from_dome, given).T
         depth = camera[..., 2:]
-        plane: FloatArray = camera[..., :2] / np.where(depth > 0.0, depth, np.nan)
+        plane: FloatArray = camera[..., :2] / array_module(given).where(depth > 0.0, depth, np.nan)
         return plane
 
     def _arm(self, points: FloatArray) -> FloatArray:
         """Ways (..., 3) mm in which points are seen from the pinhole."""
-        return points - self.origin if self.window is None else self.window.aim(self.origin, points)
+        if self.window is not None:
+            return self.window.aim(self.origin, points)
+        return points - as_array(self.origin, points)
 
     def _passes_opening(self, points: FloatArray, radius: float) -> BoolArray:
         if self.window is not None:

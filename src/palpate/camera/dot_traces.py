@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from palpate.camera.arrays import array_module
 from palpate.camera.camera import Camera
 from palpate.camera.surface import Surface
 from palpate.core import FloatArray
@@ -99,10 +100,11 @@ class MarkerTraces(NamedTuple):
 
 
 def project_markers(camera: Camera, edges: FloatArray) -> MarkerTraces:
-    """What an image shows of dots with these edges (m, k, 3) mm."""
-    x, y = np.moveaxis(camera.project(edges), -1, 0)
-    nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    """Traces of markers with outlines (..., m, k, 3) mm, arrays or tensors; centres are (..., m, 2)."""
+    pixels = camera.project(edges)
+    module, x, y = array_module(pixels), pixels[..., 0], pixels[..., 1]
+    nx, ny = module.roll(x, -1, -1), module.roll(y, -1, -1)
     cross = x * ny - nx * y
-    twice = cross.sum(axis=1)
-    moments = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1)
-    return MarkerTraces(moments / (3.0 * twice[:, None]), np.sqrt(2.0 * np.abs(twice) / np.pi))
+    twice = cross.sum(axis=-1)
+    moments = module.stack([((x + nx) * cross).sum(axis=-1), ((y + ny) * cross).sum(axis=-1)], axis=-1)
+    return MarkerTraces(moments / (3.0 * twice[..., None]), module.sqrt(2.0 * abs(twice) / np.pi))

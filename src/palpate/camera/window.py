@@ -17,15 +17,19 @@ paraxial ``ρ / Σ h_i / n_i``, ends at the one root. Max Born & Emil Wolf, *Pri
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
+from palpate.camera.arrays import array_module, as_array
 from palpate.core import FloatArray, PalpateError, Spec, parameter
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-14
-"""Relative change of the slope at which the iteration ends."""
+"""Relative change of the slope at which the iteration ends, of numbers of double precision."""
+_ROUNDING = 4.0
+"""The same over the rounding error of numbers of single precision, which reach no less."""
 
 
 class WindowSpec(Spec):
@@ -105,17 +109,20 @@ class Window:
             (..., 3) mm, the way to each point as it would be if the line of sight went on straight from the pinhole,
             for one of a height over it; a point that is not above the pinhole is where it is.
         """
-        arm = points - origin
-        rise = np.where(arm[..., 2] > 0.0, arm[..., 2], np.nan)
-        reach = np.hypot(arm[..., 0], arm[..., 1])
+        module = array_module(points)
+        arm = points - as_array(origin, points)
+        rise = module.where(arm[..., 2] > 0.0, arm[..., 2], np.nan)
+        # on the axis neither slope nor distance has a direction, and torch no derivative of the distance
+        aside = (arm[..., 0] != 0.0) | (arm[..., 1] != 0.0)
+        reach = module.where(aside, module.hypot(module.where(aside, arm[..., 0], 1.0), arm[..., 1]), 0.0)
         heights = self.heights(float(origin[2]), points[..., 2])
         indices = 1.0, self.index, self.gel_index
         with np.errstate(divide="ignore", invalid="ignore"):
             slope, paraxial = _solve(heights, indices, reach), 1.0 / _apparent(heights, indices)
-        # the slope over the distance has a limit on the axis, where neither says a direction
-        steep = np.where(reach > 0.0, slope / np.where(reach > 0.0, reach, 1.0), paraxial)
-        seen = np.concatenate([arm[..., :2] * (steep * rise)[..., None], rise[..., None]], axis=-1)
-        return np.where(np.isfinite(rise)[..., None], seen, arm)
+        # the slope over the distance has a limit on the axis
+        steep = module.where(aside, slope / module.where(aside, reach, 1.0), paraxial)
+        seen = module.concatenate([arm[..., :2] * (steep * rise)[..., None], rise[..., None]], axis=-1)
+        return module.where(module.isfinite(rise)[..., None], seen, arm)
 
     def enter(self, origin: FloatArray, rays: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lines of sight behind the window.
@@ -148,8 +155,9 @@ class Window:
 
     def heights(self, origin_z: float, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Heights (...) mm of the ways in air, window and gel from a pinhole to points of heights z (...) mm."""
-        air = np.clip(z - origin_z, 0.0, -self.thickness - origin_z)
-        return air, np.clip(z + self.thickness, 0.0, self.thickness), np.maximum(z, 0.0)
+        clip = array_module(z).clip
+        air = clip(z - origin_z, 0.0, -self.thickness - origin_z)
+        return air, clip(z + self.thickness, 0.0, self.thickness), clip(z, 0.0, None)
 
 
 Layers = tuple[FloatArray, FloatArray, FloatArray]
@@ -157,22 +165,25 @@ Layers = tuple[FloatArray, FloatArray, FloatArray]
 
 def _distort(slope: FloatArray, index: float) -> FloatArray:
     """Slope in a layer over that in air."""
-    return np.asarray(1.0 / np.sqrt(index**2 + (index**2 - 1.0) * slope**2))
+    over: FloatArray = 1.0 / array_module(slope).sqrt(index**2 + (index**2 - 1.0) * slope**2)
+    return over
 
 
 def _apparent(heights: Layers, indices: tuple[float, float, float]) -> FloatArray:
     """Height at which a point near the axis seems to be."""
-    return np.asarray(sum(height / index for height, index in zip(heights, indices, strict=True)))
+    found: Any = sum(height / index for height, index in zip(heights, indices, strict=True))
+    return found
 
 
 def _solve(heights: Layers, indices: tuple[float, float, float], reach: FloatArray) -> FloatArray:
     """Slopes in air of the lines of sight that reach so far (...) mm from the axis; NaN where none rises."""
-    slope = reach / _apparent(heights, indices)
+    module, slope = array_module(reach), reach / _apparent(heights, indices)
+    tolerance = max(_TOLERANCE, _ROUNDING * module.finfo(slope.dtype).eps)
     for _ in range(_ITERATIONS):
         ways = [(h, index**2, _distort(slope, index)) for h, index in zip(heights, indices, strict=True)]
         miss = reach - slope * sum(h * bend for h, _, bend in ways)
         step = miss / sum(h * square * bend**3 for h, square, bend in ways)
         slope = slope + step
-        if not np.any(np.abs(step) > _TOLERANCE * (1.0 + slope)):
+        if not module.any(module.abs(step) > tolerance * (1.0 + slope)):
             break
-    return np.asarray(slope)
+    return slope

@@ -110,9 +110,17 @@ def identify(
     rows = found.rows(unit.tolerance)
     written = str(files.out) if files.out else None
     output.show(
-        {"known": rows, "misfit": found.misfit, "presses": len(presses), "out": written},
+        {
+            "known": rows,
+            "misfit": found.misfit,
+            "left_out": list(found.left_out),
+            "presses": len(presses),
+            "out": written,
+        },
         Report(f"{unit.design.skin.name}, {len(presses)} presses", _COLUMNS, rows),
-        f"RMS marker residual: {found.misfit**0.5:.2f} times the noise." + (f" Unit: {written}" if written else ""),
+        f"RMS marker residual: {found.misfit**0.5:.2f} times the noise."
+        + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else "")
+        + (f" Unit: {written}" if written else ""),
     )
 
 

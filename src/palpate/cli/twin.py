@@ -22,6 +22,7 @@ from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
     from palpate.study import DesignAccuracy, Study
+    from palpate.twin import Twin
 
 _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
@@ -106,10 +107,17 @@ def twin(
     _keep(folder / "twins", found, rows)
     table = Report(f"{study.name}: built units", _COLUMNS, rows, file=str(folder / "twins" / "built.csv"))
     output.show({"out": str(folder / "twins"), "designs": rows}, table, f"Twins: {folder / 'twins'}")
-    for name, off in {design.design.skin.name: _twin_error(design.twin) for design in found if design.twin}.items():
-        if off > _MUCH_MM:
+    for made in (_read(path) for path in dict.fromkeys(design.twin for design in found if design.twin)):
+        if made.left_out:
             print(
-                f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
+                f"The twin of {made.skin.name} leaves out {', '.join(made.left_out)}: its presses have no derivative "
+                "by it. Such deviations are in no figure, and calibration does not estimate them.",
+                file=sys.stderr,
+            )
+        if made.interpolation_error_mm > _MUCH_MM:
+            print(
+                f"The twin of {made.skin.name} has an interpolation error of {made.interpolation_error_mm:.2f} mm "
+                "between its presses, more than the figures know: "
                 "take more frictions or tilts, or more cells.",
                 file=sys.stderr,
             )
@@ -120,11 +128,10 @@ def twin(
 
 
 @cache
-def _twin_error(path: Path) -> float:
-    """What a twin says of itself, mm; nan where it was not checked."""
+def _read(path: Path) -> Twin:
     from palpate.twin import read_twin
 
-    return read_twin(path).interpolation_error_mm
+    return read_twin(path)
 
 
 def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
@@ -138,7 +145,8 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
             "p95_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
-            "twin_error_mm": round(_twin_error(design.twin), 4) if design.twin else None,
+            "twin_error_mm": round(_read(design.twin).interpolation_error_mm, 4) if design.twin else None,
+            "left_out": list(_read(design.twin).left_out) if design.twin else [],
         }
         for figure in design.accuracies
     ]

@@ -16,7 +16,6 @@ from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
 from palpate.dataset.vary import PerturbedPresses, RandomisedField, randomise_camera, randomise_field
-from palpate.dataset.vary_forces import randomise_forces
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
 
@@ -75,6 +74,8 @@ def generate_dataset(
     >>> dataset.images_px.shape, dataset.virtual_presses, int(dataset.validation.sum())
     ((50, 7, 2), 50, 10)
     """
+    if forces:
+        _refuse_forces(presses)
     field = randomise_field(presses, markers, perturbed_presses, spec)
     base = field.base
     rotations = sample_poses(spec, base.max_offset, lies=base.space.is_line, least=base.min_tilt_deg)
@@ -85,9 +86,8 @@ def generate_dataset(
     images = range(spec.dropped_images, len(base.depths_mm))
     columns = [_images_at(field, image, rotations, view, dropped) for image in images]
     if forces:
-        pushes = randomise_forces(presses, perturbed_presses, field.weights)
         for column, image in zip(columns, images, strict=True):
-            column["forces"] = pushes.forces(rotations, np.asarray(column["row"], np.intp), image)
+            column["forces"] = field.forces(rotations, np.asarray(column["row"], np.intp), image)
     if not columns or not sum(len(column["row"]) for column in columns):
         raise PalpateError(
             f"No image is left: {spec.dropped_images} images dropped, presses end at "
@@ -159,6 +159,19 @@ def _images_at(
         "branch": branch[row],
         "travel_mm": np.linalg.norm(points - rest, axis=-1).mean(axis=-1),
     }
+
+
+def _refuse_forces(presses: Sequence[Press]) -> None:
+    if not all(press.obstacle.pose_space.is_tilt for press in presses):
+        raise PalpateError(
+            "Forces are interpolated under walls.", "Read those of single presses instead.", code="forces-need-wall"
+        )
+    for press in presses:
+        press.mesh.skin.require_revolution(
+            "its forces are not interpolated",
+            "Read those of single presses; leave `forces` out.",
+            code="forces-need-revolution",
+        )
 
 
 def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:

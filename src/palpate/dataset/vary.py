@@ -12,7 +12,7 @@ displacement δ along two tangents t_i:  u(p + δ) = u(p) + Σ δ_i (u(p + h t_i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomisationSpec
 from palpate.design import MarkerLayout
 from palpate.fea import Press
-from palpate.twin import MarkerField, build_field
+from palpate.twin import PressField, build_field
 
 _STEP = 0.2
 """Distance h of the points from which the surface's motion beside a dot is taken, mm."""
@@ -69,10 +69,10 @@ class RandomisedField:
         (n presses, m, 2) displacement of each dot along them, mm.
     """
 
-    base: MarkerField
-    others: tuple[MarkerField, ...]
+    base: PressField
+    others: tuple[PressField, ...]
     weights: FloatArray
-    tangent_fields: tuple[MarkerField, ...]
+    tangent_fields: tuple[PressField, ...]
     tangent_offsets: FloatArray
 
     @property
@@ -81,7 +81,7 @@ class RandomisedField:
         return self.base.rest
 
     def labels(self, rotations: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
-        """Branch of every virtual press at one depth, or why there is none; see `MarkerField.labels`."""
+        """Branch of every virtual press at one depth, or why there is none; see `PressField.labels`."""
         tilt = np.hypot(rotations[:, 0], rotations[:, 1])
         branch, reason = self.base.labels(tilt, depth_index)
         for weight, other in zip(self.weights.T, self.others, strict=True):
@@ -101,13 +101,29 @@ class RandomisedField:
         """(k, m, 3) deformed markers of the virtual presses `rows` at one depth, mm."""
         rx, ry = rotations[rows].T
         base = self.base.positions(rx, ry, depth_index)
-        moved = base.copy()
-        for weight, other in zip(self.weights[rows].T, self.others, strict=True):
-            used = np.flatnonzero(weight)
-            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], depth_index) - base[used])
+        moved = self._mix(base, rows, lambda other, used: other.positions(rx[used], ry[used], depth_index))
         if self.tangent_fields:
             moved += self._aside(rows, [field.positions(rx, ry, depth_index) for field in self.tangent_fields], base)
         return moved
+
+    def forces(self, rotations: FloatArray, rows: NDArray[np.intp], depth_index: int) -> FloatArray:
+        """(k, 3) N on the wall, skin's frame, in the virtual presses `rows` at one depth."""
+        rx, ry = rotations[rows].T
+        base = self.base.forces(rx, ry, depth_index)
+        return self._mix(base, rows, lambda other, used: other.forces(rx[used], ry[used], depth_index))
+
+    def _mix(
+        self,
+        base: FloatArray,
+        rows: NDArray[np.intp],
+        read: Callable[[PressField, NDArray[np.intp]], FloatArray],
+    ) -> FloatArray:
+        """A quantity (k, …) of the units in the virtual presses `rows`; `read` reads another field."""
+        mixed = base.copy()
+        for weight, other in zip(self.weights[rows].T, self.others, strict=True):
+            used = np.flatnonzero(weight)
+            mixed[used] += weight[used].reshape(-1, *[1] * (base.ndim - 1)) * (read(other, used) - base[used])
+        return mixed
 
     def _aside(self, rows: NDArray[np.intp], tangent_fields: Sequence[FloatArray], base: FloatArray) -> FloatArray:
         steps = zip(np.moveaxis(self.tangent_offsets[rows], -1, 0), tangent_fields, strict=True)
@@ -195,7 +211,7 @@ def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> Non
 
 def _tangent_fields(
     layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec
-) -> tuple[MarkerField, ...]:
+) -> tuple[PressField, ...]:
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()

@@ -23,7 +23,7 @@ from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.dataset import DatasetSpec, sample_poses
 from palpate.learn.posterior import BURN_IN, hit_and_run
-from palpate.twin import MarkerField, image_jacobian
+from palpate.twin import PressField, image_jacobian
 
 POSES = 48
 """Poses over the disc of tilts at which the bounds are averaged."""
@@ -71,7 +71,7 @@ class ErrorBound:
 
 
 def compute_error_bounds(
-    field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0
+    field: PressField, camera: Camera, spec: DatasetSpec, seed: int = 0
 ) -> tuple[ErrorBound, ...]:
     """Bound the angle's error at every depth of a dataset; that of the offset, in mm, where a field is of offsets.
 
@@ -123,7 +123,7 @@ def compute_error_bounds(
     return tuple(limits)
 
 
-def _reach(field: MarkerField, image: int) -> float:
+def _reach(field: PressField, image: int) -> float:
     """Greatest tilt (degrees) that an unbroken run of tilts covers at one depth; 0 where there is none."""
     return max((run.last_deg for run in field.runs[image] if run.last_deg > run.first_deg), default=0.0)
 

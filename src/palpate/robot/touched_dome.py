@@ -17,10 +17,12 @@ from palpate.core import FloatArray
 from palpate.design import Design, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import MarkerTwin, Twin
+from palpate.twin import MarkerTwin, Twin, interpolate_depths
 
 _STEP_MM = 0.25
-"""Travel between two solved images, between which places are interpolated."""
+"""Depth step of the presses."""
+_ABOUT = 4
+"""Increments about a depth, through which a cubic is laid."""
 
 
 class ContactBackend(ABC):
@@ -91,33 +93,29 @@ class SolverBackend(ContactBackend):
     _solved: dict[tuple[float, float], Press] = field(default_factory=dict)
 
     def marker_outlines(self, pose: FloatArray, inverse_friction: float, lateral: FloatArray) -> FloatArray:
-        press, azimuth_deg = self._press(pose, inverse_friction)
+        press, depth = self._press(pose, inverse_friction)
+        azimuth_deg = float(np.degrees(np.arctan2(pose[1], pose[0])))
         turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
-        before, share = _between(press.depth, float(pose[2]))
-        both = turned.cut(before, before + 2).positions(self.rest.reshape(-1, 3))
-        return ((1.0 - share) * both[0] + share * both[1]).reshape(self.rest.shape)
+        return interpolate_depths(press, turned.positions(self.rest.reshape(-1, 3)), depth).reshape(self.rest.shape)
 
     def force(self, pose: FloatArray, inverse_friction: float) -> FloatArray:
         if pose[2] <= 0.0:
             return np.zeros(3)
-        press, _ = self._press(pose, inverse_friction)
-        before, share = _between(press.depth, float(pose[2]))
-        size = press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)
-        pressing = (1.0 - share) * size[before] + share * size[before + 1]
-        return pressing * wall_normal(*np.radians(pose[:2]))
+        press, depth = self._press(pose, inverse_friction)
+        pressing = press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)
+        return interpolate_depths(press, pressing, depth) * wall_normal(*np.radians(pose[:2]))
 
-    def _press(self, pose: FloatArray, inverse_friction: float) -> tuple[Press, float]:
-        tilt, azimuth_deg = float(np.hypot(*pose[:2])), float(np.degrees(np.arctan2(pose[1], pose[0])))
-        key = round(tilt, 3), round(inverse_friction, 6)
+    def _press(self, pose: FloatArray, inverse_friction: float) -> tuple[Press, FloatArray]:
+        """Increments of a press about a pose, and the depth (1,) mm, no deeper than the press."""
+        key = round(float(np.hypot(*pose[:2])), 3), round(inverse_friction, 6)
         if key not in self._solved:
             contact = 1.0 / inverse_friction if inverse_friction > 0 else "no-slip"
             wall = WallSpec(tilt_deg=key[0], depth=self.depth, depth_step=_STEP_MM, contact=contact)
             spec = MeshSpec(cells=self.cells, filled=self.built.material.has_gel)
             self._solved[key] = solve_press(mesh_skin(self.built.skin, spec), self.built.material, wall)
-        return self._solved[key], azimuth_deg
-
-
-def _between(depths: FloatArray, depth: float) -> tuple[int, float]:
-    """The image before a depth, and how far it is on the way to the next."""
-    before = int(np.clip(np.searchsorted(depths, depth) - 1, 0, len(depths) - 2))
-    return before, float(np.clip((depth - depths[before]) / (depths[before + 1] - depths[before]), 0.0, 1.0))
+        press = self._solved[key]
+        depth = np.minimum(pose[2:], press.depth[-1])
+        first = int(
+            np.clip(np.searchsorted(press.depth, depth[0]) - _ABOUT // 2, 0, max(len(press.depth) - _ABOUT, 0))
+        )
+        return press.cut(first, first + _ABOUT), depth

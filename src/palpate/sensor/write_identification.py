@@ -49,6 +49,7 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
     content = {
         "known": rows,
         "misfit": found.misfit,
+        "left_out": list(found.left_out),
         "error_by_unit_deg": now,
         "next": [press._asdict() for press in ranked],
     }
@@ -68,7 +69,8 @@ def _page(
     still = ", ".join(row["name"] for row in rows if _word(row) == "open") or "nothing"
     return [
         "# An identified unit",
-        f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}.",
+        f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}."
+        + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else ""),
         Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", ""), table),
         "## Which press would teach most",
         f"What is not known of the unit now puts {now:.3f}° into rx and ry. A press at a tilt of "

@@ -18,10 +18,10 @@ from palpate.mechanics import SolverSpec
 from palpate.study.study import AsBuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_artefact, write_json
 from palpate.twin import (
-    TWIN_DERIVATIVES,
     build_twin,
     measure_interpolation_error,
     read_twin,
+    twin_derivatives,
     twin_path,
     twin_version,
     write_twin,
@@ -153,7 +153,8 @@ def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     slippery = study.obstacle.contact == "frictionless"
-    solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
+    filled = study.material.mesh(study.mesh).filled
+    solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
     for contact in (study.obstacle.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
         for tilt_deg in study.tilts_deg:
             changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.obstacle.depth_step}
@@ -197,7 +198,7 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
             design=study.design(skin),
             mesh=mesh,
             obstacle=study.obstacle.model_copy(update=changed),
-            solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
+            solver=study.solver.model_copy(update={"derivatives": twin_derivatives(filled=False)}),
             branch=Branch.INVERTED,
         )
 

@@ -1,25 +1,22 @@
 """The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
 
-The same splines, waves and camera as `MarkerTwin.evaluate` and `Camera.project`, with the poses as the first axis of
-every array, and with torch's derivatives through all of it. Walls are flat and come straight down.
+The same splines and waves as `MarkerTwin.evaluate`, with the poses as the first axis of every array, then
+`Camera.project` itself, and torch's derivatives through all of it. Walls are flat and come straight down.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
-import numpy as np
-
-from palpate.camera import Camera, Window
+from palpate.camera import Camera, project_markers
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.twin.tensor_spline import BEYOND, DEGREE
-from palpate.twin.twin import STRAIGHT_DEG, MarkerTwin
+from palpate.twin.twin import STRAIGHT_DEG, MarkerTwin, refuse_left_out
 
 Tensor = Any
 """A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
-_NEWTON = 8
-"""Iterations from the paraxial slope, of which four to five are needed."""
 _PIECE = 4096
 """Poses at a time, which bounds the memory."""
 
@@ -46,7 +43,7 @@ class BatchTwin:
     MissingExtraError
         If torch is not installed.
     PalpateError
-        If the camera's lens is known to no batch.
+        If the camera's lens distorts no tensors, or the twin leaves the thickness out.
     """
 
     def __init__(
@@ -59,27 +56,26 @@ class BatchTwin:
         dtype: str = "float64",
     ) -> None:
         self._torch = load_extra("torch", "learn")
-        if camera.lens.name not in _LENSES:
-            raise PalpateError(
-                f"The lens {camera.lens.name} is not known to the twin in batch.",
-                f"Take {' or '.join(_LENSES)}, or UnitModel.look pose by pose.",
-                code="lens-not-in-batch",
-            )
         self._kind = {"device": device, "dtype": getattr(self._torch, dtype)}
         self._camera, twin = camera, dots.twin
         half = twin.amplitudes.coefficients.shape[-1] // 3
         pressed = twin.amplitudes.coefficients[..., :half]
         if thickness:
+            refuse_left_out(twin, (thickness,))
             pressed = pressed + thickness * twin.amplitudes.coefficients[..., half : 2 * half]
         self._shape = pressed.shape[:3]
         self._knots = [self._tensor(knots) for knots in twin.amplitudes.knots]
         self._table, self._order = self._tensor(pressed.reshape(-1, half)), self._tensor(twin.order)
         self._waves, self._places = self._tensor(dots.waves.T), self._tensor(dots.places)
         self._corners = corners
-        self._turn, self._origin = self._tensor(camera.camera_from_dome.T), self._tensor(camera.origin)
-        spec = camera.spec
-        self._scale = self._tensor(np.array([spec.fx_px, spec.fy_px]))
-        self._middle = self._tensor(np.array([spec.cx_px, spec.cy_px]))
+        with suppress(TypeError, RuntimeError):  # a lens from another package may be of numpy alone
+            if self._torch.is_tensor(camera.project(self._places)):
+                return
+        raise PalpateError(
+            f"The lens {camera.lens.name} distorts no tensors of torch.",
+            "Write its `distort` with operators, or use UnitModel.predict pose by pose.",
+            code="lens-not-in-batch",
+        )
 
     def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
         """Pixels (n, m, 2) of the dots.
@@ -91,7 +87,7 @@ class BatchTwin:
         inverse_frictions
             (n,) 1/µ.
         """
-        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, inverse_frictions)
+        return self._in_pieces(self._see, poses, inverse_frictions)
 
     def positions(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
         """Positions (n, m, 3) mm of the dots; `poses` and `inverse_frictions` as for `pixels`."""
@@ -101,15 +97,11 @@ class BatchTwin:
         """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `inverse_frictions` as for `pixels`."""
         return self._in_pieces(self._force, poses, inverse_frictions)
 
-    def _centre(self, pixels: Tensor) -> Tensor:
-        """Centres (n, m, 2) of the traces whose corners these are (n, m k, 2)."""
+    def _see(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        points = self._move(poses, inverse_frictions)
         if self._corners == 1:
-            return pixels
-        x, y = pixels.unflatten(1, (-1, self._corners)).unbind(-1)
-        nx, ny = x.roll(-1, -1), y.roll(-1, -1)
-        cross = x * ny - nx * y
-        moments = self._torch.stack([((x + nx) * cross).sum(-1), ((y + ny) * cross).sum(-1)], dim=-1)
-        return moments / (3.0 * cross.sum(-1, keepdim=True))
+            return self._camera.project(points)
+        return project_markers(self._camera, points.reshape(len(points), -1, self._corners, 3)).centres
 
     def _in_pieces(self, does: Callable[..., Tensor], poses: Any, inverse_frictions: Any) -> Tensor:
         poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
@@ -161,62 +153,3 @@ class BatchTwin:
         slope, axial, axis = found[:, len(self._order) :].T
         c, s = azimuth.cos(), azimuth.sin()
         return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)
-
-    def _project(self, points: Tensor) -> Tensor:
-        window = self._camera.window
-        arm = points - self._origin if window is None else _aim(self._torch, window, self._origin, points)
-        seen = arm @ self._turn
-        lens = self._camera.lens
-        plane = _LENSES[lens.name](self._torch, seen[..., :2] / seen[..., 2:], lens.coefficients)
-        return plane * self._scale + self._middle
-
-
-def _aim(torch: Any, window: Window, origin: Tensor, points: Tensor) -> Tensor:
-    """`palpate.camera.Window.aim` in torch; a last step of Newton's iteration carries its derivative."""
-    rise = (points[..., 2] - origin[2]).clamp(min=1e-6)
-    across = points[..., :2] - origin[:2]
-    reach = across.norm(dim=-1).clamp(min=1e-9)
-    air = torch.minimum(rise, -window.thickness - origin[2])
-    behind = (points[..., 2] + window.thickness).clamp(0.0, window.thickness), points[..., 2].clamp(min=0.0)
-    layers = [(air, 1.0), *zip(behind, (window.index**2, window.gel_index**2), strict=True)]
-
-    def step(slope: Tensor) -> Tensor:
-        bends = [(height, square, (square + (square - 1.0) * slope**2).rsqrt()) for height, square in layers]
-        miss = reach - slope * sum(height * bend for height, _, bend in bends)
-        return slope + miss / sum(height * square * bend**3 for height, square, bend in bends).detach()
-
-    with torch.no_grad():
-        slope = reach / sum(height / square**0.5 for height, square in layers)
-        for _ in range(_NEWTON):
-            slope = step(slope)
-    slope = step(slope)
-    return torch.cat([across * (slope / reach * rise)[..., None], rise[..., None]], dim=-1)
-
-
-def _brown(torch: Any, points: Tensor, coefficients: tuple[float, ...]) -> Tensor:
-    """`palpate.camera.lenses.brown` in torch."""
-    if not any(coefficients):
-        return points
-    k1, k2, p1, p2, k3 = coefficients
-    x, y = points[..., 0], points[..., 1]
-    square = x * x + y * y
-    radial = 1.0 + square * (k1 + square * (k2 + square * k3))
-    across = x * radial + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x)
-    down = y * radial + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y
-    return torch.stack([across, down], dim=-1)
-
-
-def _kannala_brandt(torch: Any, points: Tensor, coefficients: tuple[float, ...]) -> Tensor:
-    """`palpate.camera.lenses.kannala_brandt` in torch."""
-    radius = points.norm(dim=-1, keepdim=True).clamp(min=1e-12)
-    angle = radius.atan()
-    square, series = angle * angle, 0.0
-    for coefficient in reversed(coefficients):
-        series = square * (coefficient + series)
-    return points * angle * (1.0 + series) / radius
-
-
-_LENSES: dict[str, Callable[[Any, Tensor, tuple[float, ...]], Tensor]] = {
-    "brown": _brown,
-    "kannala-brandt": _kannala_brandt,
-}

@@ -1,38 +1,37 @@
-"""From solved presses to the markers for any pose: the interpolation that a skin's symmetry allows."""
+"""Interpolation of solved presses for any pose, by the symmetry of the skin."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Symmetry
 from palpate.fea import Press
-from palpate.twin.field import build_revolved_field
-from palpate.twin.marker_field import MarkerField
-from palpate.twin.tilt_runs import shared_depths
-from palpate.twin.turned_field import build_two_mirror_field
+from palpate.twin.press_field import PressField
+from palpate.twin.revolved_field import RevolvedField
+from palpate.twin.two_mirror_field import TwoMirrorField
 
 
-def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: FloatArray | None = None) -> MarkerField:
+def build_field(
+    presses: Sequence[Press], markers: MarkerLayout | None = None, depths_mm: FloatArray | None = None
+) -> PressField:
     """Interpolate presses of one skin, which differ by the pose of the obstacle alone.
 
     Parameters
     ----------
     presses
         At least one, of a body of revolution one a tilt of the wall, or offset of the obstacle; of a skin with two
-        mirrors, such as a pad, one at every azimuth of each tilt (see `palpate.twin.turned_series`). The images must
-        be the same distance apart.
+        mirrors, such as a pad, one at every azimuth of each tilt (see `palpate.twin.two_mirror_field`). All have one
+        depth step.
     markers
-        Layout of undeformed markers on the inner surface.
+        Layout of undeformed markers on the inner surface; without it, forces and nodal fields alone.
     depths_mm
         (d,) rising; without them, those of the images after rest.
 
     Returns
     -------
-    MarkerField
-        Positions of the markers for every pose that the presses support.
+    PressField
+        For every pose that the presses support.
 
     Raises
     ------
@@ -54,13 +53,6 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
             "Give presses of one obstacle.",
             code="presses-obstacles-differ",
         )
-    outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
-    if outside:
-        raise PalpateError(
-            f"{outside} markers lie outside the dome.",
-            "Leave them out, or use smaller rings.",
-            code="markers-outside-skin",
-        )
-    if Symmetry.MIRRORED in symmetries:
-        return build_two_mirror_field(presses, markers, depths_mm)
-    return build_revolved_field(presses, markers, shared_depths(presses) if depths_mm is None else depths_mm)
+    symmetry = TwoMirrorField if Symmetry.MIRRORED in symmetries else RevolvedField
+    field = symmetry.of(presses, depths_mm)
+    return field if markers is None else field.with_markers(markers)

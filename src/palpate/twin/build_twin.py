@@ -10,17 +10,14 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
-from palpate.fea import Branch, EndReason, Press, WallSpec
-from palpate.twin.force_field import forces_along_tilt
+from palpate.fea import Branch, EndReason, Press
+from palpate.twin.revolved_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
 from palpate.twin.tilt_runs import SAME_DEPTH_MM, match_depths
-from palpate.twin.twin import FORCES, Twin
+from palpate.twin.twin import FORCES, TWIN_DERIVATIVES, Twin
 from palpate.twin.twin_file import material_text
 
-THICKNESS = "thickness"
-TWIN_DERIVATIVES = (THICKNESS, "curvature", *WallSpec.LATERAL_FIELDS)
-"""Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
 _ACROSS = np.array([False, False, False, False, True, True])
 """Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
 _DRIFT = 3
@@ -33,13 +30,18 @@ _FEWEST = 4
 """Tilts, depths, or frictions where there are several, that a cubic spline needs."""
 
 
+def twin_derivatives(filled: bool) -> tuple[str, ...]:
+    """Those of `TWIN_DERIVATIVES` that presses can have: of a filled skin, all but by its thickness."""
+    return tuple(name for name in TWIN_DERIVATIVES if not (filled and name == "thickness"))
+
+
 def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin:
     """Interpolate presses of one design under walls of every tilt and friction.
 
     Parameters
     ----------
     presses
-        At every tilt from 0 on, one for each friction, with `TWIN_DERIVATIVES`; images at the same depths.
+        At every tilt from 0 on, one for each friction, with `twin_derivatives`; images at the same depths.
     inverted
         Presses of the inverted state at every tilt, likewise, under one contact law: it is the same under all. They
         may have found none, or only under lesser tilts.
@@ -78,15 +80,18 @@ def _stands(press: Press) -> bool:
 def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
     """The twin of one branch from its presses by rising slip, then tilt, over slips, tilts and depths."""
     slips, tilts, depths = axes
-    fields, forces = [], []
+    fields: list[list[FloatArray]] = []
+    forces: list[list[FloatArray]] = []
+    names = _derivatives_of(table[0])
+    part_of = [0, *(1 + TWIN_DERIVATIVES.index(name) for name in names)]
     for press in table:
-        rates = [press.derivatives[name] for name in TWIN_DERIVATIVES]
-        expanded = expand_surface(press, dict(zip(TWIN_DERIVATIVES, _ACROSS[1:].tolist(), strict=True)))
-        fields.append([_fill(part, press, depths) for part in _over_travel(expanded, press)])
-        pushes = np.array(
-            [forces_along_tilt(press, force) for force in (press.force, *(rate.force for rate in rates))]
-        )
-        forces.append([_fill(part, press, depths) for part in _over_travel(pushes, press)])
+        rates = (press.derivatives[name].force for name in names)
+        expanded = expand_surface(press, {name: bool(_ACROSS[k]) for name, k in zip(names, part_of[1:], strict=True)})
+        pushes = np.array([forces_along_tilt(press, force) for force in (press.force, *rates)])
+        for found, parts in ((fields, expanded), (forces, pushes)):
+            whole = np.zeros((len(_ACROSS), *parts.shape[1:]))
+            whole[part_of] = parts
+            found.append([_fill(part, press, depths) for part in _over_travel(whole, press)])
     shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
     pushes = np.array(forces).reshape(*shape, FORCES)
@@ -117,7 +122,12 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
         amplitudes=pressed,
         lateral=drifts,
         material=material_text(table[0].material),
+        left_out=tuple(name for name in TWIN_DERIVATIVES if name not in names),
     )
+
+
+def _derivatives_of(press: Press) -> tuple[str, ...]:
+    return twin_derivatives(filled=bool(press.mesh.filling))
 
 
 def _refuse_others(presses: Sequence[Press]) -> None:
@@ -137,11 +147,11 @@ def _refuse_others(presses: Sequence[Press]) -> None:
                 "Give those of one design and material.",
                 code="presses-designs-differ",
             )
-        missing = [name for name in TWIN_DERIVATIVES if name not in press.derivatives]
+        missing = [name for name in _derivatives_of(press) if name not in press.derivatives]
         if missing:
             raise PalpateError(
                 f"The press under {press.obstacle.label} has no derivative by {missing[0]}.",
-                f"Press with `derivatives: [{', '.join(TWIN_DERIVATIVES)}]`.",
+                f"Press with `derivatives: [{', '.join(_derivatives_of(press))}]`.",
                 code="derivative-missing",
             )
     if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(

@@ -59,7 +59,7 @@ def sort_onto_circles(positions: FloatArray) -> MarkerCircles:
     return MarkerCircles(radius[first], positions[first, 2], circle.reshape(-1), azimuth)
 
 
-def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> tuple[ComplexArray, float]:
+def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> ComplexArray:
     """Fourier series of one press on every circle, or of its derivative.
 
     Parameters
@@ -73,9 +73,8 @@ def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> tuple[Co
 
     Returns
     -------
-    tuple[ComplexArray, float]
-        Coefficients c_k in mm, (n images, c circles, 3 components, `ORDERS`), and the largest distance (mm)
-        between the sampled points and the series.
+    ComplexArray
+        Coefficients c_k in mm, (n images, c circles, 3 components, `ORDERS`).
     """
     psi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     phi = psi + np.deg2rad(press.obstacle.turn_deg) + QUARTER_TURN
@@ -95,5 +94,18 @@ def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> tuple[Co
     )
     series = 2.0 * np.fft.rfft(cylindrical, axis=-1)[..., :ORDERS] / SAMPLES
     series[..., 0] /= 2.0
-    wave = np.exp(1j * np.arange(ORDERS)[:, None] * psi)
-    return series, float(np.abs((series @ wave).real - cylindrical).max())
+    return np.asarray(series)
+
+
+def sum_series(series: ComplexArray, turn: FloatArray, circles: MarkerCircles) -> FloatArray:
+    """Displacement (n, m, 3) mm of markers, of coefficients (n, c, 3, k) at turns (n,) in rad of the mesh."""
+    order = np.arange(ORDERS)
+    turned = series * np.exp(-1j * order * (turn[:, None] + QUARTER_TURN))[:, None, None, :]
+    moved = np.empty((len(turn), 3, len(circles.circle)))
+    for number in range(len(circles.radius)):
+        members = np.flatnonzero(circles.circle == number)
+        wave = np.exp(1j * order[:, None] * circles.azimuth[members])
+        moved[:, :, members] = (turned[:, number].real @ wave.real) - (turned[:, number].imag @ wave.imag)
+    cosine, sine = np.cos(circles.azimuth), np.sin(circles.azimuth)
+    radial, azimuthal, axial = moved[:, 0], moved[:, 1], moved[:, 2]
+    return np.stack([radial * cosine - azimuthal * sine, radial * sine + azimuthal * cosine, axial], axis=-1)

@@ -6,13 +6,13 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
-from palpate.twin.marker_field import MarkerField
+from palpate.twin.press_field import PressField
 
 ANGLE_STEP_DEG = 0.25
 
 
 def image_jacobian(
-    field: MarkerField, camera: Camera, rotations_deg: FloatArray, depth_index: int, step_deg: float = ANGLE_STEP_DEG
+    field: PressField, camera: Camera, rotations_deg: FloatArray, depth_index: int, step_deg: float = ANGLE_STEP_DEG
 ) -> FloatArray:
     """Derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
 

@@ -170,6 +170,18 @@ def match_depths(depths_mm: FloatArray, press: Press) -> tuple[IntArray, IntArra
     return depth, image
 
 
+def interpolate_depths(press: Press, values: FloatArray, depths_mm: FloatArray) -> FloatArray:
+    """Values (d, …) of a press at any depths (d,) mm, from those (i, …) of its increments.
+
+    By the cubic spline through the increments on the way down; before first contact as at rest, NaN beyond the last.
+    """
+    down = int(np.argmax(press.depth)) + 1
+    found = np.full((len(depths_mm), *values.shape[1:]), np.nan)
+    reached = depths_mm <= press.depth[down - 1] + SAME_DEPTH_MM
+    found[reached] = CubicSpline(press.depth[:down], values[:down])(np.maximum(depths_mm[reached], 0.0))
+    return found
+
+
 def shared_depths(presses: Sequence[Press]) -> FloatArray:
     """Depths (mm) of the images after rest; a last state between two images is left out.
 

@@ -10,6 +10,7 @@ has travelled sideways and turned on its way down.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,10 +19,13 @@ from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
+from palpate.fea import WallSpec
 from palpate.twin.circle import QUARTER_TURN
 from palpate.twin.surface_series import place_circles
 from palpate.twin.tensor_spline import TensorSpline
 
+TWIN_DERIVATIVES = ("thickness", "curvature", *WallSpec.LATERAL_FIELDS)
+"""Derivatives of a twin's presses: by the skin's thickness, the wall's curvature, and its lateral motion."""
 STRAIGHT_DEG = 1e-3
 """Tilt below which a wall counts as straight; its derivatives are taken there."""
 FORCES = 3
@@ -56,6 +60,9 @@ class Twin:
     interpolation_error_mm
         Root mean square by which it differs from presses between its own (`measure_interpolation_error`); nan without
         any.
+    left_out
+        Names of `TWIN_DERIVATIVES` that its presses cannot have; it has zeros in their place, and refuses such
+        changes.
     """
 
     skin: Skin
@@ -70,6 +77,7 @@ class Twin:
     material: str = ""
     inverted: Twin | None = None
     interpolation_error_mm: float = float("nan")
+    left_out: tuple[str, ...] = ()
 
     def max_depth(self, tilt_deg: float, inverse_friction: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""
@@ -192,7 +200,14 @@ class MarkerTwin:
             with the wall), and its twist about its normal (degrees). Without it, there is none.
         curvature
             Its curvature, 1/m; positive where it bulges towards the dome.
+
+        Raises
+        ------
+        PalpateError
+            If the twin leaves out a change that is not 0.
         """
+        if self.twin.left_out:
+            refuse_left_out(self.twin, (thickness, curvature, *(np.zeros(3) if lateral is None else lateral)))
         tilt, azimuth = max(float(np.hypot(pose[0], pose[1])), STRAIGHT_DEG), float(np.arctan2(pose[1], pose[0]))
         even, odd = self._parts(
             np.array([inverse_friction, tilt, float(pose[2])]), (thickness, curvature), azimuth, lateral
@@ -252,6 +267,19 @@ class MarkerTwin:
             along * across[:, 0],
         )
         return even, odd
+
+
+def refuse_left_out(twin: Twin, changes: Sequence[float]) -> None:
+    """Raise a `PalpateError` if a twin leaves out a change, of those by `TWIN_DERIVATIVES`, that is not 0."""
+    asked = [
+        name for name, change in zip(TWIN_DERIVATIVES, changes, strict=False) if change and name in twin.left_out
+    ]
+    if asked:
+        raise PalpateError(
+            f"The twin of {twin.skin.name} has no derivative by {asked[0]}, and a change of it was asked for.",
+            f"Set the tolerance of {asked[0]} to 0, or solve presses of the changed design.",
+            code="twin-derivative-left-out",
+        )
 
 
 def _turn_force(parts: FloatArray, azimuth: float) -> FloatArray:

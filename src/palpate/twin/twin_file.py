@@ -109,6 +109,7 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
             file.attrs["interpolation_error_mm"] = twin.interpolation_error_mm
+            file.attrs["left_out"] = json.dumps(twin.left_out)
             _write_branch(file, twin)
             if twin.inverted is not None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
@@ -171,6 +172,7 @@ def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
         lateral=TensorSpline(knots, group["lateral"][:]),
         material=str(made.get("material", "")),
         interpolation_error_mm=float(made.get("interpolation_error_mm", np.nan)),
+        left_out=tuple(json.loads(made.get("left_out", "[]"))),
     )
 
 

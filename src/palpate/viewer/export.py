@@ -13,7 +13,6 @@ from palpate.fea import Plane
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import RenderedSkin
-from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign
 
@@ -23,7 +22,7 @@ def marker_rows(
 ) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
-    seen = follow_markers(specimen.pressed, motion, design.design.layout, design.design.camera, azimuth_deg)
+    seen = specimen.pressed.markers(design.design.layout, design.design.camera, motion, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
@@ -83,8 +82,7 @@ def _markers(
     design: GridDesign, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]
 ) -> Part:
     """Each marker as an octahedron as wide as its dot."""
-    seen = follow_markers(specimen.pressed, motion, design.design.layout, design.design.camera, pose[2])
-    centres = _between(motion, seen.positions, pose[0])
+    centres = _between(motion, specimen.pressed.positions(design.design.layout, motion, pose[2]), pose[0])
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
     points = (centres[:, None] + corners).reshape(-1, 3)

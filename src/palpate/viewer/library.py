@@ -6,13 +6,12 @@ import threading
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from palpate.viewer.gather_presses import build_pressed_skin
-from palpate.viewer.pressed_skin import PressedSkin
+from palpate.viewer.pressed_skin import PressedSkin, build_pressed_skin
 from palpate.viewer.results import GridDesign, Results, read_design, read_presses
 from palpate.viewer.shell import Shell, build_shell
 
 CACHE_SIZE = 4
-"""Domes that are kept: a dome of the finest standard mesh takes about 30 MB."""
+"""Domes that are kept: a dome of the finest standard mesh takes about 60 MB."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,7 +111,7 @@ class DesignOpening(LiveOpening):
 
     def _touches(self, design: GridDesign) -> Source:
         unit = Unit(design.design)
-        return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.presses))
+        return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.solved))
 
 
 @final

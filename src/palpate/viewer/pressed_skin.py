@@ -1,42 +1,41 @@
-"""A pressed skin for any pose of the wall: what every interpolation of its solved presses answers.
+"""A skin as the page draws it at any pose of the wall: surface, markers and force, interpolated as in a dataset.
 
-Only the wall of the skin is drawn, so fields are of its nodes, which are a mesh's first; a gel inside is left out.
-Markers are those of the dataset: `build_field` at the same depths.
+All of them are read from the `palpate.twin.PressField` of the solved presses. Only the wall of the skin is drawn, so
+fields are of its nodes, which are a mesh's first; a gel inside is left out.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.design import MarkerLayout, rotation_vector
-from palpate.fea import ObstacleSpec, Press, nodal_von_mises
-from palpate.mesh import Mesh, locate_nodes
-from palpate.twin import MarkerField, TiltRuns, build_field
+from palpate.camera import Camera
+from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.design import MarkerLayout, Symmetry, rotation_vector
+from palpate.fea import Branch, Press, WallSpec, nodal_von_mises
+from palpate.mesh import Mesh, locate_nodes, mesh_skin
+from palpate.twin import PressField, Series, build_field, surface_displacement
 
 Array32 = NDArray[np.float32]
-SAME_MM, _SAME_DEG = 1e-6, 1e-9
+_SAME_MM, _SAME_DEG = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMotion:
-    """One press at one pose of the wall, from first touch as deep as it is known.
+    """One press at one pose of the wall, from first contact as deep as it is known.
 
     Attributes
     ----------
     tilt_deg, azimuth_deg
-        Of the wall; the azimuth is 0 where one motion is turned to all of them.
+        Of the wall; the azimuth is 0 if one motion is turned to all of them.
     depths_mm
         (k,) depths, from 0.
     displacement
-        (k, n, 3) mm of the nodes of the skin's wall.
+        (k, n, 3) mm of the nodes of the skin, without its gel.
     force_n
         (k,) norm of the wall's force.
     branch
@@ -44,8 +43,8 @@ class SurfaceMotion:
     ended
         Why it goes no deeper.
     normal, touch, way
-        The wall's outward unit normal (3,), the point (3,) mm that it touches first, and the unit vector (3,) against
-        which it comes.
+        The wall's outward unit normal (3,), the point (3,) mm of first contact, and the unit vector (3,) against
+        which the wall comes.
     """
 
     tilt_deg: float
@@ -61,50 +60,79 @@ class SurfaceMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class PressedSkin(ABC):
-    """Presses of one skin that differ by the pose of the wall alone.
+class VisibleMarkers:
+    """Markers at one pose of the wall, at every depth.
+
+    Attributes
+    ----------
+    positions
+        (k, m, 3) mm, skin's frame.
+    pixels
+        (k, m, 2) px; NaN for one behind the camera.
+    radius_px
+        (k, m) approximate radius of the marker in the image.
+    seen
+        (k, m) whether the camera sees it.
+    """
+
+    positions: FloatArray
+    pixels: FloatArray
+    radius_px: FloatArray
+    seen: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class PressedSkin:
+    """The presses of one skin, to be drawn.
 
     Attributes
     ----------
     mesh
-        What they are drawn on: of a press each has its pole elsewhere.
-    obstacle
-        What pressed, at any pose.
-    presses
-        All of them; none of a skin at rest.
-    depths_mm
-        (d,) depths, from 0.
-    runs
-        Runs of tilts at each depth.
+        Mesh that is drawn, since the pole of each press's own mesh is elsewhere: half of a skin of revolution, one
+        motion of which, turned about the axis, serves every azimuth; the whole of a skin with two mirrors.
+    press_field
+        The presses at any pose; `None` of a skin at rest.
+    rest_tilt_deg
+        Tilt of the wall before a skin at rest, degrees.
     """
 
     mesh: Mesh
-    obstacle: ObstacleSpec
-    presses: tuple[Press, ...]
-    depths_mm: FloatArray
-    runs: TiltRuns
-    _fields: dict[bytes, MarkerField] = field(default_factory=dict, kw_only=True)
+    press_field: PressField | None
+    rest_tilt_deg: float = 0.0
+    _fields: dict[bytes, PressField] = field(default_factory=dict, kw_only=True)
 
-    turned: ClassVar[bool]
-    """Whether one motion, turned about the axis, serves every azimuth; fields are then of a half mesh."""
+    @property
+    def solved(self) -> tuple[Press, ...]:
+        """The solved presses."""
+        return () if self.press_field is None else self.press_field.presses
+
+    @property
+    def turned(self) -> bool:
+        """Whether one motion, turned about the axis, serves every azimuth."""
+        return not self.mesh.spec.whole
 
     @property
     def tilts_deg(self) -> FloatArray:
-        """(t,) solved tilts, rising."""
-        return self.runs.tilts_deg
+        """(t,) solved tilts, ascending."""
+        return np.array([self.rest_tilt_deg]) if self.press_field is None else self.press_field.runs.tilts_deg
+
+    @property
+    def depths_mm(self) -> FloatArray:
+        """(d,) depths, from 0."""
+        return np.zeros(1) if self.press_field is None else self.press_field.depths_mm
 
     @cached_property
     def nodes(self) -> FloatArray:
-        """(n, 3) mm nodes of the skin's wall at rest."""
+        """(n, 3) mm nodes of the skin at rest, without its gel."""
         return self.mesh.nodes[: len(self.mesh.inner_disc)]
 
     def at(self, tilt_deg: float, azimuth_deg: float = 0.0) -> SurfaceMotion:
-        """The press at a tilt (degrees) between the least and the greatest that were solved, and at an azimuth.
+        """The press at a tilt (degrees) between the minimum and the maximum that were solved, and at an azimuth.
 
         Raises
         ------
         PalpateError
-            If the tilt is not finite or beyond them, or the azimuth is no angle.
+            If the tilt is not finite or beyond them, or the azimuth is not a finite angle.
         """
         first, last = float(self.tilts_deg[0]), float(self.tilts_deg[-1])
         if not first - _SAME_DEG <= tilt_deg <= last + _SAME_DEG:
@@ -114,35 +142,38 @@ class PressedSkin(ABC):
                 code="tilt-not-pressed",
             )
         azimuth = 0.0 if self.turned else _finite(azimuth_deg)
-        labels = [self.runs.labels(np.array([tilt_deg]), image) for image in range(len(self.depths_mm))]
-        deep = next((k for k, (branch, _) in enumerate(labels) if branch[0] == ""), len(labels))
-        displacement, force = self.fields(tilt_deg, azimuth, deep)
-        wall = self.obstacle.model_copy(
-            update={"tilt_deg": float(np.clip(tilt_deg, first, last)), "azimuth_deg": azimuth}
-        )
-        obstacle, touch = wall.at_first_contact(self.mesh)
+        labels = self._labels(tilt_deg)
+        deep = next((k for k, (branch, _) in enumerate(labels) if not branch), len(labels))
+        obstacle = WallSpec() if self.press_field is None else self.press_field.presses[0].obstacle
+        wall = obstacle.model_copy(update={"tilt_deg": float(np.clip(tilt_deg, first, last)), "azimuth_deg": azimuth})
+        plane, touch = wall.at_first_contact(self.mesh)
+        moved, force = np.zeros((deep, *self.nodes.shape)), np.zeros((deep, 3))
+        if self.press_field is not None:
+            moved, force = (
+                self._read(each, tilt_deg, azimuth, deep) for each in (self._moved, self.press_field.force)
+            )
         return SurfaceMotion(
             tilt_deg=float(tilt_deg),
             azimuth_deg=azimuth,
             depths_mm=self.depths_mm[:deep],
-            displacement=displacement,
-            force_n=np.maximum(force, 0.0),
-            branch=tuple(str(branch[0]) for branch, _ in labels[:deep]),
-            ended=str(labels[deep][1][0]) if deep < len(labels) else self._end(tilt_deg),
-            normal=obstacle.gap(touch[None]).normal[0],
+            displacement=moved.astype(np.float32),
+            force_n=np.linalg.norm(force, axis=-1),
+            branch=tuple(branch for branch, _ in labels[:deep]),
+            ended=labels[deep][1] if deep < len(labels) else self._end(tilt_deg),
+            normal=plane.gap(touch[None]).normal[0],
             touch=touch,
             way=wall.approach_axis(self.mesh),
         )
 
-    @abstractmethod
-    def fields(self, tilt_deg: float, azimuth_deg: float, deep: int) -> tuple[Array32, FloatArray]:
-        """Displacement (k, n, 3) mm of the nodes and force (k,) N at the first `deep` depths."""
-
-    @abstractmethod
     def stress(self, motion: SurfaceMotion) -> Array32:
-        """Von Mises stress (k, n) in MPa for a motion, interpolated like the displacement."""
+        """Von Mises stress (k, n) in MPa for a motion, interpolated like the displacement; slow the first time."""
+        deep = len(motion.depths_mm)
+        if self.press_field is None:
+            return np.zeros((deep, len(self.nodes)), np.float32)
+        found = self._read(self._stress, motion.tilt_deg, motion.azimuth_deg, deep)
+        return found[..., 0].clip(min=0.0).astype(np.float32)
 
-    def markers(self, layout: MarkerLayout, motion: SurfaceMotion, azimuth_deg: float) -> FloatArray:
+    def positions(self, layout: MarkerLayout, motion: SurfaceMotion, azimuth_deg: float) -> FloatArray:
         """Deformed positions (k, m, 3) mm of a layout's markers, skin's frame, at every depth of a motion.
 
         Parameters
@@ -152,7 +183,7 @@ class PressedSkin(ABC):
         motion
             A press of this skin.
         azimuth_deg
-            Direction of the wall's rotation axis.
+            Direction of the wall's rotation axis: (rx, ry) = tilt (cos, sin).
 
         Raises
         ------
@@ -160,40 +191,107 @@ class PressedSkin(ABC):
             If the azimuth is not finite, or a marker is not on the skin.
         """
         azimuth = np.radians([_finite(azimuth_deg)])
-        if not self.presses:
+        if self.press_field is None:
             return np.broadcast_to(layout.positions, (len(motion.depths_mm), *layout.positions.shape))
         name = layout.positions.tobytes()
         if name not in self._fields:
-            self._fields[name] = build_field(self.presses, layout, self.depths_mm)
+            self._fields[name] = self.press_field.with_markers(layout)
         rx, ry = rotation_vector(motion.tilt_deg, azimuth).T
         return np.concatenate([self._fields[name].positions(rx, ry, k) for k in range(len(motion.depths_mm))])
 
+    def markers(
+        self, layout: MarkerLayout, camera: Camera, motion: SurfaceMotion, azimuth_deg: float
+    ) -> VisibleMarkers:
+        """The markers of `positions`, and how a camera sees them."""
+        positions = self.positions(layout, motion, azimuth_deg)
+        distance = np.linalg.norm(positions - camera.origin, axis=-1)
+        radius = camera.spec.fx_px * layout.diameter / 2.0 / np.maximum(distance, 1e-3)
+        seen = camera.visible(positions, self.mesh.skin)
+        return VisibleMarkers(positions, camera.project(positions), radius, seen)
+
+    @cached_property
+    def _moved(self) -> Series:
+        assert self.press_field is not None
+        return self.press_field.nodal(self.mesh, surface_displacement, linear=True)
+
+    @cached_property
+    def _stress(self) -> Series:
+        assert self.press_field is not None
+        return self.press_field.nodal(self.mesh, _nodal_stress, linear=False)
+
+    def _read(self, series: Series, tilt_deg: float, azimuth_deg: float, deep: int) -> FloatArray:
+        """A quantity (k, …) at the first depths of a pose."""
+        tilt, azimuth = np.array([tilt_deg]), np.radians([azimuth_deg])
+        return np.concatenate([series.at(tilt, azimuth, k) for k in range(deep)])
+
+    def _labels(self, tilt_deg: float) -> list[tuple[str, str]]:
+        """Branch of a tilt at each depth, and the reason if it has no branch."""
+        if self.press_field is None:
+            return [(str(Branch.FLAT), "")]
+        labels = (self.press_field.labels(np.array([tilt_deg]), k) for k in range(len(self.depths_mm)))
+        return [(str(branch[0]), str(reason[0])) for branch, reason in labels]
+
     def _end(self, tilt_deg: float) -> str:
         """Why the presses next to a tilt go no deeper: the reason of the one that ended first."""
-        known = (self.runs.branch != "").sum(axis=0)
-        return self.runs.ended[min(self.runs.neighbours(tilt_deg), key=lambda number: known[number])]
+        if self.press_field is None:
+            return "not pressed yet"
+        runs = self.press_field.runs
+        known = (runs.branch != "").sum(axis=0)
+        return runs.ended[min(runs.neighbours(tilt_deg), key=lambda number: known[number])]
 
 
-def find_nodes(nodes: FloatArray, places: FloatArray) -> IntArray:
-    """Numbers (m,) of the nodes, of (n, 3) mm, at places (m, 3) mm.
+def build_pressed_skin(presses: Sequence[Press]) -> PressedSkin:
+    """Interpolate the presses of one skin to be drawn.
+
+    Parameters
+    ----------
+    presses
+        At least one, of one mesh and depth step: of half a skin of revolution one a tilt, of a skin with two mirrors
+        one at every azimuth of each tilt.
 
     Raises
     ------
     PalpateError
-        If there is no node at one: the mesh has not the mirrors of its skin.
+        If there is none, they differ by more than the pose of a wall, or the skin has neither symmetry or, of
+        revolution, was meshed whole.
     """
-    distance, found = cKDTree(nodes).query(places)
-    if distance.max() > SAME_MM:
+    if not presses:
+        raise PalpateError("There is no press to show.", "Run the study first.", code="presses-none")
+    first = presses[0]
+    skin, spec = first.mesh.skin, first.mesh.spec.model_copy(update={"whole": False})
+    if not first.obstacle.pose_space.is_tilt:
         raise PalpateError(
-            f"The mesh is not symmetric: a mirror image of a node lies {distance.max():.2g} mm from the nearest one.",
-            "Solve the presses again with this version.",
-            code="mesh-not-symmetric",
+            f"Presses by other than walls are not drawn: {first.obstacle.label}.",
+            "Write single presses for ParaView: `palpate press --export FOLDER`.",
+            code="obstacle-not-drawn",
         )
-    return np.asarray(found)
+    if any(
+        press.mesh.spec.model_copy(update={"whole": False}) != spec or press.mesh.skin != skin for press in presses
+    ):
+        raise PalpateError(
+            "The presses are not of one skin and mesh.",
+            "Give presses that differ by the pose alone.",
+            code="presses-designs-differ",
+        )
+    if skin.symmetry is Symmetry.REVOLVED and any(press.mesh.spec.whole for press in presses):
+        raise PalpateError(
+            "Presses of a whole dome are not drawn.",
+            "Press half of it: mesh: {whole: false}.",
+            code="mesh-half-needed",
+        )
+    depths = build_field(presses).depths_mm
+    reached = max(float(press.depth.max()) for press in presses) + _SAME_MM
+    # the depth at which a press ended early is an increment of it alone; full depth is one of all that came so far
+    ends = presses[0].depth if len(presses) == 1 else np.array([press.obstacle.depth for press in presses])
+    ends = np.unique(np.round([0.0, *ends[ends <= reached]], 6))
+    apart = np.abs(ends[:, None] - depths).min(axis=1, initial=np.inf)
+    depths = np.sort(np.concatenate([depths, ends[apart > _SAME_MM]]))
+    mesh = mesh_skin(skin, spec.model_copy(update={"whole": skin.symmetry is Symmetry.MIRRORED}))
+    return PressedSkin(mesh, build_field(presses, depths_mm=depths))
 
 
-def nodal_stress_on(press: Press, mesh: Mesh) -> FloatArray:
-    """Von Mises stress (i, n, 1) in MPa of a press at the nodes of another mesh of its skin's wall; 0 at rest."""
+def _nodal_stress(press: Press, mesh: Mesh) -> FloatArray:
+    """Von Mises stress (i, n, 1) in MPa of a press at the nodes of another mesh of its skin; 0 at rest."""
     stress = np.nan_to_num(nodal_von_mises(press))[..., None]
     return locate_nodes(press.mesh, mesh).interpolate(stress)
 

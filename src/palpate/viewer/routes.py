@@ -13,7 +13,6 @@ from palpate.viewer.export import dome_parts, marker_rows
 from palpate.viewer.gltf import write_gltf
 from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.link import selected_rows
-from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
 from palpate.viewer.specimen_cache import DesignCache
 
@@ -39,7 +38,7 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
         pressed = specimen.pressed
-        seen = follow_markers(pressed, pressed.at(tilt, azimuth), design.design.layout, design.design.camera, azimuth)
+        seen = pressed.markers(design.design.layout, design.design.camera, pressed.at(tilt, azimuth), azimuth)
         return Response(describe_markers(seen), media_type=BINARY)
 
     @router.get("/markers.csv")

@@ -10,9 +10,8 @@ from palpate.camera import Camera
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 from palpate.viewer.library import RenderedSkin
-from palpate.viewer.markers_seen import VisibleMarkers
 from palpate.viewer.message import write_message
-from palpate.viewer.pressed_skin import SurfaceMotion
+from palpate.viewer.pressed_skin import SurfaceMotion, VisibleMarkers
 
 _EDGE = 97
 """Points of an edge, the first and the last in one place."""

@@ -25,8 +25,8 @@ from palpate.fea import WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 from palpate.viewer.library import RenderedSkin
+from palpate.viewer.pressed_skin import PressedSkin
 from palpate.viewer.results import GridDesign
-from palpate.viewer.revolved_presses import rest_skin
 from palpate.viewer.shell import build_shell
 
 REST_CELLS = 16
@@ -85,7 +85,9 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
     design = GridDesign(-1, sketch_row(sketch), sketch.design, ())
-    return DesignPreview(design, RenderedSkin(rest_skin(mesh, sketch.obstacle.tilt_deg), build_shell(mesh)), findings)
+    return DesignPreview(
+        design, RenderedSkin(PressedSkin(mesh, None, sketch.obstacle.tilt_deg), build_shell(mesh)), findings
+    )
 
 
 def sketch_row(sketch: DesignDraft) -> dict[str, float | int | str | None]:

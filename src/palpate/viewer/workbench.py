@@ -20,11 +20,11 @@ from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
-from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.job import Job
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
+from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import build_shell
 from palpate.viewer.sketch import DesignDraft, build_preview
 from palpate.viewer.specimen_cache import DesignCache

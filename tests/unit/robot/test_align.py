@@ -261,7 +261,7 @@ def test_the_command_prints_touches_and_writes_them(
 
 
 def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: VirtualUnit, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where dots are between two images is read from a press of these two, whose every field has two rows."""
+    """Markers between increments are read from a press of the four about them, whose every field has four rows."""
     solved, seen = SolverBackend(unit.deviation.built(unit.play.design), unit._scene.edges, 1.0, cells=4), []
     positions = Press.positions
 
@@ -271,7 +271,7 @@ def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: VirtualUnit, monk
 
     monkeypatch.setattr(Press, "positions", remember)
     solved.marker_outlines(np.array([1.0, 0.0, 0.7]), 0.0, np.zeros(3))
-    assert {len(getattr(seen[0], name)) for name in IncrementFields.__annotations__} == {2}
+    assert {len(getattr(seen[0], name)) for name in IncrementFields.__annotations__} == {4}
     whole = next(iter(solved._solved.values()))
     both = whole.cut(1, 3)
     assert np.array_equal(both.depth, whole.depth[1:3])

@@ -113,6 +113,10 @@ def test_torch_differentiates_through_the_window(dots: MarkerTwin) -> None:
     step = torch.tensor([0.0, 0.0, 1e-4], dtype=torch.float64)
     differences = (batch.pixels(pose + step, slip) - batch.pixels(pose - step, slip))[0] / 2e-4
     assert by_depth.numpy() == pytest.approx(differences.numpy(), abs=1e-5)
+    upright = BatchTwin(dots, build_camera(CameraSpec(window=WindowSpec(thickness=3.0))))
+    straight = torch.tensor([[0.0, 0.0, 1.7]], dtype=torch.float64)  # the apex stays on the camera's axis
+    by_depth = torch.autograd.functional.jacobian(lambda pose: upright.pixels(pose, slip), straight)[0, :, :, 0, 2]
+    assert torch.isfinite(by_depth).all()
 
 
 def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: MarkerTwin) -> None:
@@ -124,13 +128,13 @@ def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: MarkerTwin) -
 
 @dataclass(frozen=True)
 class Mirror(Lens):
-    """A lens that no batch knows."""
+    """A lens from another package, of numpy alone."""
 
     name: ClassVar[str] = "mirror"
     max_radius = float("inf")
 
     def distort(self, points: np.ndarray) -> np.ndarray:
-        return -points
+        return np.negative(np.asarray(points))
 
     undistort = distort
 

@@ -47,17 +47,12 @@ def test_opposite_walls_mirror_each_other():
     assert mirrored.max() < 1e-9
 
 
-def test_series_error_says_how_well_the_circles_are_resolved():
-    assert build_field(solved(), LAYOUT).series_error_mm < 1e-12
-
-
 def test_each_free_marker_gets_its_own_circle():
     rng = np.random.default_rng(2)
     flat = rng.uniform(-12, 12, (9, 2))
     layout = rings()
     layout.positions = np.column_stack([flat, np.sqrt(400 - (flat**2).sum(axis=1))])
     field = build_field(solved(), layout)
-    assert len(field.circles.radius) == 9
     found = field.positions(np.array([2.5]), np.array([6.0]), DEEPEST)[0]
     assert np.abs(found - kinematic_positions(layout.positions, 2.5, 6.0, 8.0)).max() < 2e-5
 
@@ -125,19 +120,6 @@ def test_presses_that_do_not_belong_together_are_refused():
     other.obstacle.depth_step = 0.4
     with refused("presses-steps-differ", "0.4"):
         build_field([KinematicPress(2.0), other], LAYOUT)
-
-
-def test_series_error_shows_a_circle_with_waves_that_are_too_short():
-    press = KinematicPress(4.0)
-    smooth = press.positions
-
-    def rippled(points):
-        moved = smooth(points)
-        moved[..., 2] += 0.01 * np.cos(45 * np.arctan2(points[:, 1], points[:, 0]))
-        return moved
-
-    press.positions = rippled
-    assert build_field([press], LAYOUT).series_error_mm == pytest.approx(0.01, rel=0.05)
 
 
 def test_a_marker_outside_the_dome_is_refused():

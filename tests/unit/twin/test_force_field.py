@@ -7,7 +7,7 @@ from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import ForceField, build_force_field
+from palpate.twin import PressField, build_field
 from presses import solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=3))
@@ -19,8 +19,8 @@ def press(tilt_deg: float, azimuth_deg: float = 0.0) -> Press:
 
 
 @pytest.fixture(scope="module")
-def field() -> ForceField:
-    return build_force_field([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)])
+def field() -> PressField:
+    return build_field([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)])
 
 
 @pytest.mark.parametrize(("tilt", "azimuth"), [(4.5, 40.0), (7.5, -100.0)])

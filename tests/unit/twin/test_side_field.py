@@ -17,8 +17,8 @@ from palpate.learn import compute_error_bounds
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.study import read_study
-from palpate.twin import MarkerField, build_field, build_force_field, build_twin
-from palpate.viewer.gather_presses import build_pressed_skin
+from palpate.twin import PressField, build_field, build_twin
+from palpate.viewer.pressed_skin import build_pressed_skin
 from presses import solve_press
 
 SKIN = BarrelSpec().build()
@@ -39,7 +39,7 @@ def presses() -> list[Press]:
 
 
 @pytest.fixture(scope="module")
-def field(presses: list[Press]) -> MarkerField:
+def field(presses: list[Press]) -> PressField:
     return build_field(presses, LAYOUT)
 
 
@@ -48,7 +48,7 @@ def camera() -> Camera:
     return build_camera(read_study("barrel").camera)
 
 
-def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azimuth(field: MarkerField) -> None:
+def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azimuth(field: PressField) -> None:
     tilt, azimuth = 89.3, 40.0
     solved = press(tilt)
     solved = replace(solved, obstacle=solved.obstacle.model_copy(update={"azimuth_deg": azimuth}))
@@ -63,7 +63,7 @@ def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azim
         assert np.linalg.norm(other[0] - truth, axis=1).max() > 5 * error.max()
 
 
-def test_fields_of_the_side_have_a_least_tilt_and_no_answer_below_it(field: MarkerField) -> None:
+def test_fields_of_the_side_have_a_least_tilt_and_no_answer_below_it(field: PressField) -> None:
     assert (field.min_tilt_deg, field.max_offset) == (87.0, 93.0)
     branch, reason = field.labels(np.array([86.0, 87.0, 90.2, 94.0]), 0)
     assert list(branch) == ["", "flat", "flat", ""]
@@ -84,7 +84,7 @@ def test_poses_of_a_dataset_fill_the_ring_of_tilts_evenly(presses: list[Press], 
     assert moved.max(axis=1).min() > 3.0
 
 
-def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera) -> None:
+def test_limits_are_told_of_poses_in_the_ring(field: PressField, camera: Camera) -> None:
     limits = compute_error_bounds(field, camera, DatasetSpec(dropped_images=1, jitter_px=1.0))
     assert [limit.depth_mm for limit in limits] == [2.0, 3.0]
     assert all(limit.share == 1.0 and limit.poses > 30 for limit in limits)
@@ -100,7 +100,7 @@ def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: lis
     assert motion.touch @ motion.normal == pytest.approx(SKIN.support_point(motion.normal) @ motion.normal)
     ahead = LAYOUT.positions[:, 0] >= 0
     surface = locate_inner(drawn.mesh, LAYOUT.positions[ahead]).interpolate(motion.displacement)
-    seen = drawn.markers(LAYOUT, motion, 0.0)[:, ahead] - LAYOUT.positions[ahead]
+    seen = drawn.positions(LAYOUT, motion, 0.0)[:, ahead] - LAYOUT.positions[ahead]
     moved = np.linalg.norm(seen, axis=-1)
     assert np.linalg.norm(surface - seen, axis=-1).max() < 0.15 * moved.max()  # ten coarse cells, fewer at the wall
     outer = (
@@ -120,7 +120,8 @@ def test_the_press_drawn_at_one_end_is_the_mirror_image_of_that_at_the_other(pre
     assert other.force_n == pytest.approx(one.force_n, rel=1e-3)
 
 
-def test_forces_and_twins_are_refused(presses: list[Press]) -> None:
-    for make in (build_force_field, build_twin):
-        with refused("skin-no-apex"):
-            make(presses)
+def test_forces_and_twins_are_refused(presses: list[Press], camera: Camera) -> None:
+    with refused("skin-no-apex"):
+        generate_dataset(presses, LAYOUT, camera, DatasetSpec(n_presses=10, dropped_images=1), forces=True)
+    with refused("skin-no-apex"):
+        build_twin(presses)

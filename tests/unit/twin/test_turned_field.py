@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from errors import refused
+from palpate.camera import build_camera
+from palpate.dataset import generate_dataset
 from palpate.design import (
     OFFSET_SPACE,
     TILT_SPACE,
@@ -22,8 +24,8 @@ from palpate.fea import WallSpec
 from palpate.mechanics import EndReason
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study.study import MaterialSpec
-from palpate.twin import MarkerField, build_field, build_force_field
-from palpate.twin.turned_series import between_azimuths
+from palpate.twin import PressField, build_field
+from palpate.twin.two_mirror_field import between_azimuths
 from presses import build_twin, solve_press
 
 SIZES = {"height": 3.5, "base_radius": 10.4, "thickness": 0.5, "flat_radius": 7.5, "edge_radius": 2.0}
@@ -70,7 +72,7 @@ def pressed(azimuths: Sequence[float] = (0, 30, 60, 90), tilts: Sequence[float] 
     return [PadPress(0.0), *(PadPress(float(t), float(a)) for t in tilts for a in azimuths)]
 
 
-def off_um(found: MarkerField, tilt_deg: float, azimuth_deg: float, image: int) -> float:
+def off_um(found: PressField, tilt_deg: float, azimuth_deg: float, image: int) -> float:
     """Greatest error of the markers, µm."""
     rx, ry = rotation_vector(tilt_deg, np.radians([azimuth_deg])).T
     right = LAYOUT.positions + moved_by(LAYOUT.positions, tilt_deg, azimuth_deg, found.depths_mm[image])
@@ -124,9 +126,9 @@ def test_presses_that_do_not_serve_every_azimuth_are_refused(presses: list[PadPr
         build_field(presses, LAYOUT)
 
 
-def test_what_needs_one_press_for_all_azimuths_is_refused() -> None:
+def test_presses_by_other_than_walls_and_forces_of_a_dataset_are_refused() -> None:
     with refused("forces-need-revolution"):
-        build_force_field(pressed())
+        generate_dataset(pressed(), LAYOUT, build_camera(), forces=True)
     ball = PadPress(0.0)
     ball.obstacle.pose_space = OFFSET_SPACE
     with refused("azimuths-need-flat-wall"):

@@ -14,8 +14,7 @@ from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import BallSpec
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.twin import build_field
-from palpate.viewer.gather_presses import build_pressed_skin
-from palpate.viewer.markers_seen import follow_markers
+from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import PARTS, build_shell
 
 PAD = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, flat_radius=7.5, stretch=1.2).build()
@@ -42,8 +41,8 @@ def test_between_solved_tilts_the_dome_is_that_of_the_closed_form(pressed, tilt)
 def test_markers_turn_with_the_wall(pressed):
     layout, camera = place_markers(MESH.skin, MarkerSpec(count=37)), build_camera()
     motion = pressed.at(4.0)
-    straight = follow_markers(pressed, motion, layout, camera, 0.0)
-    turned = follow_markers(pressed, motion, layout, camera, 60.0)  # the rings look the same after a sixth of a turn
+    straight = pressed.markers(layout, camera, motion, 0.0)
+    turned = pressed.markers(layout, camera, motion, 60.0)  # the rings look the same after a sixth of a turn
     angle = np.radians(60)
     rotation = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     expected = straight.positions[-1] @ rotation.T
@@ -55,22 +54,9 @@ def test_markers_turn_with_the_wall(pressed):
 
 def test_markers_of_both_halves_are_followed_in_the_domes_frame(pressed):
     layout = place_markers(MESH.skin, MarkerSpec(count=19))
-    found = pressed.markers(layout, pressed.at(6.0), 0.0)[-1]
+    found = pressed.positions(layout, pressed.at(6.0), 0.0)[-1]
     expected = layout.positions + moved(layout.positions, 6.0, 4.0)
     assert found == pytest.approx(expected, abs=0.02)  # a coarse mesh
-
-
-@pytest.mark.parametrize("pose", [(0.0, 0.0), (1.7, 0.0), (-1.2, 2.1), (0.4, -5.1)])
-def test_markers_are_those_of_the_dataset(pressed, pose):
-    layout = place_markers(MESH.skin, MarkerSpec(count=37))
-    field = build_field(pressed.presses, layout)
-    rx, ry = pose
-    shown = pressed.markers(layout, pressed.at(np.hypot(rx, ry)), np.degrees(np.arctan2(ry, rx)))
-    assert shown[0] == pytest.approx(layout.positions, abs=1e-12)
-    for image, depth in enumerate(field.depths_mm):
-        (beside,) = np.flatnonzero(np.abs(pressed.depths_mm - depth) < 1e-6)
-        known = field.positions(np.array([rx]), np.array([ry]), image)[0]
-        assert np.abs(shown[beside] - known).max() < 1e-9
 
 
 def test_the_surface_that_is_drawn_carries_its_markers(pressed):
@@ -79,7 +65,7 @@ def test_the_surface_that_is_drawn_carries_its_markers(pressed):
     half = (layout.positions @ turn)[:, 0] > 0
     points = locate_inner(MESH, (layout.positions @ turn)[half])
     drawn = layout.positions[half] + points.interpolate(motion.displacement) @ turn.T
-    off = np.abs(drawn - pressed.markers(layout, motion, 75.0)[:, half]).max()
+    off = np.abs(drawn - pressed.positions(layout, motion, 75.0)[:, half]).max()
     assert off < 1e-3  # mm: the series along a circle is cut after 40 orders
 
 
@@ -169,7 +155,26 @@ def test_the_surface_of_a_pad_that_is_drawn_carries_its_markers(pad):
     layout = place_markers(PAD, MarkerSpec(ring_diameters=(5.0, 10.0)))
     motion = pad.at(1.4, 75.0)
     drawn = layout.positions + locate_inner(pad.mesh, layout.positions).interpolate(motion.displacement)
-    assert drawn[1:] == pytest.approx(pad.markers(layout, motion, 75.0)[1:], abs=1e-3)
+    assert drawn[1:] == pytest.approx(pad.positions(layout, motion, 75.0)[1:], abs=1e-3)
+
+
+@pytest.mark.parametrize("skin", ["pressed", "pad"])
+def test_markers_and_forces_are_those_of_the_dataset_at_random_poses(skin, request):
+    drawn = request.getfixturevalue(skin)
+    layout = place_markers(drawn.mesh.skin, MarkerSpec(ring_diameters=(5.0, 10.0)))
+    field = build_field(drawn.solved, layout)  # as in `palpate.dataset.randomise_field`
+    rng = np.random.default_rng(5)
+    compared = 0
+    for tilt, azimuth in zip(rng.uniform(0.0, drawn.tilts_deg[-1], 10), rng.uniform(-180.0, 180.0, 10), strict=True):
+        motion, (rx, ry) = drawn.at(tilt, azimuth), rotation_vector(tilt, np.radians([azimuth])).T
+        shown = drawn.positions(layout, motion, azimuth)
+        assert shown[0] == pytest.approx(layout.positions, abs=1e-9)
+        for image, depth in enumerate(field.depths_mm):
+            for k in np.flatnonzero(np.abs(motion.depths_mm - depth) < 1e-6):
+                assert np.abs(shown[k] - field.positions(rx, ry, image)[0]).max() < 1e-9
+                assert motion.force_n[k] == pytest.approx(np.linalg.norm(field.forces(rx, ry, image)[0]), abs=1e-9)
+                compared += 1
+    assert compared >= 30
 
 
 def test_the_shell_of_a_whole_filled_pad_is_its_wall_alone_and_closed():

@@ -11,7 +11,6 @@ from palpate.design import Design, MarkerSpec, place_markers
 from palpate.grid import SpecificationGrid
 from palpate.viewer.charts import LIGHT, Selection, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
-from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.link import (
     ColourQuantity,
     View,
@@ -21,6 +20,7 @@ from palpate.viewer.link import (
     selected_rows,
     write_link,
 )
+from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.results import GridDesign
 from palpate.viewer.words import column_label, find_column, jitter_words
 

@@ -8,7 +8,6 @@ from made_up_presses import KEYS, write_results
 
 from errors import refused
 from palpate.viewer.library import DesignLibrary
-from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.message import read_message, write_message
 from palpate.viewer.results import artefact_path, model_path, read_design, read_results
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
@@ -27,7 +26,7 @@ def test_designs_of_one_dome_share_their_presses(library):
 def test_what_the_page_draws_is_whole(library):
     design = library.design(1)
     specimen = library.specimen(design)
-    meta, arrays = read_message(describe_shell(specimen, design.layout, design.camera))
+    meta, arrays = read_message(describe_shell(specimen, design.design.layout, design.design.camera))
     assert meta["tilts_deg"] == [0, 3, 6]
     assert arrays["triangles"].max() == len(arrays["rest"]) - 1
     motion = specimen.pressed.at(2.5)
@@ -37,7 +36,7 @@ def test_what_the_page_draws_is_whole(library):
     assert np.abs(moved["stress"][0]).max() == 0
     assert moved["stress"][-1].max() > 0
     assert meta["branch"] == ["flat"] * 6
-    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, 20.0)
+    seen = specimen.pressed.markers(design.design.layout, design.design.camera, motion, 20.0)
     _, marks = read_message(describe_markers(seen))
     assert marks["pixels"].shape == (6, 19, 2)
 

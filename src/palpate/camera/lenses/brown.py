@@ -19,6 +19,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from palpate.camera.arrays import array_module
 from palpate.camera.lens import Lens, fold_of, folded
 from palpate.core import FloatArray
 
@@ -53,10 +54,12 @@ class Brown(Lens):
         return fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3])
 
     def distort(self, points: FloatArray) -> FloatArray:
+        if not any(self.coefficients):
+            return points
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
-        return np.stack(
+        return array_module(points).stack(
             [
                 x * radial + 2.0 * self.p1 * x * y + self.p2 * (square + 2.0 * x * x),
                 y * radial + self.p1 * (square + 2.0 * y * y) + 2.0 * self.p2 * x * y,

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
+from palpate.camera.arrays import array_module
 from palpate.camera.lens import Lens, fold_of, folded
 from palpate.core import FloatArray
 
@@ -55,9 +56,11 @@ class KannalaBrandt(Lens):
         return float(np.tan(self.widest)) if self.widest < np.pi / 2 else float("inf")
 
     def distort(self, points: FloatArray) -> FloatArray:
-        radius = np.linalg.norm(points, axis=-1, keepdims=True)
-        bent = self._distort(np.arctan(radius))
-        return np.asarray(points * np.where(radius > _SMALL, bent / np.maximum(radius, _SMALL), 1.0))
+        module = array_module(points)
+        radius = module.linalg.norm(points, axis=-1, keepdims=True)
+        bent = self._distort(module.arctan(radius))
+        scale: FloatArray = module.where(radius > _SMALL, bent / module.clip(radius, _SMALL, None), 1.0)
+        return points * scale
 
     def undistort(self, points: FloatArray) -> FloatArray:
         """The angle is found by halving: it grows with the radius of the image as far as the lens is valid."""
@@ -75,7 +78,7 @@ class KannalaBrandt(Lens):
     def mirrored(self) -> KannalaBrandt:
         return self
 
-    def _distort(self, angle: FloatArray | np.float64) -> FloatArray:
+    def _distort(self, angle: Any) -> Any:
         square = angle * angle
         series = self.k1 + square * (self.k2 + square * (self.k3 + square * self.k4))
-        return np.asarray(angle * (1.0 + square * series))
+        return angle * (1.0 + square * series)
