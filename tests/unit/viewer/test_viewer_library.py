@@ -104,4 +104,4 @@ def test_markers_are_the_datasets_whatever_their_number(tmp_path):
     manifest = folder / "store" / "dataset" / key[:2] / f"{key}.manifest.json"
     manifest.parent.mkdir(parents=True)
     manifest.write_text(json.dumps({"spec": {"markers_mm": places.tolist()}}))
-    assert read_design(read_results(folder), 0).layout.positions == pytest.approx(places)
+    assert read_design(read_results(folder), 0).design.layout.positions == pytest.approx(places)
