@@ -15,7 +15,7 @@ import numpy as np
 from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec
 from palpate.dataset import draw_jitter, read_dataset
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import TILT_SPACE, MarkerSpec, place_markers
 from palpate.twin import read_twin
 
 
@@ -34,7 +34,7 @@ def main(dataset_path: str, twin_path: str) -> None:
     for number, image in zip(held_out, images, strict=True):
         pose = dataset.poses[number]
         errors.append(fitter.fit(image).pose[:2] - pose[:2])
-        by_pose = model.predict(pose, 0.0, unit=False).pose_jacobian[..., :3].reshape(-1, 3)
+        by_pose = model.predict(pose, 0.0, unit=False).pose_jacobian[TILT_SPACE.names].reshape(-1, 3)
         bounds.append(noise_px**2 * np.diag(np.linalg.inv(by_pose.T @ by_pose))[:2])
     squares, least, depths = np.array(errors) ** 2, np.array(bounds), np.round(dataset.poses[held_out, 2], 3)
     print("depth_mm  images  rmse_deg  bound_deg  ratio")

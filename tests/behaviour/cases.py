@@ -260,7 +260,7 @@ def twins() -> Results:
     results: Results = {}
     for name, touch in {"straight": (0.0, 0.0, 2.0), "tilted": (5.0, -2.0, 3.3), "shallow": (1.0, 7.0, 0.7)}.items():
         moved = printed.evaluate(np.array(touch), 0.7, 0.02)
-        results[name] = {"positions": moved.positions, "by": moved.jacobian, "force": moved.force}
+        results[name] = {"positions": moved.positions, "by": moved.jacobian.values, "force": moved.force}
     return results
 
 

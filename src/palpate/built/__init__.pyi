@@ -8,7 +8,7 @@ from palpate.built.foresee_budget import predict_budget
 from palpate.built.identify import ContradictionError, IdentificationResult, identify
 from palpate.built.next_press import rank_next_presses
 from palpate.built.noise import NOISE_PX
-from palpate.built.pose_fit import FitState, PoseFit
+from palpate.built.pose_fit import CONTACT_STATE, FitState, PoseFit
 from palpate.built.ring_information import RingInformation, compute_ring_information
 from palpate.built.robot_press import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, CalibrationPress, RobotUncertainty
 from palpate.built.tolerance import ToleranceSpec
@@ -19,6 +19,7 @@ from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel,
 __all__ = [
     "CALIBRATION_TILTS",
     "CALIBRATION_TURN_DEG",
+    "CONTACT_STATE",
     "IMPERFECTIONS",
     "NOISE_PX",
     "UNIT_PARAMETERS",

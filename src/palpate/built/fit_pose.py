@@ -17,12 +17,14 @@ import numpy as np
 from palpate.built.force import Force, StiffnessScale, prior_stiffness_scale, scale_force
 from palpate.built.mounting import Mounting
 from palpate.built.noise import robust_weights
-from palpate.built.pose_fit import CONTACT_STATE, BranchState, FitState, Linear, PoseFit
-from palpate.built.scale import model_px, size_scale, touch_scale
+from palpate.built.pose_fit import CONTACT_STATE, POSE, BranchState, FitState, Linear, PoseFit
+from palpate.built.scale import model_px, scale_contact, size_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
 from palpate.core import FloatArray
+from palpate.core.state import State
 from palpate.design import Skin, wall_normal
+from palpate.twin import LATERAL, Twin
 
 MAX_INVERSE_FRICTION = 5.0
 """Greatest 1/µ; more has not been met."""
@@ -36,18 +38,18 @@ _TAMED = 0.5
 """Share of its length that a step has from where the last one went too far."""
 _STEPS, _BENT_STEPS = 12, 25
 """Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
-_BEND, _DRIFT = 4, 5
-"""Numbers of the curvature and of the first drift in it."""
-_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02])
-"""Change of a touch below which a fit is done."""
-_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
+_SMALL = State(CONTACT_STATE, np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02]))
+"""Change of a contact below which a fit is done."""
+_TRUST = State(CONTACT_STATE, np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0]))
 """Longest step."""
-_NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
-"""Change of a touch within which the image depends on the unit, and traces lie about their dots, as before."""
-TWIN_ERROR_SD = np.array([0.015, 0.015, 0.004, 0.03])
+_NEAR = State(CONTACT_STATE, np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0]))
+"""Change of a contact within which the image depends on the unit, and traces lie about their dots, as before."""
+READ = (*POSE, "inverse_friction")
+"""Entries of the covariance of a reading."""
+TWIN_ERROR_SD = State(READ, np.array([0.015, 0.015, 0.004, 0.03]))
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
 
-This and the other numbers of a touch are of a skin of the size in `palpate.built.scale`."""
+This and the other numbers of a contact are of a skin of the size in `palpate.built.scale`."""
 _LATERAL_FRICTION_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
@@ -88,18 +90,16 @@ class PoseFitter:
     def __post_init__(self) -> None:
         self._sd = contact_prior_sd(self.model.tolerance)
         skin = self.model.dots.twin.skin
-        self._size, units = size_scale(skin), touch_scale(skin)
-        self._near, self._trust, self._small = _NEAR * units, _TRUST * units, _SMALL * units
+        self._size = size_scale(skin)
+        self._near, self._trust, self._small = (scale_contact(each, skin) for each in (_NEAR, _TRUST, _SMALL))
         self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.posterior.nominal) ** 2
-        self._mean = np.zeros(len(CONTACT_STATE))
-        self._mean[3] = self.model.tolerance.inverse_friction_prior[0]
+        self._mean = State.zeros(CONTACT_STATE).replace(
+            inverse_friction=self.model.tolerance.inverse_friction_prior[0]
+        )
         slips = self.model.dots.twin.inverse_frictions
         self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
-        self._free = np.flatnonzero(
-            (self._sd > 0)
-            & ((len(slips) > 1) | (np.arange(len(CONTACT_STATE)) != CONTACT_STATE.index("inverse_friction")))
-        )
-        self._drifts = bool((self._sd[_DRIFT:] > 0).any())
+        self._free = free_entries(self._sd, self.model.dots.twin)
+        self._drifts = bool((self._sd[LATERAL] > 0).any())
         self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
         self._tables()
         self.state = FitState()
@@ -125,7 +125,7 @@ class PoseFitter:
                 for turn in (turns if tilt else turns[:1])
             ]
         )
-        slip = float(np.clip(self._mean[3], twin.inverse_frictions[0], twin.inverse_frictions[-1]))
+        slip = float(np.clip(self._mean["inverse_friction"], twin.inverse_frictions[0], twin.inverse_frictions[-1]))
         first = self.model.predict(self._starts[0], slip, unit=False)
         self._shown = np.array([self.model.predict(start, slip, near=first).pixels for start in self._starts])
         covariance = self.mounting.covariance if self.mounting else self.model.posterior.covariance
@@ -168,7 +168,7 @@ class PoseFitter:
         return self._of_other(found) if inverted else found, replace(state, inverted=inverted)
 
     def _fit_branch(
-        self, seen_px: FloatArray, state: FitState, inverted: bool, begin: FloatArray | None = None
+        self, seen_px: FloatArray, state: FitState, inverted: bool, begin: State | None = None
     ) -> tuple[PoseFit, FitState]:
         """Fit one image by one branch of the skin; the fit, and the state with that of the branch renewed."""
         if inverted and self._other is not None:
@@ -180,9 +180,14 @@ class PoseFitter:
     def positions(self, found: PoseFit) -> FloatArray:
         """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
         model = self._model_of(found)
-        drift = found.state[_DRIFT:] if self._drifts else None
-        thicker = float(model.posterior.mean[-1])
-        moved = model.dots.evaluate(found.state[:3], float(found.state[3]), thicker, drift, float(found.state[_BEND]))
+        contact = found.state
+        moved = model.dots.evaluate(
+            contact[POSE],
+            contact["inverse_friction"],
+            model.posterior.mean["thickness"],
+            contact[LATERAL] if self._drifts else None,
+            contact["curvature"],
+        )
         return np.where(model.visible[:, None], moved.positions, np.nan)
 
     def _model_of(self, found: PoseFit) -> UnitModel:
@@ -192,19 +197,19 @@ class PoseFitter:
     def predict_pixels(self, found: PoseFit) -> FloatArray:
         """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
         model = self._model_of(found)
-        drift = found.state[_DRIFT:] if self._drifts else None
-        looked = model.predict(found.state[:3], float(found.state[3]), drift, float(found.state[_BEND]))
+        looked = model.predict_contact(found.state, lateral=self._drifts)
         assert looked.unit_jacobian is not None
         return looked.pixels + looked.unit_jacobian @ found.unit
 
     def _of_other(self, found: PoseFit) -> PoseFit:
         """What an image says that shows the other state, which is the same under every friction."""
         covariance = found.covariance.copy()
-        covariance[3, 3] = self._sd[3] ** 2
-        return replace(found, inverted=True, inverse_friction=float(self._mean[3]), covariance=covariance)
+        row = READ.index("inverse_friction")
+        covariance[row, row] = self._sd["inverse_friction"] ** 2
+        return replace(found, inverted=True, inverse_friction=self._mean["inverse_friction"], covariance=covariance)
 
     def _fit_near(
-        self, seen_px: FloatArray, state: BranchState, begin: FloatArray | None = None
+        self, seen_px: FloatArray, state: BranchState, begin: State | None = None
     ) -> tuple[PoseFit, BranchState]:
         """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
         if begin is None:
@@ -213,25 +218,24 @@ class PoseFitter:
         if state.last is not None and self._doubted(found, state.last):
             again, near = self._fit(seen_px, self._begin(seen_px), near)
             found = again if again.cost < found.cost else found
-        if self._at_limit(found.state[3]):
-            usual = found.state.copy()
-            usual[3] = self._mean[3]
+        if self._at_limit(found.state["inverse_friction"]):
+            usual = found.state.replace(inverse_friction=self._mean["inverse_friction"])
             again, near = self._fit(seen_px, usual, near)
             found = again if again.cost < found.cost else found
         return found, state.after(found.state, near, self._near)
 
-    def _go_on(self, seen_px: FloatArray, last: FloatArray, motion: FloatArray) -> FloatArray:
+    def _go_on(self, seen_px: FloatArray, last: State, motion: State) -> State:
         """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
         onward = self._inside(last + motion)
-        if last[2] > _SHALLOW_MM * self._size:
+        if last["depth_mm"] > _SHALLOW_MM * self._size:
             return onward
-        shown = self.model.predict(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
+        shown = self.model.predict_contact(onward, lateral=False, unit=False).pixels
         away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
         return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
 
-    def _doubted(self, found: PoseFit, last: FloatArray) -> bool:
+    def _doubted(self, found: PoseFit, last: State) -> bool:
         """Whether a fit that began from the last touch may have gone astray."""
-        return found.misfit > _DOUBTED or abs(found.curvature - last[_BEND]) > _OTHER_WALL / self._size
+        return found.misfit > _DOUBTED or abs(found.curvature - last["curvature"]) > _OTHER_WALL / self._size
 
     def _at_limit(self, inverse_friction: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
@@ -240,137 +244,137 @@ class PoseFitter:
         """
         return self._slips[0] < self._slips[1] and not self._slips[0] < inverse_friction < self._slips[1]
 
-    def _begin(self, seen_px: FloatArray) -> FloatArray:
+    def _begin(self, seen_px: FloatArray) -> State:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
-        return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
+        return self._mean.add(POSE, self._starts[int(away.argmin())])
 
-    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[PredictedImage, Linear]:
+    def _look(self, contact: State, known: Linear | None) -> tuple[PredictedImage, Linear]:
         """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
-        if known is not None and (np.abs(theta - known[0]) > self._near).any():
+        if known is not None and (np.abs((contact - known[0]).values) > self._near.values).any():
             known = None
-        drift = theta[_DRIFT:] if self._drifts else None
         near = known[1] if known else None
-        looked = self.model.predict(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
+        looked = self.model.predict_contact(contact, lateral=self._drifts, near=near)
         if known is None:
             assert looked.unit_jacobian is not None
-            known = theta.copy(), looked, looked.unit_jacobian @ self._unit_spread[: len(UNIT_PARAMETERS)]
+            known = contact, looked, looked.unit_jacobian @ self._unit_spread[: len(UNIT_PARAMETERS)]
         return looked, known
 
-    def _fit(self, seen_px: FloatArray, begin: FloatArray, near: Linear | None) -> tuple[PoseFit, Linear]:
+    def _fit(self, seen_px: FloatArray, begin: State, near: Linear | None) -> tuple[PoseFit, Linear]:
         """Fit one image from a touch; the fit, and where it was last linearised."""
         free, known = self._free, len(self._free)
-        theta = self._inside(begin.copy())
+        contact = self._inside(begin)
         there = np.isfinite(seen_px).all(axis=1) & self.model.visible
         z = np.zeros(self._unit_spread.shape[1])
         mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
-        bent, most, moved = _BEND in free, 1.0, np.zeros(len(free) + len(z))
+        bent, most, moved = "curvature" in free, 1.0, np.zeros(len(free) + len(z))
         least = 0.0 if bent else _GAINED
         for step in range(1, (_BENT_STEPS if bent else _STEPS) + 1):
-            looked, near = self._look(theta, near)
+            looked, near = self._look(contact, near)
             by_unit = near[2][there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
             weight = robust_weights(left, self._variance)
-            jacobian = np.hstack([looked.pose_jacobian[there][..., free].reshape(-1, known), by_unit])
+            jacobian = np.hstack([looked.pose_jacobian[free][there].reshape(-1, known), by_unit])
             weighted = jacobian * weight[:, None]
             normal = weighted.T @ jacobian
             normal[np.diag_indices(len(normal))] += np.concatenate([prior, np.ones(len(z))])
             gradient = weighted.T @ left
-            gradient[:known] -= prior * (theta[free] - mean)
+            gradient[:known] -= prior * (contact[free] - mean)
             gradient[known:] -= z
-            change = self._solve(normal, gradient, theta)
+            change = self._solve(normal, gradient, contact)
             gain, last = float(gradient @ change), gain
             if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
                 most *= _TAMED
             shrink = min(most, float(np.min(self._trust[free] / np.maximum(np.abs(change[:known]), 1e-12))))
-            before = theta.copy()
-            moved = shrink * change
-            theta[free] += moved[:known]
+            before, moved = contact, shrink * change
+            contact = self._inside(contact.add(free, moved[:known]))
             z = z + moved[known:]
-            theta = self._inside(theta)
-            if step >= 2 and (most * gain < least or (np.abs(theta - before) < self._small).all()):
+            still = (np.abs((contact - before).values) < self._small.values).all()
+            if step >= 2 and (most * gain < least or still):
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
-        pose, covariance = self._on_robot(theta, z, whole)
+        pose, covariance = self._on_robot(contact, z, whole)
         assert near is not None
         found = PoseFit(
             pose=pose,
-            inverse_friction=float(theta[3]),
+            inverse_friction=contact["inverse_friction"],
             covariance=covariance,
-            curvature=float(theta[_BEND]),
-            curvature_sd=float(np.sqrt(np.diag(whole)[:known][free == _BEND].sum())),
-            lateral=theta[_DRIFT:],
-            force=self._force(looked, theta, whole),
+            curvature=contact["curvature"],
+            curvature_sd=float(np.sqrt(whole[free.index("curvature"), free.index("curvature")])) if bent else 0.0,
+            lateral=contact[LATERAL],
+            force=self._force(looked, contact, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
             misfit=float(np.mean(left**2) / self._variance * len(left) / max(len(left) - len(normal), 1)),
             steps=step,
-            state=theta,
+            state=contact,
             cost=float(0.5 * (np.minimum(left**2 / self._variance, _OUTLIER).sum() + z @ z)),
             unit=(self._unit_spread @ z)[: len(UNIT_PARAMETERS)],
         )
         return found, near
 
-    def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
+    def _solve(self, normal: FloatArray, gradient: FloatArray, contact: State) -> FloatArray:
         """The Gauss-Newton step that leaves 1/µ within what was pressed."""
         change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
-        for column in np.flatnonzero(self._free == CONTACT_STATE.index("inverse_friction")):
-            slip = theta[3] + change[column]
-            held = min(max(slip, self._slips[0]), self._slips[1]) - theta[3]
+        for column in (place for place, name in enumerate(self._free) if name == "inverse_friction"):
+            slip = contact["inverse_friction"] + change[column]
+            held = min(max(slip, self._slips[0]), self._slips[1]) - contact["inverse_friction"]
             if held != change[column]:
                 others = np.delete(np.arange(len(change)), column)
                 pull = gradient[others] - normal[others, column] * held
                 change[others], change[column] = np.linalg.solve(normal[np.ix_(others, others)], pull), held
         return change
 
-    def _force(self, looked: PredictedImage, theta: FloatArray, whole: FloatArray) -> Force:
+    def _force(self, looked: PredictedImage, contact: State, whole: FloatArray) -> Force:
         """Force on the wall, and its covariance from that of all unknowns."""
         assert self.scale is not None
         by_thickness = self._unit_spread[len(UNIT_PARAMETERS) - 1]
-        by_all = np.hstack([looked.force_jacobian[:, self._free], np.outer(looked.force_by_thickness, by_thickness)])
+        by_all = np.hstack([looked.force_jacobian[self._free], np.outer(looked.force_by_thickness, by_thickness)])
         vector, covariance = scale_force(looked.force, by_all @ whole @ by_all.T, self.scale)
-        return Force(vector, covariance, wall_normal(*np.radians(theta[:2])))
+        return Force(vector, covariance, wall_normal(*np.radians(contact[POSE[:2]])))
 
-    def _on_robot(self, theta: FloatArray, z: FloatArray, whole: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _on_robot(self, contact: State, z: FloatArray, whole: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Pose (3,), and covariance (4, 4) of it and 1/µ, from that of all unknowns."""
-        by, free = np.zeros((4, len(whole))), len(self._free)
-        for column, number in enumerate(self._free):
-            if number < len(by):
-                by[number, column] = 1.0
-        pose = theta[:3]
+        by, free = np.zeros((len(READ), len(whole))), len(self._free)
+        for column, name in enumerate(self._free):
+            if name in READ:
+                by[READ.index(name), column] = 1.0
+        pose = contact[POSE]
         if self.mounting is not None:
             mounting = self._unit_spread[len(UNIT_PARAMETERS) :]
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.jacobian(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
         off = twin_sd(self.model.dots.twin.skin)
-        off[3] = _LATERAL_FRICTION_SD if self._drifts else off[3]
-        return pose, by @ whole @ by.T + np.diag(off**2)
+        off = off.replace(inverse_friction=_LATERAL_FRICTION_SD) if self._drifts else off
+        return pose, by @ whole @ by.T + np.diag(off[READ] ** 2)
 
-    def _inside(self, theta: FloatArray) -> FloatArray:
+    def _inside(self, contact: State) -> State:
         """The nearest pose that the twin knows."""
         twin = self.model.dots.twin
-        tilt, most = float(np.hypot(theta[0], theta[1])), float(twin.tilts_deg[-1]) + _BEYOND[0]
-        if tilt > most:
-            theta[:2] *= most / tilt
-        theta[2] = np.clip(theta[2], twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1] * self._size)
-        theta[3] = np.clip(theta[3], *self._slips)
-        return theta
+        rx, ry, depth = contact[POSE]
+        tilt, most = float(np.hypot(rx, ry)), float(twin.tilts_deg[-1]) + _BEYOND[0]
+        share = most / tilt if tilt > most else 1.0
+        return contact.replace(
+            rx_deg=share * rx,
+            ry_deg=share * ry,
+            depth_mm=np.clip(depth, twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1] * self._size),
+            inverse_friction=np.clip(contact["inverse_friction"], *self._slips),
+        )
 
 
-def twin_sd(skin: Skin) -> FloatArray:
-    """What the twin of a skin is off in pose (degrees, mm) and 1/µ (4,)."""
-    return TWIN_ERROR_SD * touch_scale(skin)[:4]
+def twin_sd(skin: Skin) -> State:
+    """What the twin of a skin is off in pose (degrees, mm) and 1/µ."""
+    return scale_contact(TWIN_ERROR_SD, skin)
 
 
-def contact_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (8,) of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
-    return np.array(
-        [
-            TILT_SD_DEG,
-            TILT_SD_DEG,
-            _DEPTH_SD,
-            tolerance.inverse_friction_prior[1],
-            tolerance.curvature_sd,
-            *tolerance.lateral_sd,
-        ]
-    )
+def contact_prior_sd(tolerance: ToleranceSpec) -> State:
+    """Standard deviations of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
+    pose = dict(zip(POSE, (TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD), strict=True))
+    others = {"inverse_friction": tolerance.inverse_friction_prior[1], "curvature": tolerance.curvature_sd}
+    return State.from_mapping(pose | others | dict(zip(LATERAL, tolerance.lateral_sd, strict=True)))
+
+
+def free_entries(sd: State, twin: Twin) -> tuple[str, ...]:
+    """Entries of `CONTACT_STATE` that are fitted: those that vary, 1/µ only if the twin has several frictions."""
+    several = len(twin.inverse_frictions) > 1
+    return tuple(name for name in sd.names if sd[name] > 0 and (several or name != "inverse_friction"))

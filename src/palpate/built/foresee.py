@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import contact_prior_sd, twin_sd
+from palpate.built.fit_pose import READ, contact_prior_sd, free_entries, twin_sd
 from palpate.built.learn_presses import predict_posterior
 from palpate.built.mounting import Mounting, prior_mounting
 from palpate.built.noise import NOISE_PX, layout_noise
@@ -34,8 +34,9 @@ from palpate.built.twin_error import ValidationPresses, measure_twin_error
 from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, build_unit_model, infer_from_rest
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
-from palpate.design import MarkerLayout
-from palpate.twin import Twin
+from palpate.core.state import State
+from palpate.design import TILT_SPACE, MarkerLayout
+from palpate.twin import LATERAL, Twin
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ def predict_accuracy(
     rest = camera.project(layout.positions)
     belief = infer_from_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
     noise = marker_noise(twin, layout, camera, spec)
-    model = build_unit_model(twin, layout, replace(belief, mean=np.zeros(len(UNIT_PARAMETERS))), tolerance)
+    model = build_unit_model(twin, layout, replace(belief, mean=State.zeros(UNIT_PARAMETERS)), tolerance)
     mounting = prior_mounting(belief, tolerance)
     known = simulate_calibration_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
     learnt = predict_posterior(model, mounting, known, noise, spec.robot)
@@ -149,7 +150,7 @@ def predict_accuracy(
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
     if validation_presses:
         off = measure_twin_error(model, validation_presses, spec.calibration_presses, spec.min_depth)
-        other = [np.diag(off.at(pose) ** 2 - twin_sd(twin.skin)[:3] ** 2) for pose, _ in places]
+        other = [np.diag(off.at(pose) ** 2 - twin_sd(twin.skin)[TILT_SPACE.names] ** 2) for pose, _ in places]
         gains = [
             gain._replace(image_covariance=gain.image_covariance + each)
             for gain, each in zip(gains, other, strict=True)
@@ -255,12 +256,12 @@ def pose_gain(
 
     `noise` is the standard deviation of a dot's coordinate in px, or (m,) of each.
     """
-    sd, slips = contact_prior_sd(model.tolerance), len(model.dots.twin.inverse_frictions) > 1
-    which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
-    looked, seen = model.predict(pose, inverse_friction, np.zeros(3) if which[-1] > 4 else None), model.visible
+    sd, seen = contact_prior_sd(model.tolerance), model.visible
+    which = free_entries(sd, model.dots.twin)
+    looked = model.predict(pose, inverse_friction, np.zeros(3) if set(which) & set(LATERAL) else None)
     assert looked.unit_jacobian is not None
     free = len(which)
-    by_pose = looked.pose_jacobian[seen][..., which].reshape(-1, free)
+    by_pose = looked.pose_jacobian[which][seen].reshape(-1, free)
     by_unit = looked.unit_jacobian[seen].reshape(-1, len(UNIT_PARAMETERS)) @ spread[: len(UNIT_PARAMETERS)]
     own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
     variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.posterior.nominal) ** 2
@@ -276,7 +277,11 @@ def pose_gain(
     known = np.linalg.inv(weighted[:, :free].T @ by_pose + np.diag(prior[:free]))
     truth = mounting.jacobian(pose) @ spread[len(UNIT_PARAMETERS) :]
     alone = np.sqrt(np.diag(known)[:3] * np.mean(2.0 * own**2 / variance))
-    nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
-    drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
-    of_image = own**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(twin_sd(model.dots.twin.skin)[:3] ** 2)
+    nuisance = [column for column, name in enumerate(which) if name not in READ]  # motion and curvature of the wall
+    drift = by_noise @ by_pose[:, nuisance] * sd[tuple(which[column] for column in nuisance)]
+    of_image = (
+        own**2 * by_noise @ by_noise.T
+        + drift @ drift.T
+        + np.diag(twin_sd(model.dots.twin.skin)[TILT_SPACE.names] ** 2)
+    )
     return PoseGain(by_noise @ by_unit - truth, by_noise, of_image, alone)

@@ -23,7 +23,9 @@ from palpate.built.scale import model_px, pixel_scale, size_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.design import Skin
+from palpate.core.state import State
+from palpate.design import TILT_SPACE, Skin
+from palpate.twin import LATERAL
 
 _TWIN_SD = {"thickness": 0.011, "depth_zero": 0.011, "inverse_friction": 0.012}
 """What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
@@ -206,20 +208,19 @@ class UnitFit:
         """Iterate to the maximum of the posterior."""
         belief, prior = model.posterior, prior_mounting(model.posterior, model.tolerance)
         information = self.information(prior)
-        before = np.zeros(self.size)
+        before, seated = np.zeros(self.size), slice(len(UNIT_PARAMETERS), self.shared)
         before[self.friction_slice] = (
             model.tolerance.inverse_friction_prior[0] if self.has_friction else self.twin.inverse_frictions[0]
         )
         values, now = self._begin(model, before), belief
-        mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
+        mounting = Mounting(State(MOUNTING_PARAMETERS, values[seated]), prior.covariance)
         for iteration in range(_ITERATIONS):
             model = model.with_posterior(now)
             found = self.assemble(model, mounting, values)
             normal = found.normal + information
             gradient = found.gradient - information @ (values - before)
             free = self._mounted if iteration < _FIRST else np.arange(self.size)
-            spread = np.sqrt(np.diag(np.linalg.inv(normal)))
-            change = np.zeros(self.size)
+            spread, change = np.sqrt(np.diag(np.linalg.inv(normal))), np.zeros(self.size)
             change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
             values = values + change
             values[self.friction_slice] = np.clip(
@@ -227,14 +228,14 @@ class UnitFit:
                 self.twin.inverse_frictions[0],
                 min(self.twin.inverse_frictions[-1], MAX_INVERSE_FRICTION),
             )
-            now = replace(belief, mean=belief.mean + values[: len(UNIT_PARAMETERS)])
-            mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
+            now = replace(belief, mean=belief.mean.add(UNIT_PARAMETERS, values[: len(UNIT_PARAMETERS)]))
+            mounting = Mounting(State(MOUNTING_PARAMETERS, values[seated]), prior.covariance)
             if iteration > _FIRST and (np.abs(change) < _SMALL * spread).all():
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
         believable = np.hypot(unit_prior_sd(model.tolerance), _lens_sd(self.twin.skin))
-        _refuse(now.mean / believable, found.misfit, off)
+        _refuse(now.mean.values / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
         return IdentificationResult(
             posterior=replace(now, covariance=shared[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)]),
@@ -320,7 +321,7 @@ class UnitFit:
         covariance = np.linalg.inv(information * np.outer(scale, scale) + told @ normal)
         mean = scale * (covariance @ (told @ (scale * (whole @ moved))))
         shared = slice(self.shared)
-        before = np.concatenate([posterior.mean, np.zeros(len(MOUNTING_PARAMETERS))])
+        before = np.concatenate([posterior.mean.values, np.zeros(len(MOUNTING_PARAMETERS))])
         return UnitEstimate(
             before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared]
         )
@@ -335,13 +336,13 @@ class UnitFit:
         assert looked.unit_jacobian is not None
         turn = np.eye(3)
         turn[:2, :2] = mounting.turn.T
-        by_robot = looked.pose_jacobian[..., :3] @ turn
+        by_robot = looked.pose_jacobian[TILT_SPACE.names] @ turn
         parts = (
             looked.unit_jacobian,
             -by_robot @ mounting.jacobian(at),
-            looked.pose_jacobian[..., 3:4] * self.has_friction,
+            looked.pose_jacobian[("inverse_friction",)] * self.has_friction,
             by_robot,
-            share * looked.pose_jacobian[..., 5:],
+            share * looked.pose_jacobian[LATERAL if self.drifts else ()],
         )
         return looked.pixels, np.concatenate(parts, axis=-1)
 

@@ -14,8 +14,10 @@ import numpy as np
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.core import FloatArray
+from palpate.core.state import State
 
-MOUNTING_PARAMETERS = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "depth_zero")
+SEATING_TILT = ("seating_x_deg", "seating_y_deg")
+MOUNTING_PARAMETERS = (*SEATING_TILT, "seating_turn_deg", "depth_zero")
 """Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
 
 
@@ -26,27 +28,29 @@ class Mounting:
     Attributes
     ----------
     mean
-        (4,) of `MOUNTING_PARAMETERS`.
+        `MOUNTING_PARAMETERS`.
     covariance
         (15, 15) of the numbers of `UNIT_PARAMETERS` and of `MOUNTING_PARAMETERS` together.
     """
 
-    mean: FloatArray
+    mean: State
     covariance: FloatArray
 
     @property
     def turn(self) -> FloatArray:
         """Rotation (2, 2) of a tilt from the dome's frame to the robot's."""
-        return _turn(self.mean[2])
+        return _turn(self.mean["seating_turn_deg"])
 
     def to_dome(self, pose: FloatArray) -> FloatArray:
         """Pose (3,) in the dome's frame of one on the robot's scale."""
-        return np.array([*(self.turn.T @ (pose[:2] - self.mean[:2])), pose[2] - self.mean[3]])
+        tilt = self.turn.T @ (pose[:2] - self.mean[SEATING_TILT])
+        return np.array([*tilt, pose[2] - self.mean["depth_zero"]])
 
     def to_robot(self, pose: FloatArray, correction: FloatArray | None = None) -> FloatArray:
         """Pose (3,) on the robot's scale of one in the dome's frame; `correction` (4,) is added to the mounting."""
-        mean = self.mean if correction is None else self.mean + correction
-        return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
+        mean = self.mean if correction is None else self.mean.add(MOUNTING_PARAMETERS, correction)
+        tilt = _turn(mean["seating_turn_deg"]) @ pose[:2] + mean[SEATING_TILT]
+        return np.array([*tilt, pose[2] + mean["depth_zero"]])
 
     def jacobian(self, pose: FloatArray) -> FloatArray:
         """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
@@ -70,7 +74,7 @@ def prior_mounting(posterior: UnitPosterior, tolerance: ToleranceSpec) -> Mounti
     covariance = np.zeros((len(UNIT_PARAMETERS) + 4, len(UNIT_PARAMETERS) + 4))
     covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)] = posterior.covariance
     covariance[len(UNIT_PARAMETERS) :, len(UNIT_PARAMETERS) :] = np.diag(mounting_prior_sd(tolerance) ** 2)
-    return Mounting(np.zeros(4), covariance)
+    return Mounting(State.zeros(MOUNTING_PARAMETERS), covariance)
 
 
 def _turn(degrees: float) -> FloatArray:

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from palpate.built.force import LEVEL_90, Force
 from palpate.built.unit_model import PredictedImage
 from palpate.core import FloatArray
+from palpate.core.state import State
+from palpate.design import TILT_SPACE
+from palpate.twin import LATERAL
 
-CONTACT_STATE = (
-    "rx_deg",
-    "ry_deg",
-    "depth_mm",
-    "inverse_friction",
-    "curvature",
-    "lateral_x",
-    "lateral_y",
-    "twist_deg",
-)
+POSE: tuple[str, ...] = TILT_SPACE.names
+CONTACT_STATE = (*POSE, "inverse_friction", "curvature", *LATERAL)
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
-Linear = tuple[FloatArray, PredictedImage, FloatArray]
+Linear = tuple[State, PredictedImage, FloatArray]
 """A touch, what is seen there, and how it depends on the unit."""
 
 
@@ -50,7 +46,7 @@ class PoseFit:
     steps
         Gauss–Newton steps taken.
     state
-        (8,) `CONTACT_STATE`, in the dome's frame.
+        `CONTACT_STATE`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
@@ -69,7 +65,7 @@ class PoseFit:
     residual_px: float
     misfit: float
     steps: int
-    state: FloatArray
+    state: State
     cost: float
     unit: FloatArray
     inverted: bool = False
@@ -87,26 +83,27 @@ class BranchState:
     Attributes
     ----------
     last
-        (8,) touch of the last image; `None` before any.
+        `CONTACT_STATE` of the last image; `None` before any.
     moved, motion
-        (8,) change of touch with the last image, and that with which the next one is expected.
+        Change of it with the last image, and that with which the next one is expected.
     near
         Where the image was last linearised in the unit's numbers.
     """
 
-    last: FloatArray | None = None
-    moved: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
-    motion: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
+    last: State | None = None
+    moved: State = field(default_factory=partial(State.zeros, CONTACT_STATE))
+    motion: State = field(default_factory=partial(State.zeros, CONTACT_STATE))
     near: Linear | None = None
 
-    def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> BranchState:
-        """The state after a touch (8,): the wall is expected to go on as it moved, if it moved so before.
+    def after(self, contact: State, near: Linear, scale: State) -> BranchState:
+        """The state after a contact: the wall is expected to go on as it moved, if it moved so before.
 
-        `scale` (8,) is the change of a touch within which images are alike.
+        `scale` is the change of a contact within which images are alike.
         """
-        moved = np.zeros(len(CONTACT_STATE)) if self.last is None else theta - self.last
-        turned, far = (float(np.linalg.norm((each / scale)[:3])) for each in (moved - self.moved, moved))
-        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(CONTACT_STATE)), near)
+        still = State.zeros(CONTACT_STATE)
+        moved = still if self.last is None else contact - self.last
+        turned, far = (float(np.linalg.norm(each[POSE] / scale[POSE])) for each in (moved - self.moved, moved))
+        return BranchState(contact, moved, moved if turned < 0.5 * far else still, near)
 
 
 @dataclass(frozen=True, eq=False)

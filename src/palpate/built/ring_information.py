@@ -18,7 +18,7 @@ from palpate.built.foresee import AccuracySpec, marker_noise, sample_working_ran
 from palpate.built.groups import sum_by_group
 from palpate.built.identify import twin_error_sd
 from palpate.built.learn_presses import PressInformation, press_information
-from palpate.built.mounting import Mounting, mounting_prior_sd
+from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd
 from palpate.built.noise import layout_noise
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
@@ -33,8 +33,9 @@ from palpate.built.unit_model import (
 )
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, generator
-from palpate.design import MarkerLayout, Skin
-from palpate.twin import Twin
+from palpate.core.state import State
+from palpate.design import TILT_SPACE, MarkerLayout, Skin
+from palpate.twin import LATERAL, Twin
 
 _MARGIN_PX = 5.0
 """Distance of a dot's centre from the edge of the image."""
@@ -171,7 +172,7 @@ class RingInformation:
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
             again = by_unit @ np.linalg.solve(spread, taken) @ crossed
             found = found - 2.0 * np.einsum("pai,pai->pa", again, gain)
-        return float(found.mean() + np.mean(TWIN_ERROR_SD[:2] ** 2))
+        return float(found.mean() + np.mean(TWIN_ERROR_SD[TILT_SPACE.names[:2]] ** 2))
 
     def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray | None]:
         """Covariance (15, 15) of unit and mounting that is believed before an image is read, how much of it is not by
@@ -228,14 +229,16 @@ def compute_ring_information(
     spec, tolerance = spec or AccuracySpec(), modelled_tolerance(twin, tolerance)
     rest_px = camera.project(layout.positions)
     sd = unit_prior_sd(tolerance)
-    belief = UnitPosterior(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
+    belief = UnitPosterior(camera.spec, rest_px, State.zeros(UNIT_PARAMETERS), np.diag(sd**2))
     model = build_unit_model(twin, layout, belief, tolerance)
     slopes, spread = rest_jacobian(twin, layout, camera, tolerance, spec.noise_px)
     places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     touch = contact_prior_sd(tolerance)
     if len(twin.inverse_frictions) == 1:
-        touch[3] = 0.0
-    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_prior_sd(tolerance)]) ** 2))
+        touch = touch.replace(inverse_friction=0.0)
+    mounting = Mounting(
+        State.zeros(MOUNTING_PARAMETERS), np.diag(np.concatenate([sd, mounting_prior_sd(tolerance)]) ** 2)
+    )
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
     noise = _by_group(marker_noise(twin, layout, camera, spec), group)
@@ -245,16 +248,16 @@ def compute_ring_information(
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
     reads, crossed = [], []
     for pose, slip in places:
-        looked = model.predict(pose, slip, np.zeros(3) if touch[4:].any() else None)
+        looked = model.predict(pose, slip, np.zeros(3) if touch[("curvature", *LATERAL)].any() else None)
         assert looked.unit_jacobian is not None
         rows = np.zeros((len(group), 2, len(touch) + _UNIT))
-        rows[..., : looked.pose_jacobian.shape[-1]] = looked.pose_jacobian
+        rows[..., : len(looked.pose_jacobian)] = looked.pose_jacobian.values
         rows[..., len(touch) :] = looked.unit_jacobian
         _leave(inside, group, camera, looked.pixels)
         reads.append(sum_by_group(rows, rows / variance, group))
         crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
-        touch_prior = touch**-2.0
+        touch_prior = touch.values**-2.0
     pad = np.full(2, max(tolerance.print_shift, 1e-6) / np.sqrt(3.0))
     return RingInformation(
         rest=sum_by_group(slopes, slopes / spread**2, group),

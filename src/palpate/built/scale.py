@@ -11,9 +11,11 @@ import numpy as np
 
 from palpate.built.noise import MODEL_ERROR_PX
 from palpate.camera import CameraSpec
-from palpate.core import FloatArray
+from palpate.core.state import State
 from palpate.design import Skin
 
+_LENGTH_POWER = {"depth_mm": 1, "curvature": -1, "lateral_x": 1, "lateral_y": 1}
+"""Entry of a contact → power of the skin's size with which it grows."""
 SIZE_MM = 20.0
 """Reach of the skin from its axis by which the constants were measured, mm: H20 T2."""
 _NOMINAL = CameraSpec()
@@ -24,11 +26,11 @@ def size_scale(skin: Skin) -> float:
     return skin.widest[0] / SIZE_MM
 
 
-def touch_scale(skin: Skin) -> FloatArray:
-    """Factors (8,) for the numbers of `CONTACT_STATE`: depth and travel are lengths, the wall's curvature is 1 over
-    one."""
+def scale_contact(values: State, skin: Skin) -> State:
+    """Return entries of a contact, measured on the skin of the constants, for another skin."""
     size = size_scale(skin)
-    return np.array([1.0, 1.0, size, 1.0, 1.0 / size, size, size, 1.0])
+    factors = {0: 1.0, 1: size, -1: 1.0 / size}
+    return State(values.names, values.values * [factors[_LENGTH_POWER.get(name, 0)] for name in values.names])
 
 
 def pixel_scale(skin: Skin, camera: CameraSpec) -> float:

@@ -14,6 +14,7 @@ from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting
 from palpate.built.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.camera import CameraSpec
 from palpate.core import FloatArray, PalpateError, atomic_write, provenance
+from palpate.core.state import State
 from palpate.design import MarkerLayout, Skin
 
 UNIT_VERSION = "3"
@@ -62,7 +63,7 @@ def write_unit(path: Path, unit: IdentifiedUnit) -> None:
     """
     belief, mounting = unit.posterior, unit.mounting
     sd = np.sqrt(np.diag(mounting.covariance))
-    values = np.concatenate([belief.mean, mounting.mean])
+    values = np.concatenate([belief.mean.values, mounting.mean.values])
     content = {
         "kind": _KIND,
         "version": UNIT_VERSION,
@@ -105,10 +106,10 @@ def read_unit(path: Path) -> IdentifiedUnit:
             UnitPosterior(
                 CameraSpec.model_validate(content["camera"]),
                 rest.reshape(-1, 2),
-                values[: len(UNIT_PARAMETERS)],
+                State(UNIT_PARAMETERS, values[: len(UNIT_PARAMETERS)]),
                 covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)],
             ),
-            Mounting(values[len(UNIT_PARAMETERS) :], covariance),
+            Mounting(State(MOUNTING_PARAMETERS, values[len(UNIT_PARAMETERS) :]), covariance),
             StiffnessScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

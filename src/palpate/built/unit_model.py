@@ -21,8 +21,9 @@ from palpate.built.shifted_cameras import CameraDerivatives, Projection, project
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, marker_outlines, project_markers
 from palpate.core import BoolArray, FloatArray
-from palpate.design import MarkerLayout
-from palpate.twin import MarkerState, MarkerTwin, Twin
+from palpate.core.state import State
+from palpate.design import TILT_SPACE, MarkerLayout
+from palpate.twin import LATERAL, MarkerState, MarkerTwin, Twin
 
 CAMERA_PARAMETERS = (
     "offset_x",
@@ -71,6 +72,10 @@ _FORGIVEN = 3.0
 """Standard deviations beyond which a misprint no longer pulls with its square."""
 
 
+PRINT_SHIFT = ("print_shift_x", "print_shift_y")
+"""Shift of the whole print, mm."""
+
+
 def unit_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Standard deviations (11,) of `UNIT_PARAMETERS` before any image: even within the tolerances."""
     found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNIT_PARAMETERS]) / np.sqrt(3.0)
@@ -93,22 +98,22 @@ class UnitPosterior:
     rest_px
         (m, 2) dots in the image at rest; NaN where none was seen.
     mean, covariance
-        (11,) and (11, 11) of `UNIT_PARAMETERS`.
+        `UNIT_PARAMETERS`, and their covariance (11, 11).
     """
 
     nominal: CameraSpec
     rest_px: FloatArray
-    mean: FloatArray
+    mean: State
     covariance: FloatArray
 
-    def camera(self, change: FloatArray | None = None) -> Camera:
-        """The camera believed in, or one whose unknowns differ by `change` (11,)."""
-        values = self.mean if change is None else self.mean + change
-        return build_camera(_camera_of(self.nominal, values))
+    def camera(self, **changes: float) -> Camera:
+        """The camera believed in, or one whose parameters of these names differ by `changes`."""
+        mean = self.mean.add(tuple(changes), np.array(list(changes.values()), float))
+        return build_camera(_camera_of(self.nominal, mean))
 
 
-def _camera_of(nominal: CameraSpec, values: FloatArray) -> CameraSpec:
-    named: dict[str, Any] = dict(zip(CAMERA_PARAMETERS, (float(value) for value in values), strict=False))
+def _camera_of(nominal: CameraSpec, values: State) -> CameraSpec:
+    named: dict[str, Any] = {name: values[name] for name in CAMERA_PARAMETERS}
     return Deviation(**named).camera(nominal)
 
 
@@ -149,14 +154,15 @@ def infer_from_rest(
     printed = MarkerLayout(layout.positions[seen], layout.diameter)
 
     def miss(values: FloatArray) -> FloatArray:
-        left = _at_rest(twin, printed, nominal, values) - rest_px[seen]
+        left = _at_rest(twin, printed, nominal, State(_REST, values)) - rest_px[seen]
         return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
 
     fit = least_squares(miss, np.zeros(len(sd)), x_scale=sd, loss="huber", f_scale=_FORGIVEN)
-    covariance = np.zeros((len(UNIT_PARAMETERS), len(UNIT_PARAMETERS)))
-    covariance[:-1, :-1] = np.linalg.inv(fit.jac.T @ fit.jac)[: len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)]
-    covariance[-1, -1] = before[-1] ** 2
-    return UnitPosterior(nominal, rest_px, np.append(fit.x[: len(CAMERA_PARAMETERS)], 0.0), covariance)
+    covariance = np.diag(before**2)  # an image at rest says nothing of the thickness
+    camera = slice(len(CAMERA_PARAMETERS))
+    covariance[camera, camera] = np.linalg.inv(fit.jac.T @ fit.jac)[camera, camera]
+    mean = State(UNIT_PARAMETERS, np.append(State(_REST, fit.x)[CAMERA_PARAMETERS], 0.0))
+    return UnitPosterior(nominal, rest_px, mean, covariance)
 
 
 def rest_jacobian(
@@ -174,15 +180,20 @@ def rest_jacobian(
     steps = np.append(_STEP * unit_prior_sd(tolerance)[: len(CAMERA_PARAMETERS)], [1e-3, 1e-3])
     found = np.empty((len(layout), 2, len(steps)))
     for k, step in enumerate(steps):
-        high, low = (_at_rest(twin, layout, camera.spec, side * step * np.eye(len(steps))[k]) for side in (1, -1))
+        away = step * np.eye(len(steps))[k]
+        high, low = (_at_rest(twin, layout, camera.spec, State(_REST, side * away)) for side in (1, -1))
         found[..., k] = (high - low) / (2 * step)
     return found, _rest_spread(twin, camera.spec, tolerance, noise_px)
 
 
-def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: FloatArray) -> FloatArray:
-    """Pixels (m, 2) of the layout where camera and print differ from what they should be by these numbers (12,)."""
+_REST = (*CAMERA_PARAMETERS, *PRINT_SHIFT)
+"""Parameters of an image at rest."""
+
+
+def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: State) -> FloatArray:
+    """Pixels (m, 2) of the layout where camera and print differ from the design by these values."""
     camera = build_camera(_camera_of(nominal, values))
-    x, y = layout.positions[:, 0] + values[-2], layout.positions[:, 1] + values[-1]
+    x, y = (layout.positions[:, :2] + values[PRINT_SHIFT]).T
     printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
     return _traces(camera, twin, printed, layout.diameter)
 
@@ -206,8 +217,7 @@ class PredictedImage(NamedTuple):
     pixels
         (m, 2) px; NaN for a dot that was not seen at rest.
     pose_jacobian
-        (m, 2, 5 or 8): px over a degree of rx, of ry, mm of depth, 1/µ, and 1/m of the wall's bend; where drift is
-        given, over a mm of it in x and in y, and a degree of twist.
+        (m, 2, 5 or 8) px over the entries of a contact (`CONTACT_STATE`); its motion only if one is given.
     unit_jacobian
         (m, 2, 11) px over `UNIT_PARAMETERS`; `None` where it was not asked for.
     bias
@@ -219,11 +229,11 @@ class PredictedImage(NamedTuple):
     """
 
     pixels: FloatArray
-    pose_jacobian: FloatArray
+    pose_jacobian: State
     unit_jacobian: FloatArray | None
     bias: FloatArray
     force: FloatArray
-    force_jacobian: FloatArray
+    force_jacobian: State
     force_by_thickness: FloatArray
 
 
@@ -295,20 +305,29 @@ class UnitModel:
         the bias of traces change little from pose to pose: they are those of a look at one that is `near`, where that
         is given.
         """
-        moved = self.dots.evaluate(pose, inverse_friction, float(self.posterior.mean[-1]), lateral, curvature)
+        moved = self.dots.evaluate(pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature)
         pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
-        by_pose = slopes @ moved.jacobian
+        by_all = State(moved.jacobian.names, slopes @ moved.jacobian.values)
+        by_thickness = by_all["thickness"]
         if near is not None:
             by_unit, bias = near.unit_jacobian, near.bias
         else:
-            by_unit = self._by_unit(moved, shown, by_pose[..., 4]) if unit else None
+            by_unit = self._by_unit(moved, shown, by_thickness) if unit else None
             bias = self._bias(moved.amplitudes, pixels)
         pixels = np.where(self.visible[:, None], pixels + bias, np.nan)
-        touch = [k for k in range(by_pose.shape[-1]) if k != 4]
-        by_force = moved.force_jacobian
+        contact = tuple(name for name in by_all.names if name != "thickness")
+        by_pose, by_force = (State(contact, each[contact]) for each in (by_all, moved.force_jacobian))
         return PredictedImage(
-            pixels, by_pose[..., touch], by_unit, bias, moved.force, by_force[:, touch], by_force[:, 4]
+            pixels, by_pose, by_unit, bias, moved.force, by_force, moved.force_jacobian["thickness"]
         )
+
+    def predict_contact(
+        self, contact: State, *, lateral: bool, unit: bool = True, near: PredictedImage | None = None
+    ) -> PredictedImage:
+        """`predict` for a contact (`CONTACT_STATE`), with its motion in the plane of the wall if `lateral`."""
+        motion = contact[LATERAL] if lateral else None
+        pose, slip = contact[TILT_SPACE.names], contact["inverse_friction"]
+        return self.predict(pose, slip, motion, contact["curvature"], unit=unit, near=near)
 
     def _by_unit(self, moved: MarkerState, shown: Projection, by_thickness: FloatArray) -> FloatArray:
         """Derivatives (m, 2, 11) px by `UNIT_PARAMETERS`; a camera that changes takes the places of the dots
@@ -341,8 +360,8 @@ def build_unit_model(
     places = np.where(seen[:, None], places, layout.positions)
     rates, shifted = np.zeros((len(places), 3, len(CAMERA_PARAMETERS))), []
     for k in range(len(CAMERA_PARAMETERS)):
-        change = steps[k] * np.eye(len(UNIT_PARAMETERS))[k]
-        pair = posterior.camera(change), posterior.camera(-change)
+        name = CAMERA_PARAMETERS[k]
+        pair = posterior.camera(**{name: steps[k]}), posterior.camera(**{name: -steps[k]})
         high, low = (_places(each, twin, posterior.rest_px, bias) for each in pair)
         rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
         shifted.append(pair)

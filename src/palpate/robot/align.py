@@ -166,7 +166,7 @@ class Aligner:
         except _Failed:
             self.robot.move(start)
             raise
-        zero = read.travel - read.fit.state[2]
+        zero = read.travel - read.fit.state["depth_mm"]
         self.robot.move(start.moved((zero - self.spec.clear) * way))
         self._gap = self.spec.clear
         return self._estimated(read, self._images - before)
@@ -200,16 +200,16 @@ class Aligner:
         best = _read_of(travel, reading, self.robot.flange_pose())
         for share in _STRIDES:
             goal = self._limit.max_depth(best.fit, self.spec.depth)
-            if goal - best.fit.state[2] < _ARRIVED_MM:
+            if goal - best.fit.state["depth_mm"] < _ARRIVED_MM:
                 break
-            travel = best.travel + share * (goal - float(best.fit.state[2]))
+            travel = best.travel + share * (goal - best.fit.state["depth_mm"])
             self.robot.move(start.moved(travel * way))
             found = self._look(Flag.OUT_OF_DISTRIBUTION)
             if found is None or not found.touching:
                 self.robot.move(start.moved((best.travel - _BACK_MM) * way))
                 break
             best = _read_of(travel, found, self.robot.flange_pose())
-        if best.fit.state[2] < self.spec.min_depth:
+        if best.fit.state["depth_mm"] < self.spec.min_depth:
             raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
         return best
 
@@ -227,10 +227,10 @@ class Aligner:
         return Touch(
             read.base_from_flange,
             fit.pose[:2].copy(),
-            float(fit.state[2]),
+            fit.state["depth_mm"],
             fit.covariance[:2, :2].copy(),
             force.value,
-            self._limit.max_force(fit.state, float(fit.state[2])),
+            self._limit.max_force(fit.state, fit.state["depth_mm"]),
             fit.inverse_friction,
             images,
             read.outside,

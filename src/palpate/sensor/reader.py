@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from palpate.built import FitState, Force, PoseFit, PoseFitter, build_unit_model, infer_from_rest, predict_force
 from palpate.core import FloatArray, PalpateError
+from palpate.core.state import State
 from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
 from palpate.markers import MarkerAssignment, TrackedMarkers
@@ -66,13 +67,13 @@ class ReaderState:
         How far the untouched dots have drifted.
     fit
         From where the next image is fitted.
-    touch
-        (8,) touch of the last image, if it was explained.
+    contact
+        `palpate.built.CONTACT_STATE` of the last image, if it was explained.
     """
 
     rest: RestState | None = None
     fit: FitState = field(default_factory=FitState)
-    touch: FloatArray | None = None
+    contact: State | None = None
 
 
 class PoseEstimator(ABC):
@@ -221,14 +222,14 @@ class TwinEstimator(PoseEstimator):
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
         twin = self.fitter.model.dots.twin
         flags = [Flag.CAMERA_MOVED] if rest.displaced else []
-        if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[:3]):
+        if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[TILT_SPACE.names]):
             flags.append(Flag.OUT_OF_DISTRIBUTION)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        touch = fit.state if fit.misfit <= self._most and not fit.inverted else None
+        contact = fit.state if fit.misfit <= self._most and not fit.inverted else None
         estimate = PoseEstimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
-        return estimate, ReaderState(rest, fitted, touch)
+        return estimate, ReaderState(rest, fitted, contact)
 
     def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
         return None if estimate.fit is None else self.fitter.predict_pixels(estimate.fit)
@@ -238,12 +239,12 @@ class TwinEstimator(PoseEstimator):
     ) -> tuple[FloatArray, PoseFit, FitState]:
         """Dots as they were without drift, their fit, and the state after it.
 
-        Where the touch is far from the last image's, drift is taken out once more, as it shows there.
+        Where the contact is far from the last image's, drift is taken out once more, as it shows there.
         """
-        last = state.touch
+        last = state.contact
         still = self.watch.remove_drift(rest, seen, last)
         fit, after = self.fitter.follow(still, state.fit, near)
-        if still is not seen and (last is None or (np.abs(fit.state - last)[:3] > self._near).any()):
+        if still is not seen and (last is None or (np.abs((fit.state - last)[TILT_SPACE.names]) > self._near).any()):
             still = self.watch.remove_drift(rest, seen, fit.state)
             fit, after = self.fitter.follow(still, state.fit, fit)
         return still, fit, after

@@ -22,6 +22,8 @@ import numpy as np
 
 from palpate.built import UNIT_PARAMETERS, UnitModel
 from palpate.core import BoolArray, FloatArray
+from palpate.core.state import State
+from palpate.design import TILT_SPACE
 from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
 
 _CAMERA = UNIT_PARAMETERS[:-1]
@@ -183,19 +185,20 @@ class DriftTracker:
             1.0 + float(np.sum(rest * moved)) / size,
         )
 
-    def remove_drift(self, state: RestState, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
+    def remove_drift(self, state: RestState, seen_px: FloatArray, contact: State | None = None) -> FloatArray:
         """Dots (m, 2) px where they would be had the rest not moved.
 
-        How far a drift of the camera shows depends on where the dots are: as under about the touch (rx, ry, depth,
-        1/µ, …) of the last image, or at rest.
+        How far a drift of the camera shows depends on where the dots are: as under about the contact of the last
+        image (`palpate.built.CONTACT_STATE`), or at rest.
         """
         if state.motion.rms_px < _NOTHING_PX:
             return seen_px
         followed = self._filter.motion(state.drift)
-        if touch is None:
+        if contact is None:
             return np.asarray(seen_px - self._ways[..., : self._free] @ followed)
-        thicker = float(self.model.posterior.mean[-1])
-        points = self.model.dots.evaluate(touch[:3], float(touch[3]), thicker).positions
+        thicker = self.model.posterior.mean["thickness"]
+        pose, slip = contact[TILT_SPACE.names], contact["inverse_friction"]
+        points = self.model.dots.evaluate(pose, slip, thicker).positions
         return np.asarray(seen_px - self.model.shifted.jacobian(points) @ (self._mix @ followed))
 
     def update(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:

@@ -7,7 +7,7 @@ from palpate.twin.jacobian import image_jacobian
 from palpate.twin.measure_off import measure_interpolation_error
 from palpate.twin.press_field import PressField, Series, surface_displacement
 from palpate.twin.tilt_runs import interpolate_depths
-from palpate.twin.twin import TWIN_DERIVATIVES, MarkerState, MarkerTwin, Twin
+from palpate.twin.twin import LATERAL, TWIN_DERIVATIVES, TWIN_STATE, MarkerState, MarkerTwin, Twin
 from palpate.twin.twin_file import (
     TWIN_VERSION,
     find_twin,
@@ -19,7 +19,9 @@ from palpate.twin.twin_file import (
 )
 
 __all__ = [
+    "LATERAL",
     "TWIN_DERIVATIVES",
+    "TWIN_STATE",
     "TWIN_VERSION",
     "BatchTwin",
     "MarkerState",

@@ -18,7 +18,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.design import Skin
+from palpate.core.state import State
+from palpate.design import TILT_SPACE, Skin
 from palpate.fea import WallSpec
 from palpate.twin.circle import QUARTER_TURN
 from palpate.twin.surface_series import place_circles
@@ -26,6 +27,10 @@ from palpate.twin.tensor_spline import TensorSpline
 
 TWIN_DERIVATIVES = ("thickness", "curvature", *WallSpec.LATERAL_FIELDS)
 """Derivatives of a twin's presses: by the skin's thickness, the wall's curvature, and its lateral motion."""
+LATERAL = ("lateral_x", "lateral_y", "twist_deg")
+"""Travel of a wall in its plane (mm) and its turn (degrees) on the way down."""
+TWIN_STATE = (*TILT_SPACE.names, "inverse_friction", "thickness", "curvature", *LATERAL)
+"""Pose, 1/µ, change of thickness (mm), curvature of the wall (1/m) and its motion: the arguments of a twin."""
 STRAIGHT_DEG = 1e-3
 """Tilt below which a wall counts as straight; its derivatives are taken there."""
 FORCES = 3
@@ -138,8 +143,7 @@ class MarkerState(NamedTuple):
     positions
         (m, 3) mm.
     jacobian
-        (m, 3, 6 or 9): mm over a degree of rx, of ry, mm of depth, 1/µ, mm of thickness, and 1/m of bend; where drift
-        is given, also over a mm of it in x and in y, and over a degree of twist.
+        (m, 3, 6 or 9): mm over the entries of `TWIN_STATE`; those of `LATERAL` only with a motion.
     force
         (3,) N on the wall, dome's frame.
     force_jacobian
@@ -149,9 +153,9 @@ class MarkerState(NamedTuple):
     """
 
     positions: FloatArray
-    jacobian: FloatArray
+    jacobian: State
     force: FloatArray
-    force_jacobian: FloatArray
+    force_jacobian: State
     amplitudes: FloatArray
 
 
@@ -230,7 +234,10 @@ class MarkerTwin:
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
             out[..., 2:] = each[..., 2:count]
-        return MarkerState(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
+        names = TWIN_STATE[:count]
+        return MarkerState(
+            self.places + moved[..., 0], State(names, by), force[:, 0], State(names, force_by), rows[:, 0]
+        )
 
     def positions_at(self, amplitudes: FloatArray) -> FloatArray:
         """Where the dots are (m, 3) mm as the waves have these amplitudes (2 r,)."""

@@ -39,6 +39,7 @@ from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting
 from palpate.built.twin_error import TwinError, measure_twin_error, simulate_exact_markers
 from palpate.camera import CameraSpec, WindowSpec, build_camera, marker_outlines, project_markers, render
 from palpate.core import generator
+from palpate.core.state import State
 from palpate.design import (
     Design,
     DomeSpec,
@@ -141,7 +142,7 @@ def test_the_rest_image_tells_the_camera_as_well_as_it_says(twin: Twin, units: l
     for unit in units:
         belief = opened(twin, unit)
         truth = np.array([getattr(unit.deviation, name) for name in UNIT_PARAMETERS])
-        off.append((belief.mean - truth)[:-1] / np.sqrt(np.diag(belief.covariance)[:-1]))
+        off.append((belief.mean.values - truth)[:-1] / np.sqrt(np.diag(belief.covariance)[:-1]))
     assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.5
     assert np.abs(off).max() < 4
 
@@ -180,7 +181,7 @@ def test_dots_are_foreseen_where_a_picture_of_a_press_shows_them() -> None:
         mesh_skin(DOME, MeshSpec(cells=24)), ECOFLEX, wall.model_copy(update={"tilt_deg": 6.0, "depth_step": 2.0})
     )
     belief = infer_from_rest(own, large, NOMINAL, project_markers(camera, edges).centres, TOLERANCE, NOISE)
-    model = build_unit_model(own, large, replace(belief, mean=np.zeros(len(UNIT_PARAMETERS))), TOLERANCE)
+    model = build_unit_model(own, large, replace(belief, mean=State.zeros(UNIT_PARAMETERS)), TOLERANCE)
     bent = fine.positions(edges.reshape(-1, 3))[-1].reshape(edges.shape)
     rest, pressed = camera.project(large.positions), camera.project(fine.positions(large.positions)[-1])
     astray = weighed(render(camera, bent), pressed) - pressed - (weighed(render(camera, edges), rest) - rest)
@@ -225,12 +226,14 @@ def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Bu
     for number, unit in enumerate(units):
         belief = opened(twin, unit)
         found = identify(build_unit_model(twin, LAYOUT, belief, TOLERANCE), known(unit, seen), NOISE)
-        assert found.posterior.mean[-1] == pytest.approx(0.0, abs=0.02)
+        assert found.posterior.mean["thickness"] == pytest.approx(0.0, abs=0.02)
         assert found.inverse_frictions == pytest.approx(1.0, abs=0.1)
         truth = [getattr(unit.deviation, name) for name in MOUNTING_PARAMETERS]
-        off = (found.mounting.mean - truth) / np.sqrt(np.diag(found.mounting.covariance)[len(UNIT_PARAMETERS) :])
+        off = (found.mounting.mean.values - truth) / np.sqrt(
+            np.diag(found.mounting.covariance)[len(UNIT_PARAMETERS) :]
+        )
         assert np.abs(off).max() < 3.5
-        assert np.abs((found.mounting.mean - truth)[[0, 1, 3]]).max() < 0.08
+        assert np.abs((found.mounting.mean.values - truth)[[0, 1, 3]]).max() < 0.08
         blind = PoseFitter(build_unit_model(twin, LAYOUT, belief, TOLERANCE), NOISE)
         knows = PoseFitter(build_unit_model(twin, LAYOUT, found.posterior, TOLERANCE), NOISE, found.mounting)
         for pose, dots in zip(*unit.press(seen[2], 70.0 * number + 15.0), strict=True):
@@ -430,7 +433,7 @@ def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Pre
     write_unit(tmp_path / "unit.json", written)
     again = read_unit(tmp_path / "unit.json")
     again.check(DOME, LAYOUT)
-    assert again.posterior.mean == pytest.approx(found.posterior.mean)
+    assert again.posterior.mean.values == pytest.approx(found.posterior.mean.values)
     assert again.mounting.covariance == pytest.approx(found.mounting.covariance)
     assert again.posterior.nominal == NOMINAL
     assert again.scale == StiffnessScale(1.02, 0.01)
@@ -467,7 +470,7 @@ def solve(tilt: float, contact: float, cells: int) -> Press:
 def as_designed(twin: Twin) -> UnitModel:
     rest = build_camera(NOMINAL).project(LAYOUT.positions)
     belief = infer_from_rest(twin, LAYOUT, NOMINAL, rest, TOLERANCE, NOISE)
-    return build_unit_model(twin, LAYOUT, replace(belief, mean=np.zeros(len(UNIT_PARAMETERS))), TOLERANCE)
+    return build_unit_model(twin, LAYOUT, replace(belief, mean=State.zeros(UNIT_PARAMETERS)), TOLERANCE)
 
 
 @pytest.mark.slow
@@ -633,9 +636,10 @@ def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
         )
         rest = build_camera(truth.camera(NOMINAL)).project(LAYOUT.positions)
         belief = infer_from_rest(twin, LAYOUT, NOMINAL, rest + rng.normal(0, noise, rest.shape), TOLERANCE, noise)
-        mean = np.array([getattr(truth, name) for name in UNIT_PARAMETERS])
+        mean = State.from_mapping({name: getattr(truth, name) for name in UNIT_PARAMETERS})
         shown = build_unit_model(twin, LAYOUT, replace(belief, rest_px=rest, mean=mean), TOLERANCE)
-        mounted = Mounting(np.array([getattr(truth, name) for name in MOUNTING_PARAMETERS]), np.zeros((15, 15)))
+        seated = State.from_mapping({name: getattr(truth, name) for name in MOUNTING_PARAMETERS})
+        mounted = Mounting(seated, np.zeros((15, 15)))
 
         def image(pose: np.ndarray, slip: float, shown=shown) -> np.ndarray:
             return shown.predict(pose, slip, unit=False).pixels + rng.normal(0, noise, (len(LAYOUT), 2))
@@ -656,7 +660,7 @@ def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
             pose = np.array([tilt * np.cos(turn), tilt * np.sin(turn), rng.uniform(2, 4)])
             errors.append((fitter.fit(image(pose, rng.uniform(0.6, 1.3))).pose - mounted.to_robot(pose))[:2])
     foreseen = predict_accuracy(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
-    itself = np.sqrt(foreseen**2 - TWIN_ERROR_SD[0] ** 2)
+    itself = np.sqrt(foreseen**2 - TWIN_ERROR_SD["rx_deg"] ** 2)
     assert itself == pytest.approx(np.sqrt(np.mean(np.square(errors))), rel=0.15)
 
 
@@ -679,7 +683,7 @@ def test_what_robots_cost_is_what_they_cost_a_sensor_without_error(twin: Twin) -
         poses=400, min_depth=2.0, max_tilt_deg=tilt, noise_px=1e-3, calibration_presses=5, robot=robot
     )
     found = predict_accuracy(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
-    assert np.sqrt(found**2 - TWIN_ERROR_SD[0] ** 2) == pytest.approx(cost, rel=0.06)
+    assert np.sqrt(found**2 - TWIN_ERROR_SD["rx_deg"] ** 2) == pytest.approx(cost, rel=0.06)
 
 
 def test_dots_that_stay_wrong_do_not_lead_the_fit_astray(twin: Twin, units: list[Built]) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.built import (
+    CONTACT_STATE,
     AccuracySpec,
     PoseFit,
     PoseFitter,
@@ -16,8 +17,9 @@ from palpate.built import (
 from palpate.built.fit_pose import TWIN_ERROR_SD, twin_sd
 from palpate.built.identify import twin_error_sd
 from palpate.built.noise import MODEL_ERROR_PX
-from palpate.built.scale import model_px, pixel_scale, touch_scale
+from palpate.built.scale import model_px, pixel_scale, scale_contact
 from palpate.camera import CameraSpec, build_camera
+from palpate.core.state import State
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
@@ -71,15 +73,18 @@ def read(twin: Twin, size: float) -> PoseFit:
 
 def test_the_dome_and_camera_of_the_constants_have_them_exactly() -> None:
     skin = build_skin(DomeSpec(height=20, thickness=2))
-    assert np.array_equal(touch_scale(skin), np.ones(8))
-    assert np.array_equal(twin_sd(skin), TWIN_ERROR_SD)
+    ones = State(CONTACT_STATE, np.ones(len(CONTACT_STATE)))
+    assert np.array_equal(scale_contact(ones, skin).values, ones.values)
+    assert np.array_equal(twin_sd(skin).values, TWIN_ERROR_SD.values)
     assert model_px(skin, CameraSpec()) == MODEL_ERROR_PX
 
 
 def test_half_the_size_has_half_the_lengths_and_twice_the_resolution_twice_the_pixels() -> None:
     skin, half = (build_skin(skin_of(size)) for size in SIZES)
-    assert twin_sd(half) == pytest.approx(TWIN_ERROR_SD * [1.0, 1.0, 0.5, 1.0])
-    assert touch_scale(half)[[2, 4, 5]] == pytest.approx([0.5, 2.0, 0.5])
+    assert twin_sd(half).values == pytest.approx(TWIN_ERROR_SD.values * [1.0, 1.0, 0.5, 1.0])
+    scaled = scale_contact(State(CONTACT_STATE, np.ones(len(CONTACT_STATE))), half)
+    assert scaled["depth_mm", "curvature", "lateral_x"] == pytest.approx([0.5, 2.0, 0.5])
+    assert scaled["rx_deg", "inverse_friction", "twist_deg"].tolist() == [1.0, 1.0, 1.0]
     assert twin_error_sd(half) == pytest.approx(0.5 * twin_error_sd(skin))
     usual = CameraSpec()
     fine = usual.model_copy(update={"fx_px": 2 * usual.fx_px, "fy_px": 2 * usual.fy_px})

@@ -142,4 +142,4 @@ def test_a_second_fit_of_one_image_keeps_the_motion_of_the_touch(twin: Twin) -> 
         everything = np.ones(len(dots), bool)
         _, state = reader.estimate(TrackedMarkers(dots, everything, np.arange(len(dots)), False), state)
     assert state.rest.motion.rms_px > 0.03
-    assert state.fit.flat.motion[2] == pytest.approx(0.9, abs=0.05)
+    assert state.fit.flat.motion["depth_mm"] == pytest.approx(0.9, abs=0.05)

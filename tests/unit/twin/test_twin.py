@@ -14,7 +14,14 @@ from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, Twin, measure_interpolation_error, read_twin, write_twin
+from palpate.twin import (
+    TWIN_DERIVATIVES,
+    TWIN_STATE,
+    Twin,
+    measure_interpolation_error,
+    read_twin,
+    write_twin,
+)
 from palpate.twin.tensor_spline import fit_spline
 from presses import build_twin, solve_press
 from small_chain import FINE_TILTS, fine_presses
@@ -85,7 +92,7 @@ def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
     dots, pose, step = twin.with_markers(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
     drift = np.array([0.2, -0.3, 0.8])
     motion = dots.evaluate(pose, 0.7, 0.02, drift, 3.0)
-    for k in range(9):
+    for k, name in enumerate(TWIN_STATE):
         changes = np.eye(9)[k] * step
         high, low = (
             dots.evaluate(
@@ -97,8 +104,8 @@ def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
             )
             for side in (1, -1)
         )
-        assert motion.jacobian[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
-        assert motion.force_jacobian[:, k] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
+        assert motion.jacobian[name] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
+        assert motion.force_jacobian[name] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
 
 
 def test_a_wall_that_is_not_flat_is_foreseen(twin: Twin) -> None:
@@ -122,8 +129,8 @@ def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
     first, second = (
         twin.with_markers(dots).evaluate(at(0.0, 0.0, 2.0), 0.5) for dots in (places, places @ quarter.T)
     )
-    assert second.force_jacobian[:, 1] == pytest.approx(quarter @ first.force_jacobian[:, 0], abs=1e-6)
-    here, there = first.jacobian[..., 0], second.jacobian[..., 1]
+    assert second.force_jacobian["ry_deg"] == pytest.approx(quarter @ first.force_jacobian["rx_deg"], abs=1e-6)
+    here, there = first.jacobian["rx_deg"], second.jacobian["ry_deg"]
     assert np.linalg.norm(there - here @ quarter.T) < 0.25 * np.linalg.norm(here)
 
 
@@ -240,7 +247,7 @@ def test_a_thicker_wall_is_foreseen() -> None:
     thick = press(4.0, "frictionless", thickness=2.1)
     pose = at(4.0, 0.0, float(thick.depth[image]))
     told, blind = dots.evaluate(pose, 1.0, 0.1), dots.evaluate(pose, 1.0)
-    assert np.abs(told.jacobian[..., 3]).max() < 1e-12  # there is no friction to depend on
+    assert np.abs(told.jacobian["inverse_friction"]).max() < 1e-12  # there is no friction to depend on
     seen = [CAMERA.project(each.positions(LAYOUT.positions)[image]) for each in (thick, presses[1])]
     expected, found = seen[0] - seen[1], CAMERA.project(told.positions) - CAMERA.project(blind.positions)
     assert np.linalg.norm(found - expected) < 0.1 * np.linalg.norm(expected)
