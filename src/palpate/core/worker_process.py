@@ -34,13 +34,13 @@ def single_threaded() -> Iterator[None]:
         try:
             yield
         finally:
-            if masked is not None:
-                signal.pthread_sigmask(signal.SIG_SETMASK, masked)
             for name, value in before.items():
                 if value is None:
                     os.environ.pop(name, None)
                 else:
                     os.environ[name] = value
+            if masked is not None:  # last: a Ctrl-C that was blocked is raised here
+                signal.pthread_sigmask(signal.SIG_SETMASK, masked)
 
 
 def _block_interrupts() -> set[int] | None:

@@ -85,8 +85,10 @@ class LocalWorkers(WorkerPool):
         return self._size
 
     def submit(self, task: Task) -> None:
-        member = self._free.pop()
-        self._busy[member.submit(task, self._store)] = (member, task)
+        member = self._free[-1]
+        future = member.submit(task, self._store)  # a Ctrl-C while it starts leaves it to `shutdown`
+        self._free.pop()
+        self._busy[future] = (member, task)
 
     def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
         if not self._busy:

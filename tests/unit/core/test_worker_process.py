@@ -1,0 +1,20 @@
+"""What is changed while processes start is changed back, also by Ctrl-C."""
+
+import os
+import signal
+
+import pytest
+
+from palpate.core.worker_process import single_threaded
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Ctrl-C is not blocked on Windows")
+def test_an_interruption_while_processes_start_leaves_the_environment_as_it_was(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    with pytest.raises(KeyboardInterrupt), single_threaded():
+        signal.raise_signal(signal.SIGINT)
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
