@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
@@ -14,6 +15,18 @@ from palpate.core.errors import PalpateError
 DRAFT = ".writing-"
 """Beginning of the names of what is not yet whole."""
 
+DISK_UNWRITABLE = "disk-unwritable"
+"""Code of the error of a full or read-only disk."""
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""Numbers of the errors by which a system reports a disk that is full, by its size or a quota, or read-only."""
+
+
+def is_disk_full(error: BaseException | None) -> bool:
+    """Whether an error, or one that caused it, is that of a full or read-only disk."""
+    while error is not None and getattr(error, "errno", None) not in _FULL:
+        error = error.__cause__
+    return error is not None
+
 
 @contextmanager
 def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") -> Iterator[None]:
@@ -22,7 +35,9 @@ def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") ->
         yield
     except OSError as error:
         raise PalpateError(
-            f"{what} cannot be written: {error.strerror or error}.", remedy, code="file-unwritable"
+            f"{what} cannot be written: {error.strerror or error}.",
+            remedy,
+            code=DISK_UNWRITABLE if is_disk_full(error) else "file-unwritable",
         ) from error
 
 
