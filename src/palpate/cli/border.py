@@ -72,16 +72,16 @@ def keep_results(folder: Path) -> Path:
 
 
 def _is_disk_full(error: Exception) -> bool:
-    from palpate.core.run import DISK_UNWRITABLE, is_disk_full
+    from palpate.core.run import is_disk_full
 
-    return getattr(error, "code", "") == DISK_UNWRITABLE or is_disk_full(error)
+    return getattr(error, "code", "") == "disk-unwritable" or is_disk_full(error)
 
 
 def _report_full_disk(problem: str) -> int:
     """Report a full or read-only disk in one sentence with the folder of finished results."""
     folder = _RESULTS_FOLDER.get()
     saved = f"; {folder} keeps the finished results" if folder else ""
-    resume = "free space there, then run the same command again to continue"
+    resume = "make room or allow writing there, then run the same command again to continue"
     return _refuse(f"{problem.rstrip('.')}{saved}: {resume}.", "", "disk-unwritable")
 
 

@@ -52,8 +52,8 @@ class TerminalProgress(Progress):
         self.bar.reset(self._task, total=1.0, running="")
         self._print(text)
 
-    def begin(self, what: str, cost: float = 1.0) -> None:
-        super().begin(what, cost)
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        super().begin(what, cost, done)
         self._show()
 
     def advance(self, what: str, done: float, text: str = "") -> None:

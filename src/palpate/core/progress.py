@@ -13,13 +13,14 @@ _MOST_PIECES = 1000
 
 @dataclass
 class _Piece:
-    """A piece of work that is running; `seen` is the time of its last advance, s."""
+    """A piece of work that is running: the cost done before `begun`, s, and up to `seen`, s, its last advance."""
 
     what: str
     cost: float
     begun: float
     seen: float
-    done: float = 0.0
+    before: float
+    done: float
 
 
 class Progress:
@@ -47,10 +48,10 @@ class Progress:
         """Begin a part of the work with this cost in all; `text` describes it."""
         self._reset(cost)
 
-    def begin(self, what: str, cost: float = 1.0) -> None:
-        """Begin a piece of the work."""
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        """Begin a piece of the work, or resume one of which the cost `done` is done."""
         now = self._clock()
-        self._running.append(_Piece(what, cost, now, now))
+        self._running.append(_Piece(what, cost, now, now, done, done))
         self._workers = max(self._workers, len(self._running))
 
     def advance(self, what: str, done: float, text: str = "") -> None:
@@ -64,7 +65,7 @@ class Progress:
         self._running.remove(piece)
         self.done += piece.cost
         if not reason:
-            self._measured.append((piece.cost, self._clock() - piece.begun))
+            self._measured.append((piece.cost - piece.before, self._clock() - piece.begun))
 
     def note(self, text: str) -> None:
         """Show a sentence on the work."""
@@ -83,7 +84,7 @@ class Progress:
         cost is the mean so far.
         """
         now, running, measured = self._clock(), tuple(self._running), tuple(self._measured)
-        known = [*measured, *((one.done, one.seen - one.begun) for one in running if one.done > 0)]
+        known = [*measured, *((one.done - one.before, one.seen - one.begun) for one in running)]
         cost, seconds = (sum(column) for column in zip(*known, strict=True)) if known else (0.0, 0.0)
         if cost <= 0:
             return None

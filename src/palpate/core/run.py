@@ -24,12 +24,11 @@ from typing import Any, Self
 
 from palpate.core import worker_process
 from palpate.core.errors import PalpateError
-from palpate.core.files import DISK_UNWRITABLE, is_disk_full
+from palpate.core.files import is_disk_full
 from palpate.core.progress import Progress
 from palpate.core.store import StoreError
 
 __all__ = [
-    "DISK_UNWRITABLE",
     "WORKER_DIED",
     "Call",
     "LocalWorkers",
@@ -343,8 +342,8 @@ class _SentProgress(Progress):
     def plan(self, cost: float, text: str = "") -> None:
         self._pipe.send(("plan", (cost, text)))
 
-    def begin(self, what: str, cost: float = 1.0) -> None:
-        self._pipe.send(("begin", (what, cost)))
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        self._pipe.send(("begin", (what, cost, done)))
 
     def advance(self, what: str, done: float, text: str = "") -> None:
         self._pipe.send(("advance", (what, done, text)))

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core.errors import PalpateError
-from palpate.core.files import DISK_UNWRITABLE, DRAFT, is_disk_full
+from palpate.core.files import DRAFT
 from palpate.core.provenance import provenance
 from palpate.core.store_lock import lock_folder, take_lock
 
@@ -230,7 +230,7 @@ class ArtefactStore:
             raise StoreError(
                 f"The artefact store {self.root} cannot be written: {error.strerror or error}.",
                 "Choose another folder with --out, or free some space.",
-                code=DISK_UNWRITABLE if is_disk_full(error) else "store-unwritable",
+                code="store-unwritable",
             ) from error
 
 

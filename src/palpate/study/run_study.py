@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, wrap_write_errors
-from palpate.core.run import DISK_UNWRITABLE, LocalWorkers, Outcome, Progress, Status, WorkerPool
+from palpate.core.run import LocalWorkers, Outcome, Progress, Status, WorkerPool
 from palpate.learn import find_device
 from palpate.study.available import default_workers
 from palpate.study.built_task import export_twins
@@ -229,7 +229,12 @@ class Run:
         full = next((how for how in outcomes.values() if how.status is Status.UNWRITABLE), None)
         if full is not None:
             self.write_failures()
-            raise full.error or PalpateError(f"{self.out} cannot be written: {full.reason}.", code=DISK_UNWRITABLE)
+            problem = (full.error.problem if full.error else full.reason).rstrip(".")
+            raise PalpateError(
+                f"A task could not write its result: {problem}.",
+                "Choose another folder, or make room.",
+                code="disk-unwritable",
+            )
 
 
 def ensure_writable(out: Path) -> Path:

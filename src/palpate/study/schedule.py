@@ -178,11 +178,13 @@ class RunningTasks:
             progress.begin(task.name, task.cost)
 
     def finish(self, ended: Iterable[tuple[Task, Outcome]], progress: Progress) -> None:
-        """End the progress of tasks, also of those that were never given to the pool."""
+        """End the progress of tasks; those that were never given to the pool are not planned any more."""
         for task, outcome in ended:
-            self.begin(task, progress)
-            self.begun.discard(task.recipe.key)
-            progress.finish(task.name, outcome.reason)
+            if task.recipe.key in self.begun:
+                self.begun.discard(task.recipe.key)
+                progress.finish(task.name, outcome.reason)
+            else:
+                progress.total -= task.cost
 
 
 def run_task_graph(

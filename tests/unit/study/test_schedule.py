@@ -17,8 +17,8 @@ class Diary(Progress):
         super().__init__()
         self.starts: list[str] = []
 
-    def begin(self, what: str, cost: float = 1.0) -> None:
-        super().begin(what, cost)
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        super().begin(what, cost, done)
         self.starts.append(what)
 
 
