@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
@@ -137,6 +137,7 @@ class _Evaluator:
     workers: int | None
     progress: Progress | None
     cluster: str
+    skins: Progress = field(default_factory=Progress)
 
     def search(
         self,
@@ -150,13 +151,17 @@ class _Evaluator:
         now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
+        self.skins.plan(plan.trials - len(now))
         return search_skins(space, self.evaluate, plan, journal, watch)
 
     def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
-        return [self._evaluation(proposal) for proposal in self._do(tasks)]
+        self.skins.begin("batch", len(tasks))
+        found = [self._evaluation(proposal) for proposal in self._do(tasks)]
+        self.skins.finish("batch")
+        return found
 
     def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
@@ -182,7 +187,8 @@ class _Evaluator:
         so_far = (
             f"skin {best.trial.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
-        self.progress.note(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
+        texts = f"{len(tried)} of {self.spec.skins} skins tried: {so_far}", self.skins.remaining_text
+        self.progress.note(f"{'; '.join(filter(None, texts))}.")
 
     @staticmethod
     def skin(tried: SearchTrial) -> SkinTrial:
