@@ -108,6 +108,6 @@ def baselines(
     worker_flags.check()
     chosen = read_baseline_spec(spec)
     with show_progress() as progress:
-        scores = run_baselines(read_set(folder), chosen, keep_results(out), only, worker_flags.workers, progress.note)
+        scores = run_baselines(read_set(folder), chosen, keep_results(out), only, worker_flags.workers, progress)
     table = compare_report({BASELINES[name]: own for name, own in scores.items()})
     output.show({name: [each.as_dict() for each in own] for name, own in scores.items()}, "Baselines", table)
