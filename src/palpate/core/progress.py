@@ -100,9 +100,9 @@ class Progress:
 
     @property
     def remaining_text(self) -> str:
-        """Expected remaining time in words; empty until it is known."""
+        """Expected remaining time in words; empty before it is known and after it has passed."""
         seconds = self.remaining_s
-        return "" if seconds is None else f"about {_duration_text(seconds)} remaining"
+        return f"about {_duration_text(seconds)} remaining" if seconds else ""
 
     def _find(self, what: str) -> _Piece:
         return next(piece for piece in self._running if piece.what == what)
