@@ -6,7 +6,6 @@ import faulthandler
 import math
 import multiprocessing
 import os
-import pickle
 import shutil
 import signal
 import tempfile
@@ -168,7 +167,9 @@ class WorkerPool(ABC):
         self._calls[call] = False
         try:
             self._start(call)
-        except (pickle.PicklingError, AttributeError, TypeError) as error:
+        except OSError:  # the system starts no more processes
+            raise
+        except Exception as error:  # the work cannot be pickled
             reason = f"{type(error).__name__}: {error}"
             self._early.append((call, Outcome(reason=reason, status=Status.FAILED)))
         return call

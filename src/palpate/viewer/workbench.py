@@ -51,7 +51,7 @@ class Workbench:
         self._drawn = build_preview(self._sketch)
         self._ordered = (self._sketch, self._drawn)
         self._pool: LocalWorkers | None = None
-        self._done, self._what = Progress(), ""
+        self._done, self._what, self._cancelled = Progress(), "", False
         self._finish: Callable[[Any], None] = self._show_press
         self._curves: list[ChartCurve] = []
         head.watch(self._draw_force)
@@ -178,7 +178,7 @@ class Workbench:
             return
         show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
-        self._pool, self._done, self._what = LocalWorkers(1), Progress(), what
+        self._pool, self._done, self._what, self._cancelled = LocalWorkers(1), Progress(), what, False
         self._pool.submit(work, self._sketch, progress=self._done)
         self._busy(True, what)
         self._timer.activate()
@@ -186,28 +186,31 @@ class Workbench:
     def _look(self) -> None:
         if self._pool is None:
             return
+        if self._cancelled:
+            self._end_work(self._pool)
+            self._show_state("cancelled", "Cancelled.")
+            return
         ended = self._pool.wait(0.0)
         self._progress.value = self._done.share
-        self._status.text = f"{self._what} {self._done.remaining_text}"
+        self._status.text = f"{self._what} {self._done.remaining_text}".rstrip()
         for _, outcome in ended:
-            self._end_work()
+            self._end_work(self._pool)
             if outcome.reason:
                 self._show_state("failed")
                 show_error(self._fault, outcome.reason)
             else:
                 self._finish(outcome.value)
 
-    def _end_work(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            pool.shutdown()
+    def _end_work(self, pool: LocalWorkers) -> None:
+        pool.shutdown()
+        self._pool = None
         self._timer.deactivate()
         self._busy(False)
 
     def _cancel_job(self) -> None:
         if self._pool is not None:
-            self._end_work()
-            self._show_state("cancelled", "Cancelled.")
+            self._cancelled = True
+            self._pool.shutdown()  # at once: the visitor may have left, and nothing is shown any more
 
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered
