@@ -81,7 +81,7 @@ def _report_full_disk(problem: str) -> int:
     """Report a full or read-only disk in one sentence with the folder of finished results."""
     folder = _RESULTS_FOLDER.get()
     saved = f"; {folder} keeps the finished results" if folder else ""
-    resume = "make room or allow writing there, then run the same command again to continue"
+    resume = "free space or allow writing there, then run the same command again to continue"
     return _refuse(f"{problem.rstrip('.')}{saved}: {resume}.", "", "disk-unwritable")
 
 

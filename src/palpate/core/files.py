@@ -20,7 +20,7 @@ DRAFT = ".writing-"
 """Beginning of the names of what is not yet whole."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
-"""Numbers of the errors by which a system reports a disk that is full, by its size or a quota, or read-only."""
+"""Error numbers of a disk that is full, by its size or a quota, or read-only."""
 
 
 def is_disk_full(error: BaseException | None) -> bool:

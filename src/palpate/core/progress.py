@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 _MOST_PIECES = 1000
-"""Number of pieces into which pending work is divided at most: an error of 0.1 % at most, and below 1 ms."""
+"""Maximum number of pieces of the pending work: an error of at most 0.1 %, in less than 1 ms."""
 
 
 @dataclass
 class _Piece:
-    """A piece of work that is running: the cost done before `begun`, s, and up to `seen`, s, its last advance."""
+    """A running piece: cost done before the time `begun`, s, and at its last advance `seen`, s."""
 
     what: str
     cost: float

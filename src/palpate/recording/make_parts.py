@@ -32,7 +32,7 @@ _LONGER = 8 / 3
 _MOST_SHOWN = 250_000
 """Pictures that these passes show at most, unless the other's show more: 35 to 50 minutes of a core."""
 _MARKERS_S = 60.0
-"""Time of one core to train a network on markers, s: one to two minutes; only the remaining time follows it."""
+"""Time of one core to train a network on markers, s; it decides only the remaining time."""
 _WAIT_S = 0.5
 """Time for which the pool is waited for, s."""
 

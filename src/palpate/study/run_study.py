@@ -232,7 +232,7 @@ class Run:
             problem = (full.error.problem if full.error else full.reason).rstrip(".")
             raise PalpateError(
                 f"A task could not write its result: {problem}.",
-                "Choose another folder, or make room.",
+                "Choose another folder, or free some space.",
                 code="disk-unwritable",
             )
 
