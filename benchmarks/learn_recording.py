@@ -23,6 +23,7 @@ import numpy as np
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from drawn_gel import DrawnGel, draw_gel_recording
 from drawn_tactip import DrawnSensor, another_unit, draw_motions, draw_recording
+from palpate.cli.progress import TerminalProgress
 from palpate.core import ArtefactStore
 from palpate.recording import (
     RecordingSpec,
@@ -38,8 +39,7 @@ from palpate.recording import (
 TRUTH = "truth.npz"
 
 
-def say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+progress = TerminalProgress(live=False)
 
 
 def draw(folder: Path, images: int, rings: int, seed: int, other: bool = False) -> None:
@@ -58,10 +58,10 @@ def assign(folder: Path) -> dict[str, object]:
     truth = dict(np.load(folder / TRUTH))
     store, spec = ArtefactStore(folder / "store"), RecordingSpec(estimators="ridge")
     begin = time.monotonic()
-    seen = prepare_recording(read_recording(folder, most=100_000), spec, store, say)
+    seen = prepare_recording(read_recording(folder, most=100_000), spec, store, progress)
     assert seen.assigned is not None
     found: dict[str, object] = {"seconds": time.monotonic() - begin}
-    naive = assign_images(seen.sight, seen.assigned.reference, seen.eye.shape, False, say)
+    naive = assign_images(seen.sight, seen.assigned.reference, seen.eye.shape, False, progress)
     for name, one in (("smooth field", seen.assigned), ("identity", naive)):
         rest, count = one.layout.rest_px, len(truth["heads"])
         start = truth["rest"] if one.reference >= count else truth["heads"][one.reference]
@@ -84,7 +84,7 @@ def learn(folder: Path, epochs: int, nearest: bool, estimators: str) -> dict[str
     spec = RecordingSpec(
         epochs=epochs, threads=1, estimators=estimators, correspondence="nearest" if nearest else "grown"
     )
-    learnt = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), say)
+    learnt = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), progress)
     write_model(folder / ("nearest.h5" if nearest else "model.h5"), learnt.model)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     return recording_report(learnt) | {"memory_gib": memory}
@@ -106,12 +106,12 @@ def adapt(folder: Path, presses: tuple[int, ...], alone: tuple[int, ...]) -> dic
         given = round(count / (1 - spec.test_share - spec.validation_share))
         table = place / f"first_{count}.csv"
         table.write_text("\n".join(rows[: given + 1]) + "\n")
-        learnt = train_on_recording(read_recording(table), spec, store, say, begin)
+        learnt = train_on_recording(read_recording(table), spec, store, progress, begin)
         table.unlink()
         errors = [read_all(learnt.model, place, truth)]
         key = f"{int(learnt.seen.split.train.sum())} presses, {'adapted' if begin else 'alone'}"
         found[key] = {"best": learnt.best, "rmse": np.round(errors[0], 4).tolist()}
-        say(f"{key}: {found[key]}")
+        progress.note(f"{key}: {found[key]}")
     return found
 
 

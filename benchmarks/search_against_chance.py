@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.cli.progress import Lines
+from palpate.cli.progress import TerminalProgress
 from palpate.optimise import Front, RequirementsSpec, SkinTrial, optimise_design, read_requirements
 from palpate.optimise.draw_front import draw_search
 from palpate.optimise.front import coarse_errors
@@ -59,7 +59,7 @@ def main(folder: Path, results: Path, skins: int = SKINS) -> None:
     for seed in SEEDS:
         if str(seed) in {row[0] for row in rows}:
             continue
-        front = optimise_design(task(seed, skins), folder / f"seed{seed}", observer=Lines())
+        front = optimise_design(task(seed, skins), folder / f"seed{seed}", progress=TerminalProgress(live=False))
         draw_search(front).savefig(folder / f"seed{seed}" / "search.svg")
         rows.append([str(value) for value in compare(front)])
         with results.open("w", newline="") as file:

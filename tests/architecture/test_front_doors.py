@@ -134,7 +134,7 @@ FRONT_DOORS = {
     "optimise": {"RequirementsSpec", "optimise_design", "read_requirements", "write_front"},
     "claims": {"assess_claims", "read_evidence", "write_claims"},
     "fabricate": {"FabricationPack", "ProcessSpec", "draw_artwork", "write_pack"},
-    "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
+    "study": {"DesignResult", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
     "ros": {"Message", "build_message", "header_of"},
     "robot": {

@@ -25,6 +25,7 @@ from palpate.benchmark.spec import TINY_BASELINES
 from palpate.built import AccuracySpec, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
+from palpate.core.run import Progress
 from palpate.dataset import DatasetSpec, PerturbedPresses, RandomisationSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
 from palpate.fea import BallSpec, Branch, CylinderSpec, Press, WallSpec, read_obstacle
@@ -325,7 +326,7 @@ def recorded(estimators: str = "ridge", **spec: int) -> tuple[Path, Any]:
     folder = Path(tempfile.mkdtemp(prefix="palpate-behaviour-"))
     draw_recording(folder, draw_motions(60, 1, shear=2.0), DrawnSensor(rings=3))
     spec = RecordingSpec(estimators=estimators, threads=1, **spec)
-    found = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), lambda text: None)
+    found = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), Progress())
     return folder / "store", found
 
 

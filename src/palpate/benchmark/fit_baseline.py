@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_width_column
@@ -11,13 +9,12 @@ from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers
 from palpate.benchmark.spec import BenchmarkDesign
 from palpate.built import PoseFitter, build_unit_model, infer_from_rest
 from palpate.core import FloatArray, IntArray
+from palpate.core.run import Progress
 from palpate.design import place_markers
 from palpate.twin import Twin
 
 
-def predict_by_fit(
-    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, report: Callable[[str], None]
-) -> Predictions:
+def predict_by_fit(benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, progress: Progress) -> Predictions:
     """Fit every image of the test of one design.
 
     Parameters
@@ -26,14 +23,18 @@ def predict_by_fit(
         Which.
     twin
         Of the design's skin; of another mesh than that which the set is drawn from.
-    report
-        Told after each unit.
+    progress
+        Receives each unit.
     """
     found, spec = benchmark.markers("test", design.name), benchmark.spec
     layout = place_markers(twin.skin, design.marker_layout)
     names = (*POSE, FORCE, *(half_width_column(name) for name in (*POSE, FORCE)))
     table = np.empty((len(found.image), len(names)))
-    for unit in np.unique(found.unit):
+    units = np.unique(found.unit)
+    progress.plan(len(units))
+    for unit in units:
+        what = f"{design.name}: fit of unit {unit}"
+        progress.begin(what)
         rest = found.rest_px[int(unit)]
         belief = infer_from_rest(twin, layout, spec.camera, rest, spec.tolerance, spec.noise_px)
         fitter = PoseFitter(build_unit_model(twin, layout, belief, spec.tolerance), spec.noise_px)
@@ -41,7 +42,7 @@ def predict_by_fit(
             fit = fitter.fit(found.markers_px[row])
             force = fit.force.normal_force
             table[row] = (*fit.pose, force.value, *fit.half_width[:3], force.half_width)
-        report(f"{design.name}: unit {unit} fitted")
+        progress.finish(what)
     return Predictions(found.image, dict(zip(names, table.T, strict=True)))
 
 

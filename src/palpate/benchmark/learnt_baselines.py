@@ -14,6 +14,7 @@ from palpate.benchmark.register_images import align_to_design, build_dataset, de
 from palpate.benchmark.score import select_track
 from palpate.benchmark.spec import BaselineSpec, BenchmarkDesign, Split
 from palpate.core import FloatArray, IntArray
+from palpate.core.run import Progress
 from palpate.dataset import Dataset
 from palpate.learn import Estimator, calibrate_interval, fit_ridge, train
 from palpate.recording import TrainerSpec, TrainingSet, train_image_network
@@ -52,7 +53,7 @@ def predict_by_markers(
 
 
 def predict_by_images(
-    benchmark: BenchmarkSet, spec: BaselineSpec, checkpoint: Path, report: Callable[[str], None]
+    benchmark: BenchmarkSet, spec: BaselineSpec, checkpoint: Path, progress: Progress
 ) -> Predictions:
     """What one network on the pictures of all designs says of the pictures of the test.
 
@@ -62,8 +63,8 @@ def predict_by_images(
         Of what, and how.
     checkpoint
         File that holds what is known after each epoch.
-    report
-        Told after each epoch.
+    progress
+        Receives each epoch.
 
     Raises
     ------
@@ -78,7 +79,8 @@ def predict_by_images(
         validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
         seed=spec.seed,
     )
-    part = train_image_network("picture", lesson, len(POSE), TrainerSpec(spec.picture_epochs), checkpoint, report)
+    course = TrainerSpec(spec.picture_epochs)
+    part = train_image_network("picture", lesson, len(POSE), course, checkpoint, progress)
     off = np.abs(part.predict(judge[1]) - judge[2])
     half = np.quantile(off, _LEVEL, axis=0, method="higher")
     poses = part.predict(test[1])

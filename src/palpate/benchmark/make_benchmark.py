@@ -22,7 +22,8 @@ from palpate.benchmark.unit_task import BenchmarkUnitTask, plan_units
 from palpate.benchmark.write_card import SetCounts, write_card
 from palpate.benchmark.write_croissant import write_croissant
 from palpate.core import ArtefactStore, IntArray, PalpateError, atomic_folder, child_seed, generator
-from palpate.study import Observer, find_artefact, run_tasks, write_json
+from palpate.core.run import Progress
+from palpate.study import find_artefact, run_tasks, write_json
 from palpate.twin import read_twin
 
 
@@ -49,7 +50,7 @@ class BenchmarkFiles:
 
 
 def make_benchmark(
-    spec: BenchmarkSpec, out: Path, workers: int | None = None, observer: Observer | None = None
+    spec: BenchmarkSpec, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> BenchmarkFiles:
     """Make the set in ``out/set``; what an earlier run left in ``out/store`` is used.
 
@@ -61,7 +62,7 @@ def make_benchmark(
         Result folder.
     workers
         Processes; `None`: one a core.
-    observer
+    progress
         Is told how it goes.
 
     Raises
@@ -70,7 +71,7 @@ def make_benchmark(
         If a press cannot be solved, or the folder cannot be written.
     """
     tasks = plan_units(spec)
-    failed = run_tasks(out, tasks, workers, observer)
+    failed = run_tasks(out, tasks, workers, progress)
     if failed:
         first = next(task for task in tasks if task.recipe.key in failed)
         raise PalpateError(

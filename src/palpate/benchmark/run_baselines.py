@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from palpate.benchmark.set_files import CHECKSUMS, digest
 from palpate.benchmark.spec import BaselineSpec
 from palpate.benchmark.unit_task import plan_design_twin
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
+from palpate.core.run import Progress
 from palpate.sensor import write_report
 from palpate.study import find_artefact, run_tasks
 from palpate.twin import read_twin
@@ -49,7 +50,7 @@ class _Desk:
     spec: BaselineSpec
     out: Path
     workers: int | None
-    report: Callable[[str], None]
+    progress: Progress
 
     @property
     def store(self) -> ArtefactStore:
@@ -70,7 +71,7 @@ def run_baselines(
     out: Path,
     only: Sequence[str] = (),
     workers: int | None = None,
-    report: Callable[[str], None] = lambda text: None,
+    progress: Progress | None = None,
 ) -> dict[str, list[BenchmarkScore]]:
     """Make predictions ``out/NAME.csv`` and the tables ``out/baselines.md``, ``.csv`` and ``.json``.
 
@@ -88,8 +89,8 @@ def run_baselines(
         Names of `BASELINES`; empty: all.
     workers
         Processes that solve the presses of twins; `None`: one a core.
-    report
-        Told how it goes.
+    progress
+        Receives each unit, each epoch and each baseline.
 
     Returns
     -------
@@ -106,14 +107,16 @@ def run_baselines(
         raise PalpateError(
             f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.", code="baseline-unknown"
         )
-    desk = _Desk(benchmark, spec, out, workers, report)
+    desk = _Desk(benchmark, spec, out, workers, progress or Progress())
     scores: dict[str, list[BenchmarkScore]] = {}
     for name in [name for name in BASELINES if not only or name in only]:
         started = time.process_time()
         found = _make(desk, name)
         write_predictions(out / f"{name}.csv", found)
         scores[name] = _score(benchmark, found, name)
-        report(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
+        desk.progress.note(
+            f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s"
+        )
         _write(out, scores)
     return scores
 
@@ -130,14 +133,14 @@ def _make(desk: _Desk, name: str) -> Predictions:
             if name == "picture":
                 kept = desk.store.path(recipe, ".kept")
                 kept.parent.mkdir(parents=True, exist_ok=True)
-                made = predict_by_images(desk.benchmark, desk.spec, kept, desk.report)
+                made = predict_by_images(desk.benchmark, desk.spec, kept, desk.progress)
                 kept.unlink(missing_ok=True)
             elif name in LEARNERS:
                 made = predict_by_markers(name, desk.benchmark, designs[part], desk.spec)
             else:
                 made = _fit(desk, part)
             path = desk.store.write(recipe, partial(_put, made), ".csv")
-            desk.report(f"{name}: {part} done")
+            desk.progress.note(f"{name}: {part} done")
         found.append(read_predictions(path))
     names = found[0].values
     joined = {column: np.concatenate([each.values[column] for each in found]) for column in names}
@@ -151,14 +154,14 @@ def _put(made: Predictions, path: Path) -> None:
 def _fit(desk: _Desk, part: str) -> Predictions:
     design = next(design for design in desk.benchmark.spec.designs if design.name == part)
     task = plan_design_twin(desk.benchmark.spec, design, desk.spec.twin)
-    failed = run_tasks(desk.out, [task], desk.workers)
+    failed = run_tasks(desk.out, [task], desk.workers, desk.progress)
     if failed:
         raise PalpateError(
             f"The twin of {part} could not be made: {next(iter(failed.values()))}",
             "Change its presses.",
             code="twin-not-made",
         )
-    return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.report)
+    return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.progress)
 
 
 def _score(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[BenchmarkScore]:

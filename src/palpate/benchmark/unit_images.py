@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, IntArray, reject_external_links
+from palpate.core import FloatArray, IntArray, create_hdf5, reject_external_links
 
 LABELS = ("rx_deg", "ry_deg", "depth_mm", "force_n", "shear_n", "friction")
 """Labels that are numbers; friction is the coefficient, infinite where nothing slips."""
@@ -48,7 +48,7 @@ class UnitImages:
 
 def write_unit_images(path: Path, found: UnitImages) -> None:
     """Write what was seen of one unit."""
-    with h5py.File(path, "w") as file:
+    with create_hdf5(path) as file:
         for field in fields(found):
             file.create_dataset(field.name, data=getattr(found, field.name))
 

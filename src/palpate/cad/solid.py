@@ -7,6 +7,7 @@ CASCADE) is loaded when the first solid is made, and its absence is a `MissingEx
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -277,8 +278,10 @@ def write_step(path: Path, name: str, parts: dict[str, CadSolid]) -> None:
         child = bodies[0] if len(bodies) == 1 else cad.Compound(children=bodies)
         child.label = label
         children.append(child)
+    memory = io.BytesIO()  # of a full disk the library says no more than that it failed
     with _silent():
-        cad.export_step(cad.Compound(label=name, children=children), path, unit=cad.Unit.MM)
+        cad.export_step(cad.Compound(label=name, children=children), memory, unit=cad.Unit.MM)
+    path.write_bytes(memory.getbuffer())
 
 
 def read_step(path: Path) -> dict[str, CadSolid]:

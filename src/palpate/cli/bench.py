@@ -16,7 +16,7 @@ from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import RESULTS, Output, check_folder
-from palpate.cli.progress import Lines
+from palpate.cli.progress import show_progress
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import Column, Report, plain_page, write_csv
@@ -98,7 +98,8 @@ def _model(flags: BenchFlags) -> Path:
     skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
     folder = keep_results(RESULTS / study.name)
-    made = run_twins(study, folder, observer=Lines())[0]
+    with show_progress() as progress:
+        made = run_twins(study, folder, progress=progress)[0]
     if made.twin is None:
         raise PalpateError(
             f"There is no twin of {skin.build().name}: {made.problem}",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,7 +9,7 @@ from cyclopts import App, Parameter
 
 from palpate.cli.border import keep_results
 from palpate.cli.output import Output, check_file, check_folder
-from palpate.cli.progress import Lines
+from palpate.cli.progress import show_progress
 from palpate.cli.run import WorkerFlags
 from palpate.core.report import Column, Report, write_csv
 
@@ -53,7 +52,8 @@ def make(
     chosen = read_benchmark_spec(spec)
     given = {name: value for name, value in (("seed", seed), ("hidden_seed", hidden_seed)) if value is not None}
     chosen = BenchmarkSpec.model_validate({**chosen.model_dump(), **given})
-    made = make_benchmark(chosen, keep_results(out), worker_flags.workers, Lines())
+    with show_progress() as progress:
+        made = make_benchmark(chosen, keep_results(out), worker_flags.workers, progress)
     counts = made.counts
     told = {"images": counts.images, "pictures": counts.pictures, "presses": counts.presses}
     rows = [(split, counts.presses[split], counts.images[split], counts.pictures[split]) for split in counts.images]
@@ -107,10 +107,7 @@ def baselines(
     check_folder(out)
     worker_flags.check()
     chosen = read_baseline_spec(spec)
-    scores = run_baselines(read_set(folder), chosen, keep_results(out), only, worker_flags.workers, _print_line)
+    with show_progress() as progress:
+        scores = run_baselines(read_set(folder), chosen, keep_results(out), only, worker_flags.workers, progress)
     table = compare_report({BASELINES[name]: own for name, own in scores.items()})
     output.show({name: [each.as_dict() for each in own] for name, own in scores.items()}, "Baselines", table)
-
-
-def _print_line(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)

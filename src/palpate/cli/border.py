@@ -31,6 +31,8 @@ def guarded(command: Callable[[], Any]) -> int:
     try:
         code = command()
     except PalpateError as error:
+        if _is_disk_full(error):
+            return _report_full_disk(error.problem)
         return _refuse(error.problem, error.remedy, error.code)
     except ValidationError as error:
         return _refuse(_describe_all(error), "See --help for units and bounds.", _kind(error))
@@ -48,6 +50,8 @@ def guarded(command: Callable[[], Any]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAULT
     except Exception as error:
+        if _is_disk_full(error):
+            return _report_full_disk(f"The results cannot be written: {error}.")
         print(f"palpate failed: {type(error).__name__}. Details: {_write_log()}", file=sys.stderr)
         return FAULT
     return code if isinstance(code, int) else DONE
@@ -65,6 +69,20 @@ def keep_results(folder: Path) -> Path:
     """Return a folder of finished results, which the message of an interruption names."""
     _RESULTS_FOLDER.set(folder)
     return folder
+
+
+def _is_disk_full(error: Exception) -> bool:
+    from palpate.core.run import is_disk_full
+
+    return getattr(error, "code", "") == "disk-unwritable" or is_disk_full(error)
+
+
+def _report_full_disk(problem: str) -> int:
+    """Report a full or read-only disk in one sentence with the folder of finished results."""
+    folder = _RESULTS_FOLDER.get()
+    saved = f"; {folder} keeps the finished results" if folder else ""
+    resume = "free space or allow writing there, then run the same command again to continue"
+    return _refuse(f"{problem.rstrip('.')}{saved}: {resume}.", "", "disk-unwritable")
 
 
 def _refuse(what: str, remedy: str, code: str) -> int:

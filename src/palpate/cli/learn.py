@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from palpate.cli.border import keep_results
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
+from palpate.cli.progress import show_progress
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
 from palpate.core.report import page_markdown, plain_page
 from palpate.recording import ColumnMapping, RecordingSpec
@@ -85,11 +86,13 @@ def learn(
     for note in found.notes:
         _print_line(note)
     store, first = ArtefactStore(keep_results(out) / "store"), None
-    if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
-        first = train_on_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _print_line, begin)
-        _write(out, first)
-    learnt = train_on_recording(found, spec, store, _print_line, begin, first)
-    _write(out, learnt)
+    with show_progress(quiet=output.json) as progress:
+        if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
+            fast = spec.model_copy(update={"estimators": "fast"})
+            first = train_on_recording(found, fast, store, progress, begin)
+            _write(out, first)
+        learnt = train_on_recording(found, spec, store, progress, begin, first)
+        _write(out, learnt)
     output.show(recording_report(learnt), *plain_page(recording_page(learnt)))
 
 

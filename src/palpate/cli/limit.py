@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
-from palpate.cli.progress import Lines
+from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 
@@ -71,7 +71,8 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
         )
     unit = "deg" if study.obstacle.pose_space.is_tilt else "mm"
     folder = keep_results(out or RESULTS / study.name)
-    return [_describe(design, unit) for design in run_bounds(study, folder, workers, Lines())]
+    with show_progress() as progress:
+        return [_describe(design, unit) for design in run_bounds(study, folder, workers, progress)]
 
 
 def _describe(design: DesignBounds, unit: str) -> dict[str, Any]:

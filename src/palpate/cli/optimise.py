@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
-from palpate.cli.progress import Lines
+from palpate.cli.progress import show_progress
 from palpate.cli.run import ClusterFlags
 from palpate.core import PalpateError, load_extra
 from palpate.core.report import Report
@@ -98,12 +98,11 @@ def optimise(
         load_extra("build123d", "cad")  # now, not after hours
     folder = keep_results(out or RESULTS / spec.name)
     command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
-    workers = worker_flags.workers
-    front = optimise_design(
-        spec, folder, workers, Lines(), sampler=search.sampler, cluster=worker_flags.cluster or ""
-    )
-    write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
-    front = validate_front(front, folder, workers, Lines(), worker_flags.cluster or "")
+    workers, cluster = worker_flags.workers, worker_flags.cluster or ""
+    with show_progress() as progress:
+        front = optimise_design(spec, folder, workers, progress, sampler=search.sampler, cluster=cluster)
+        write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
+        front = validate_front(front, folder, workers, progress, cluster)
     if front.validation is not None:
         write_front(folder, front, command)
     if search.packs:

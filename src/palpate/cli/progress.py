@@ -1,105 +1,110 @@
-"""How a study goes, on standard error: bars with remaining time on a terminal, plain lines elsewhere."""
+"""Progress on standard error: a bar with the remaining time on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
 import sys
-from collections import Counter
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
+from rich import progress as bars
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Column
+from rich.text import Text
 
-from palpate.study import Observer
-
-
-class Lines(Observer):
-    """One plain line for every task that ends."""
-
-    def __init__(self) -> None:
-        self._tasks = 0
-        self._done = 0
-
-    def planned(self, tasks: int, reused: int, cost: float) -> None:
-        """Say how much is to be done."""
-        self._tasks, self._done = tasks, 0
-        _describe(f"{tasks} artefacts to make, {reused} found")
-
-    def started(self, task: str) -> None:
-        """Say nothing: lines are for what has ended."""
-
-    def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
-        """Say how a task ended."""
-        self._done += 1
-        _describe(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
-
-    def message(self, sentence: str) -> None:
-        """Say it."""
-        _describe(sentence)
+from palpate.core.run import Progress
 
 
-class Bars(Observer):
-    """One bar over all tasks, the names of those at work, and the remaining time."""
+class TerminalProgress(Progress):
+    """Progress as one line for every event, or as a bar that stays in place.
 
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-        self._working: Counter[str] = Counter()
-        self._bar = progress.add_task("study", total=None, working="", left="")
-        self._costs = [0.0, 0.0]
+    Parameters
+    ----------
+    live
+        Whether the bar is drawn; notes and failures are printed above it.
+    clock
+        Returns the time, s.
+    """
 
-    def planned(self, tasks: int, reused: int, cost: float) -> None:
-        """Set the length of the bar."""
-        self._costs = [0.0, cost]
-        self._progress.reset(self._bar, total=tasks)
-        self._progress.console.print(f"{tasks} artefacts to make, {reused} found")
+    def __init__(self, live: bool, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__(clock)
+        self._console = Console(stderr=True)
+        self._state = ""
+        self.bar = bars.Progress(
+            bars.BarColumn(bar_width=16),
+            bars.TaskProgressColumn(table_column=Column(no_wrap=True, min_width=4)),
+            bars.TimeElapsedColumn(table_column=Column(no_wrap=True, min_width=7)),
+            _RemainingColumn(self),
+            bars.TextColumn(
+                "{task.fields[running]}",
+                markup=False,
+                table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1),
+            ),
+            console=self._console,
+            disable=not live,
+            expand=True,
+        )
+        self._task = self.bar.add_task("", total=None, running="")
 
-    def started(self, task: str) -> None:
-        """Name the task beside the bar."""
-        self._working[task] += 1
+    def plan(self, cost: float, text: str = "") -> None:
+        super().plan(cost, text)
+        self._state = ""
+        self.bar.reset(self._task, total=1.0, running="")
+        self._print(text)
+
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        super().begin(what, cost, done)
         self._show()
 
-    def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
-        """Move the bar; keep the line of a failure."""
-        self._working.pop(task, None)
-        self._costs[0] += cost
-        self._progress.advance(self._bar)
-        if reason:
-            self._progress.console.print(f"{task}: {reason}", style="red", markup=False)
+    def advance(self, what: str, done: float, text: str = "") -> None:
+        super().advance(what, done, text)
+        self._state = text
         self._show()
+        if self.bar.disable and text:
+            self._print(f"{self._position()}{what}: {text}")
 
-    def message(self, sentence: str) -> None:
-        """Print it above the bar."""
-        self._progress.console.print(sentence, markup=False)
+    def finish(self, what: str, reason: str = "") -> None:
+        seconds = self._clock() - self._find(what).begun
+        super().finish(what, reason)
+        self._state = ""
+        self._show()
+        if self.bar.disable:
+            self._print(f"{self._position()}{what}: {reason or f'done in {seconds:.1f} s'}")
+        elif reason:
+            self._print(f"{what}: {reason}")
+
+    def note(self, text: str) -> None:
+        self._print(text)
 
     def _show(self) -> None:
-        done, total = self._costs
-        elapsed = self._progress.tasks[0].elapsed or 0.0
-        left = f"about {_duration(elapsed * (total - done) / done)} left" if done else ""
-        self._progress.update(self._bar, working=", ".join(self._working), left=left)
+        running = ", ".join([*dict.fromkeys(piece.what for piece in self._running), self._state]).rstrip(", ")
+        self.bar.update(self._task, completed=self.share, running=running)
+
+    def _position(self) -> str:
+        """Share done and remaining time, in brackets."""
+        return f"[{', '.join(filter(None, (f'{100 * self.share:.0f} %', self.remaining_text)))}] "
+
+    def _print(self, text: str) -> None:
+        if self.bar.disable and text:
+            print(text, file=sys.stderr, flush=True)
+        elif text:
+            self._console.print(text, markup=False, highlight=False)
 
 
-def _duration(seconds: float) -> str:
-    """A time in seconds, from two minutes on in minutes, from two hours on in hours."""
-    return (
-        f"{seconds:.0f} s"
-        if seconds < 120
-        else f"{seconds / 60:.0f} min"
-        if seconds < 7200
-        else f"{seconds / 3600:.1f} h"
-    )
+class _RemainingColumn(bars.ProgressColumn):
+    """Remaining time, computed at every drawing of the bar."""
+
+    def __init__(self, progress: Progress) -> None:
+        super().__init__(Column(no_wrap=True, min_width=23))
+        self._progress = progress
+
+    def render(self, task: bars.Task) -> Text:
+        return Text(self._progress.remaining_text)
 
 
-def make_progress() -> Progress:
-    """A bar on standard error; nothing is drawn before it is started."""
-    return Progress(
-        BarColumn(bar_width=16),
-        MofNCompleteColumn(table_column=Column(no_wrap=True, min_width=9)),
-        TimeElapsedColumn(table_column=Column(no_wrap=True, min_width=7)),
-        TextColumn("{task.fields[left]}", table_column=Column(no_wrap=True, min_width=18)),
-        TextColumn("{task.fields[working]}", table_column=Column(no_wrap=True, overflow="ellipsis", ratio=1)),
-        console=Console(stderr=True),
-        expand=True,
-    )
-
-
-def _describe(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
+@contextmanager
+def show_progress(quiet: bool = False) -> Iterator[TerminalProgress]:
+    """Progress of the work of the block on standard error; without a bar if `quiet` or not on a terminal."""
+    progress = TerminalProgress(sys.stderr.isatty() and not quiet)
+    with progress.bar:
+        yield progress

@@ -13,10 +13,10 @@ from cyclopts import Parameter
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import RESULTS, Output
-from palpate.cli.progress import Bars, Lines, make_progress
+from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, grid_report, write_grid
-from palpate.study import Study, StudyResult, available_cores, check_cluster_address, read_study, run_study
+from palpate.study import StudyResult, available_cores, check_cluster_address, read_study, run_study
 
 MOST_WORKERS = 1024
 
@@ -95,7 +95,9 @@ def run(
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
     worker_flags.check()
     folder = keep_results(out or RESULTS / chosen.name)
-    result = _run_watched(chosen, folder, worker_flags, quiet=output.json)
+    announce_compilation()
+    with show_progress(quiet=output.json) as progress:
+        result = run_study(chosen, folder, worker_flags.workers, progress, worker_flags.timeout, worker_flags.cluster)
     grid = evaluate_grid(result.designs)
     write_grid(folder, grid)
     output.show(
@@ -106,14 +108,6 @@ def run(
     for failure in result.failures:
         print(f"{failure.task}: {failure.reason}", file=sys.stderr)
     return 1 if result.failures else 0
-
-
-def _run_watched(study: Study, folder: Path, hands: TaskFlags, *, quiet: bool) -> StudyResult:
-    announce_compilation()
-    if quiet or not sys.stderr.isatty():
-        return run_study(study, folder, hands.workers, Lines(), hands.timeout, hands.cluster)
-    with make_progress() as progress:
-        return run_study(study, folder, hands.workers, Bars(progress), hands.timeout, hands.cluster)
 
 
 def _tally(result: StudyResult) -> dict[str, Any]:

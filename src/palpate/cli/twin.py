@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from palpate.cli.bench import read_tolerance
 from palpate.cli.border import keep_results
 from palpate.cli.output import RESULTS, Output
-from palpate.cli.progress import Lines
+from palpate.cli.progress import show_progress
 from palpate.cli.run import WorkerFlags
 from palpate.cli.unit import DesignFlags, MaterialFlags
 from palpate.core import PalpateError
@@ -102,7 +102,8 @@ def twin(
     worker_flags.check()
     study = flags.study(source)
     folder = keep_results(out or RESULTS / study.name)
-    found = run_twins(study, folder, worker_flags.workers, Lines())
+    with show_progress() as progress:
+        found = run_twins(study, folder, worker_flags.workers, progress)
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)
     table = Report(f"{study.name}: built units", _COLUMNS, rows, file=str(folder / "twins" / "built.csv"))

@@ -4,7 +4,7 @@ from palpate.core.arrays import BoolArray, FloatArray, IntArray, TextArray
 from palpate.core.behaviour import stage_version
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
-from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, wrap_write_errors
+from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, create_hdf5, wrap_write_errors
 from palpate.core.kernel import kernel
 from palpate.core.kinds import data_from_text, spec_from_data
 from palpate.core.lazy_front import lazy_front
@@ -15,7 +15,7 @@ from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
 from palpate.core.renamed_keys import new_column, rename_columns
 from palpate.core.seeds import child_seed, generator
-from palpate.core.store import ArtefactStore, Recipe, StoreError
+from palpate.core.store import ArtefactStore, Recipe
 from palpate.core.store_care import StoreContents, check_store, clean_store, list_store
 from palpate.core.version import __version__
 
@@ -31,7 +31,6 @@ __all__ = [
     "Registry",
     "Spec",
     "StoreContents",
-    "StoreError",
     "TextArray",
     "__version__",
     "atomic_folder",
@@ -40,6 +39,7 @@ __all__ = [
     "check_store",
     "child_seed",
     "clean_store",
+    "create_hdf5",
     "data_from_text",
     "flag_name",
     "generator",

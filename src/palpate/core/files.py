@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from palpate.core.errors import PalpateError
 
+if TYPE_CHECKING:
+    import h5py
+
 DRAFT = ".writing-"
 """Beginning of the names of what is not yet whole."""
+
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""Error numbers of a disk that is full, by its size or a quota, or read-only."""
+
+
+def is_disk_full(error: BaseException | None) -> bool:
+    """Whether an error, or one that caused it, is that of a full or read-only disk."""
+    while error is not None and getattr(error, "errno", None) not in _FULL:
+        error = error.__cause__
+    return error is not None
 
 
 @contextmanager
@@ -22,8 +37,25 @@ def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") ->
         yield
     except OSError as error:
         raise PalpateError(
-            f"{what} cannot be written: {error.strerror or error}.", remedy, code="file-unwritable"
+            f"{what} cannot be written: {error.strerror or error}.",
+            remedy,
+            code="disk-unwritable" if is_disk_full(error) else "file-unwritable",
         ) from error
+
+
+@contextmanager
+def create_hdf5(path: Path) -> Iterator[h5py.File]:
+    """A new HDF5 file, which is written to the disk when the block ends well.
+
+    HDF5 itself ends the process with a segmentation fault when the disk is full; here that is an `OSError`.
+    """
+    import h5py
+
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    path.write_bytes(image)
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Camera
-from palpate.core import PalpateError, reject_external_links, stage_version
+from palpate.core import PalpateError, create_hdf5, reject_external_links, stage_version
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.spec import DatasetSpec
 from palpate.design import PoseSpace
@@ -35,7 +35,7 @@ def dataset_version(camera: Camera) -> str:
 
 def write_dataset(path: Path, dataset: Dataset) -> None:
     """Write `dataset` to the HDF5 file `path`, replacing it."""
-    with h5py.File(path, "w") as file:
+    with create_hdf5(path) as file:
         file.attrs["palpate_dataset_version"] = DATASET_FORMAT
         file.attrs["spec"] = dataset.spec.model_dump_json()
         file.attrs["image_size_px"] = np.array(dataset.image_size_px)

@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, reject_external_links
+from palpate.core import PalpateError, create_hdf5, reject_external_links
 from palpate.design import build_skin, skin_from_data
 from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
@@ -39,7 +39,7 @@ _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations
 
 def write_press(path: Path, press: Press) -> None:
     """Write a press. The mesh is not stored: it is built again from its spec, which takes milliseconds."""
-    with h5py.File(path, "w") as file:
+    with create_hdf5(path) as file:
         file.attrs["kind"] = "palpate press"
         file.attrs["version"] = PRESS_FORMAT
         file.attrs["dome"] = json.dumps(press.mesh.skin.spec_data)

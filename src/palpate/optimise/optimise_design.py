@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
+from palpate.core.run import Progress
 from palpate.design import DomeSpec
 from palpate.optimise.front import Front, SearchBaselines, SkinTrial
 from palpate.optimise.proposal import SkinEvaluation
@@ -25,7 +26,7 @@ from palpate.optimise.search_skins import (
 )
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import Observer, Task, ensure_writable, find_artefact, run_tasks
+from palpate.study import Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
@@ -45,7 +46,7 @@ def optimise_design(
     spec: RequirementsSpec,
     out: Path,
     workers: int | None = None,
-    observer: Observer | None = None,
+    progress: Progress | None = None,
     *,
     sampler: Sampler = "gp",
     cluster: str = "",
@@ -58,7 +59,7 @@ def optimise_design(
         The requirements.
     out
         Result folder; the same call goes on where an earlier one was stopped, and presses nothing twice.
-    workers, observer
+    workers, progress
         As for `palpate.study.run_study`; what is found does not depend on them.
     sampler
         ``"random"`` draws skins at random, as a control.
@@ -73,7 +74,7 @@ def optimise_design(
         If optuna, torch or OpenCV is not installed.
     """
     load_opencv()  # layouts are offered where images are read: not to be missed as skins that cannot be made
-    space, judge = SkinSpace.of(spec), _Evaluator(spec, out, workers, observer, cluster)
+    space, judge = SkinSpace.of(spec), _Evaluator(spec, out, workers, progress, cluster)
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
     plan = SearchPlan(
@@ -92,7 +93,7 @@ def optimise_design(
 
 
 def validate_front(
-    front: Front, out: Path, workers: int | None = None, observer: Observer | None = None, cluster: str = ""
+    front: Front, out: Path, workers: int | None = None, progress: Progress | None = None, cluster: str = ""
 ) -> Front:
     """Play the winner of a front and its rivals, as its requirements ask; the same front where they ask for none.
 
@@ -101,7 +102,7 @@ def validate_front(
     if front.spec.validation == "none" or front.winner is None:
         return front
     return replace(
-        front, validation=validate_designs(front, out, _Evaluator(front.spec, out, workers, observer, cluster).run)
+        front, validation=validate_designs(front, out, _Evaluator(front.spec, out, workers, progress, cluster).run)
     )
 
 
@@ -134,8 +135,9 @@ class _Evaluator:
     spec: RequirementsSpec
     out: Path
     workers: int | None
-    observer: Observer | None
+    progress: Progress | None
     cluster: str
+    skins: Progress = field(default_factory=Progress)
 
     def search(
         self,
@@ -149,13 +151,17 @@ class _Evaluator:
         now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
+        self.skins.plan(plan.trials - len(now))
         return search_skins(space, self.evaluate, plan, journal, watch)
 
     def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
-        return [self._evaluation(proposal) for proposal in self._do(tasks)]
+        self.skins.begin("batch", len(tasks))
+        found = [self._evaluation(proposal) for proposal in self._do(tasks)]
+        self.skins.finish("batch")
+        return found
 
     def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
@@ -171,7 +177,7 @@ class _Evaluator:
 
     def report_best(self, tried: Sequence[SearchTrial]) -> None:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
-        if self.observer is None:
+        if self.progress is None:
             return
         best = min(
             Front(self.spec, tuple(map(self.skin, tried))).candidates,
@@ -181,7 +187,8 @@ class _Evaluator:
         so_far = (
             f"skin {best.trial.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
-        self.observer.message(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
+        texts = f"{len(tried)} of {self.spec.skins} skins tried: {so_far}", self.skins.remaining_text
+        self.progress.note(f"{'; '.join(filter(None, texts))}.")
 
     @staticmethod
     def skin(tried: SearchTrial) -> SkinTrial:
@@ -219,7 +226,7 @@ class _Evaluator:
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
         """Do tasks; why some failed, by their keys."""
-        return run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+        return run_tasks(self.out, tasks, self.workers, self.progress, self.cluster) if tasks else {}
 
     def _do(self, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         reasons = self.run(tasks)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
+from palpate.core.run import Progress
 from palpate.learn import Estimator, read_estimator
 from palpate.recording.correspond import MarkerMatcher
 from palpate.recording.course import TrainerSpec
@@ -24,7 +25,7 @@ from palpate.recording.layout import ObservedLayout
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import read_model
 from palpate.recording.part import MarkerNetwork
-from palpate.recording.see_recording import PreparedRecording, Report
+from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.train_part import fine_tune_marker_network
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
@@ -142,7 +143,9 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     return MarkerNetwork("carried", arrays)
 
 
-def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: Report) -> dict[str, MarkerNetwork]:
+def fine_tune_members(
+    start: PretrainedModel, seen: PreparedRecording, progress: Progress
+) -> dict[str, MarkerNetwork]:
     """The other network, corrected and adapted to this recording, by name.
 
     Raises
@@ -163,7 +166,7 @@ def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: R
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
     for name, part in found.items():
         error = lesson.error(part.predict(seen.moved[lesson.validation]))
-        report(f"{name}: validation error {error:.4f} of the deviation")
+        progress.note(f"{name}: validation error {error:.4f} of the deviation")
     return found
 
 

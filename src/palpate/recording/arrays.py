@@ -10,14 +10,14 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import reject_external_links
+from palpate.core import create_hdf5, reject_external_links
 
 _TEXT = "text"
 
 
 def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
     """Write arrays under their names."""
-    with h5py.File(path, "w") as file:
+    with create_hdf5(path) as file:
         for name, given in arrays.items():
             array = np.asarray(given)
             is_text = array.dtype.kind == "U"

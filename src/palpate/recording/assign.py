@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
+from palpate.core.run import Progress
 from palpate.recording.correspond import Correspondence, MarkerMatcher, marker_descriptor
 from palpate.recording.layout import LEAST_DOTS, ObservedLayout, number_markers
 from palpate.recording.motions import fit_motion_prior
@@ -100,7 +100,7 @@ def choose_reference(sight: Detections, count: int) -> int:
 
 
 def assign_images(
-    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, report: Callable[[str], None]
+    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, progress: Progress
 ) -> AssignedMarkers:
     """Find the correspondence of every image; images that fail are tried again when all others are known.
 
@@ -112,23 +112,24 @@ def assign_images(
         Height and width of the images, px.
     smooth
         See `palpate.recording.correspond.MarkerMatcher`.
-    report
-        Told how far it is.
+    progress
+        Receives the number of images done.
     """
     layout = number_markers(sight.dots[reference])
     correspondent = MarkerMatcher(layout, shape, smooth=smooth)
     if smooth:
-        _learn_motions(sight, correspondent, report)
-    total = len(sight.dots)
+        _learn_motions(sight, correspondent, progress)
+    total, what = len(sight.dots), "correspondence"
+    progress.plan(total)
+    progress.begin(what, total)
     found: list[Correspondence] = []
     for number, dots in enumerate(sight.dots):
         found.append(correspondent.find(dots))
         correspondent.remember(dots, found[-1])
         if (number + 1) % _REPORTED == 0:
-            report(
-                f"correspondence: {number + 1} of {total} images, "
-                f"{sum(not one.accepted for one in found)} not believed"
-            )
+            rejected = sum(not one.accepted for one in found)
+            progress.advance(what, number + 1, f"{number + 1} of {total} images, {rejected} rejected")
+    progress.finish(what)
     return AssignedMarkers(
         layout,
         reference,
@@ -141,7 +142,7 @@ def assign_images(
     )
 
 
-def _learn_motions(sight: Detections, correspondent: MarkerMatcher, report: Callable[[str], None]) -> None:
+def _learn_motions(sight: Detections, correspondent: MarkerMatcher, progress: Progress) -> None:
     """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
     some = np.unique(np.linspace(0, len(sight.dots) - 1, min(_PILOT, len(sight.dots))).astype(int))
     some = some[[len(sight.dots[number]) >= LEAST_DOTS for number in some]]
@@ -171,4 +172,4 @@ def _learn_motions(sight: Detections, correspondent: MarkerMatcher, report: Call
             min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
             max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
         )
-    report(f"motions of the sensor: learnt from {len(taught)} images")
+    progress.note(f"motions of the sensor: learnt from {len(taught)} images")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError
+from palpate.core.run import Progress
 from palpate.recording.adapt import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.recording.columns import PoseColumn
 from palpate.recording.conclude import WHOLE, EstimatorScore, estimate_all, select_model
@@ -20,7 +21,7 @@ from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
 from palpate.recording.model import RecordedModel
 from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
-from palpate.recording.see_recording import PreparedRecording, Report, prepare_recording
+from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_row_offset
 from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
@@ -68,7 +69,7 @@ def train_on_recording(
     recording: Recording,
     spec: RecordingSpec,
     store: ArtefactStore,
-    report: Report,
+    progress: Progress,
     start: PretrainedModel | None = None,
     first: RecordingResult | None = None,
 ) -> RecordingResult:
@@ -80,8 +81,8 @@ def train_on_recording(
         What is learnt from, and how.
     store
         Where stages are kept.
-    report
-        Told how far it is.
+    progress
+        Receives the images and trainings done.
     start
         A model to begin with: of another unit, or of a simulation.
     first
@@ -93,22 +94,22 @@ def train_on_recording(
         If images and poses do not belong together, or too little is left to learn from.
     """
     begin = time.monotonic()
-    seen = prepare_recording(recording, spec, store, report)
+    seen = prepare_recording(recording, spec, store, progress)
     parts: dict[str, EnsembleMember] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     early = 0.0 if first is None else first.seconds[0]
     names, asked = _plan(seen, spec), seen.targets.shape[1]
     jobs = [TrainingJob(name, make_training_set(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
-    for part, spent in train_members(jobs, spec.threads, store, report):
+    for part, spent in train_members(jobs, spec.threads, store, progress):
         name, parts[part.name] = part.name, part
         seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
-            _report_errors(name, parts[name], seen, report)
+            _report_errors(name, parts[name], seen, progress)
         if first is None and "picture-network" not in name:
             early = time.monotonic() - begin
     parts = {name: parts[name] for name in names}
     if start is not None:
-        parts |= fine_tune_members(start, seen, report)
+        parts |= fine_tune_members(start, seen, progress)
     model, scores, best = select_model(seen, spec, parts, seconds)
     _refuse_strangers(seen, scores)
     if first is None:
@@ -169,11 +170,11 @@ def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -
     return TrainingSet(seen.pictures, targets, seen.split.train, seen.split.validation, spec.seed, turning)
 
 
-def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, report: Report) -> None:
+def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, progress: Progress) -> None:
     use = seen.split.test & (seen.accepted if part.reads_markers else True)
     off = part.predict((seen.moved if part.reads_markers else seen.pictures)[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))
-    report(
+    progress.note(
         f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True))
     )
 

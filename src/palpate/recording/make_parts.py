@@ -7,25 +7,22 @@ time.
 from __future__ import annotations
 
 import hashlib
-import multiprocessing
-import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version, worker_process
+from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
+from palpate.core.run import Call, LocalWorkers, Outcome, Progress, Status
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.course import TrainerSpec, load_torch
+from palpate.recording.course import IMAGE_S, TrainerSpec, load_torch
 from palpate.recording.lesson import TrainingSet, fit_ridge_part
 from palpate.recording.part import PARTS, EnsembleMember
-from palpate.recording.see_recording import Report
 from palpate.recording.train_part import train_image_network, train_marker_network, train_rotated_network
 
 ROTATED = "-turned"
@@ -34,6 +31,10 @@ _LONGER = 8 / 3
 """Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
 _MOST_SHOWN = 250_000
 """Pictures that these passes show at most, unless the other's show more: 35 to 50 minutes of a core."""
+_MARKERS_S = 60.0
+"""Time of one core to train a network on markers, s; it decides only the remaining time."""
+_WAIT_S = 0.5
+"""Time for which the pool is waited for, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +77,13 @@ class TrainingJob:
             return self.epochs
         return max(self.epochs, min(round(_LONGER * self.epochs), _MOST_SHOWN // taught))
 
+    @property
+    def cost(self) -> float:
+        """Expected time of one core, s."""
+        if self.sees_pictures:
+            return IMAGE_S * self.passes * int(self.training_set.train.sum())
+        return _MARKERS_S if self.is_network else 0.0
+
     @cached_property
     def recipe(self) -> Recipe:
         """What it is made from."""
@@ -102,17 +110,20 @@ class TrainingJob:
         ]
         return Recipe("part", own, version=stage_version("recorded_estimator"))
 
-    def train(self, threads: int, checkpoint: Path, report: Report) -> Mapping[str, NDArray[Any]]:
+    def train(self, threads: int, checkpoint: Path, progress: Progress) -> Mapping[str, NDArray[Any]]:
         """Arrays of the part; what is known meanwhile lies in the file `checkpoint`."""
-        if not self.is_network:
-            return fit_ridge_part(self.name, self.training_set, self.name.startswith("picture")).arrays
         if self.sees_pictures:
             course = TrainerSpec(self.passes, threads=threads)
             return train_image_network(
-                self.name, self.training_set, self.n_outputs, course, checkpoint, report
+                self.name, self.training_set, self.n_outputs, course, checkpoint, progress
             ).arrays
+        if not self.is_network:
+            return fit_ridge_part(self.name, self.training_set, self.name.startswith("picture")).arrays
         train = train_rotated_network if self.name.endswith(ROTATED) else train_marker_network
-        return train(self.name, self.training_set, checkpoint=checkpoint).arrays
+        progress.begin(self.name, self.cost)
+        arrays = train(self.name, self.training_set, checkpoint=checkpoint).arrays
+        progress.finish(self.name)
+        return arrays
 
 
 class TrainedMember(NamedTuple):
@@ -123,7 +134,7 @@ class TrainedMember(NamedTuple):
 
 
 def train_members(
-    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, report: Report
+    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, progress: Progress
 ) -> Iterator[TrainedMember]:
     """Make parts, and give each as soon as it is there.
 
@@ -135,8 +146,8 @@ def train_members(
         Cores that networks may use: of several, each that is missing is trained in a process of its own.
     store
         Where parts are kept, and what an interrupted training needs to go on.
-    report
-        Told how far it is.
+    progress
+        Receives each epoch, and the end of each network.
 
     Raises
     ------
@@ -145,16 +156,17 @@ def train_members(
     """
     missing = [job for job in jobs if job.is_network and store.find(job.recipe) is None]
     workers = min(threads, len(missing))
+    progress.plan(sum(job.cost for job in missing))
     for job in jobs:
         if workers > 1 and job in missing:
             continue
         begin = time.monotonic()
         path = store.find(job.recipe)
         if path is None:
-            path = _keep(store, job, job.train(threads, _draft(store, job), report))
+            path = _keep(store, job, job.train(threads, _draft(store, job), progress))
         yield TrainedMember(_read(job, path), time.monotonic() - begin)
     if workers > 1:
-        for job, arrays, seconds in _train_in_processes(missing, workers, threads // workers, store, report):
+        for job, arrays, seconds in _train_in_processes(missing, workers, threads // workers, store, progress):
             yield TrainedMember(_read(job, _keep(store, job, arrays)), seconds)
 
 
@@ -180,58 +192,34 @@ def _read(job: TrainingJob, path: Path) -> EnsembleMember:
 
 
 def _train_in_processes(
-    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, report: Report
+    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, progress: Progress
 ) -> Iterator[tuple[TrainingJob, Mapping[str, NDArray[Any]], float]]:
     """Train networks in processes: those on dots first, which take minutes, then the longest."""
-    load_torch()  # what is missing is told here
-    context = multiprocessing.get_context("spawn")
+    load_torch()  # a missing library is reported here
     queue = sorted(jobs, key=lambda job: (job.sees_pictures, -job.passes))
-    busy: dict[Any, tuple[TrainingJob, Any, float]] = {}
-    try:
-        while queue or busy:
-            while queue and len(busy) < workers:
-                job, (here, there) = queue.pop(0), context.Pipe(duplex=False)
-                arguments = (job, threads, _draft(store, job), there, os.getpid())
-                process = context.Process(target=_work, args=arguments, daemon=True)
-                with worker_process.single_threaded():
-                    process.start()
-                there.close()
-                busy[here] = job, process, time.monotonic()
-            for pipe in wait(list(busy)):
-                job, process, begin = busy[pipe]
-                answer = _hear(pipe, job, process)
-                if isinstance(answer, str):
-                    report(answer)
-                    continue
-                del busy[pipe]
-                process.join()
-                yield job, answer, time.monotonic() - begin
-    finally:
-        for _, process, _ in busy.values():
-            process.kill()
+    running: dict[Call, TrainingJob] = {}
+    with LocalWorkers(workers) as pool:
+        while queue or running:
+            while queue and len(running) < workers:
+                job = queue.pop(0)
+                running[pool.submit(job.train, threads, _draft(store, job), progress=progress)] = job
+            for call, outcome in pool.wait(_WAIT_S):
+                job = running.pop(call)
+                yield job, _arrays(job, outcome), outcome.seconds
 
 
-def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
-    """How far a process is, or at its end the arrays of its part."""
-    try:
-        answer: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
-    except (EOFError, OSError) as error:
-        process.join()
+def _arrays(job: TrainingJob, outcome: Outcome) -> Mapping[str, NDArray[Any]]:
+    """Arrays of a part that was trained in a process."""
+    if outcome.status is Status.DONE:
+        arrays: Mapping[str, NDArray[Any]] = outcome.value
+        return arrays
+    if outcome.error is not None:
+        raise outcome.error
+    if outcome.status is Status.DIED:
         raise PalpateError(
-            f"The process that trained {job.name} ended with code {process.exitcode}, perhaps for want of memory.",
+            f"The training of {job.name} ended: {outcome.reason}.",
             "Start again, it goes on where it was; with --threads 1 one network is trained at a time. In a script of "
             'your own, call it under `if __name__ == "__main__":`.',
             code="training-process-died",
-        ) from error
-    if isinstance(answer, PalpateError):
-        raise answer
-    return answer
-
-
-def _work(job: TrainingJob, threads: int, checkpoint: Path, pipe: Any, parent: int) -> None:
-    """What a process does; what the user can mend is handed on."""
-    worker_process.attach_to_parent(parent)
-    try:
-        pipe.send(dict(job.train(threads, checkpoint, pipe.send)))
-    except PalpateError as error:
-        pipe.send(PalpateError(error.problem, error.remedy, code=error.code))
+        )
+    raise RuntimeError(f"The training of {job.name} failed: {outcome.trace or outcome.reason}")

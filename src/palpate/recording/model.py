@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, reject_external_links
+from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
@@ -190,7 +190,7 @@ def write_model(path: Path, model: RecordedModel) -> None:
     PalpateError
         If the file cannot be written.
     """
-    with atomic_write(path) as draft, h5py.File(draft, "w") as file:
+    with atomic_write(path) as draft, create_hdf5(draft) as file:
         file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
         detector = model.preprocessor.detector
         file.attrs["about"] = json.dumps(

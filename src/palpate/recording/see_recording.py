@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
+from palpate.core.run import Progress
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
 from palpate.recording.layout import ObservedLayout
@@ -23,8 +23,6 @@ _LEAST_GOOD = 0.25
 """Least share of images with numbered dots for parts that read dots."""
 _FIELD = 6
 """Dots of an image from which it has a field of them."""
-
-Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +60,7 @@ class PreparedRecording:
 
 
 def prepare_recording(
-    recording: Recording, spec: RecordingSpec, store: ArtefactStore, report: Report
+    recording: Recording, spec: RecordingSpec, store: ArtefactStore, progress: Progress
 ) -> PreparedRecording:
     """Look at a recording: dots and pictures, correspondence, split.
 
@@ -75,9 +73,9 @@ def prepare_recording(
     notes = list(recording.notes)
     if spec.estimators == "picture":
         eye = replace(eye, detector=None, dark=False)
-    sight = preprocess_images(recording, eye, store, report)
+    sight = preprocess_images(recording, eye, store, progress)
     count = len(recording)
-    assigned, told = _assign(recording, eye, sight, spec, store, report)
+    assigned, told = _assign(recording, eye, sight, spec, store, progress)
     notes += told
     kept = sight.readable[:count].copy()
     if not kept.all():
@@ -130,7 +128,7 @@ def _assign(
     sight: Detections,
     spec: RecordingSpec,
     store: ArtefactStore,
-    report: Report,
+    progress: Progress,
 ) -> tuple[AssignedMarkers | None, list[str]]:
     """Dots of all images by number, `None` where there are too few, and what must be said about them."""
     notes: list[str] = []
@@ -155,7 +153,7 @@ def _assign(
     )
     path = store.find(recipe)
     if path is None:
-        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", report)
+        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", progress)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
         path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
     arrays = read_arrays(path)

@@ -7,7 +7,7 @@ interrupted run looks at no image twice.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from palpate.core import (
     load_opencv,
     stage_version,
 )
+from palpate.core.run import Progress
 from palpate.markers import Detector, DetectSpec, prepare_detector
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
@@ -146,7 +147,7 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
 
 
 def preprocess_images(
-    recording: Recording, eye: Preprocessor, store: ArtefactStore, report: Callable[[str], None]
+    recording: Recording, eye: Preprocessor, store: ArtefactStore, progress: Progress
 ) -> Detections:
     """Look at all images of a recording, those at rest last.
 
@@ -157,14 +158,20 @@ def preprocess_images(
     """
     total, parts = len(recording) + recording.rest, []
     spec = [list(eye.shape), list(eye.size), eye.dark, None if eye.detector is None else _describe(eye.detector)]
+    planned = False
     for start in range(0, total, CHUNK):
         numbers = range(start, min(start + CHUNK, total))
         stamps = hashlib.sha256("\n".join(recording.images.stamp(number) for number in numbers).encode()).hexdigest()
         recipe = Recipe("sight", [stamps, spec], version=stage_version("detections"))
         path = store.find(recipe)
         if path is None:
+            if not planned:  # an interrupted run has left the first of them
+                progress.plan(total - start)
+                planned = True
+            what = f"markers of images {numbers[0] + 1} to {numbers[-1] + 1} of {total}"
+            progress.begin(what, len(numbers))
             path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own))  # type: ignore[misc]
-            report(f"dots: {numbers[-1] + 1} of {total} images")
+            progress.finish(what)
         parts.append(read_arrays(path))
     ends = np.concatenate([part["count"] for part in parts])
     dots = np.concatenate([part["dots"] for part in parts])

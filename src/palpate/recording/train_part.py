@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
+from palpate.core.run import Progress
 from palpate.recording.course import Trainer, TrainerSpec, load_torch
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.part import ImageNetwork, MarkerNetwork, flat_features
@@ -171,7 +172,7 @@ def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: in
 
 
 def train_image_network(
-    name: str, lesson: TrainingSet, asked: int, course: TrainerSpec, checkpoint: Path, report: Callable[[str], None]
+    name: str, lesson: TrainingSet, asked: int, course: TrainerSpec, checkpoint: Path, progress: Progress
 ) -> ImageNetwork:
     """A convolutional network on pictures.
 
@@ -183,8 +184,8 @@ def train_image_network(
         Number of targets handed on; epochs and threads.
     checkpoint
         File that holds what is known after each epoch; it is removed by who keeps the part.
-    report
-        Told after each epoch.
+    progress
+        Receives each epoch.
 
     Raises
     ------
@@ -207,9 +208,7 @@ def train_image_network(
             _turn_pictures, torch, lesson.inputs, RotationOperators(lesson.rotation.places_px).middle, order
         )
         spec = replace(spec, augment=_vary(torch, lesson, turned, order))
-    state = Trainer(net, lesson, pictures, targets, spec, random).run(
-        checkpoint, lambda text: report(f"{name}: {text}")
-    )
+    state = Trainer(net, lesson, pictures, targets, spec, random).run(checkpoint, progress, name)
     arrays = _folded(state, level, spread)
     return ImageNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
 

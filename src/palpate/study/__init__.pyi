@@ -3,7 +3,6 @@
 from palpate.study.available import available_cores
 from palpate.study.built_task import TwinTask, export_twins, plan_twin
 from palpate.study.cluster import check_cluster_address
-from palpate.study.observer import NullObserver, Observer
 from palpate.study.plan import plan_study
 from palpate.study.read_spec import read_spec
 from palpate.study.read_study import list_presets, read_study
@@ -23,8 +22,6 @@ __all__ = [
     "DesignsSpec",
     "KindStatus",
     "MaterialSpec",
-    "NullObserver",
-    "Observer",
     "PressSummary",
     "PressTask",
     "Study",

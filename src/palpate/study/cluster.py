@@ -11,11 +11,11 @@ import os
 import re
 from contextlib import suppress
 from typing import Any
+from uuid import uuid4
 
-from palpate.core import ArtefactStore, PalpateError, load_extra, worker_process
-from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import TaskOutcome, TaskStatus, run_task
-from palpate.study.worker_pool import WORKER_DIED, WorkerPool
+from palpate.core import PalpateError, load_extra, worker_process
+from palpate.core.run import WORKER_DIED, Call, Outcome, Progress, Status, WorkerPool, run_call
+from palpate.study.task import EstimatorTask
 
 MOST_WORKERS = 1024
 CONNECT_S = 30.0
@@ -30,8 +30,6 @@ class ClusterWorkers(WorkerPool):
 
     Parameters
     ----------
-    store
-        Where artefacts are read and written, in a folder that every worker sees.
     where
         ``"local:N"`` for N processes on this machine, or the address of a scheduler, ``"tcp://HOST:PORT"``.
 
@@ -43,46 +41,40 @@ class ClusterWorkers(WorkerPool):
         If `where` is no such place, or nobody answers there.
     """
 
-    def __init__(self, store: ArtefactStore, where: str) -> None:
-        self._store = ArtefactStore(store.root.resolve())
+    def __init__(self, where: str) -> None:
+        super().__init__()
         self._client, self._cluster = _connect(where)
-        self._busy: dict[Any, Task] = {}
-        self._stopped: list[tuple[Task, TaskOutcome]] = []
-        self._given = 0
+        self._busy: dict[Any, Call] = {}
         self._size = self._count()
 
     @property
     def size(self) -> int:
         return self._size
 
-    def submit(self, task: Task) -> None:
-        self._given += 1  # Dask takes one key for one computation, also after a worker died
-        key = f"{task.recipe.kind}-{task.recipe.key}-{self._given}"
-        needs = {GPU: 1} if _wants_gpu(task) and self._has_gpu() else None
-        future = self._client.submit(run_task, task, self._store, key=key, pure=False, resources=needs)
-        self._busy[future] = task
+    def _start(self, call: Call) -> None:
+        key = (
+            f"{call.work.__name__}-{uuid4().hex}"  # Dask takes one key for one computation, also after a worker died
+        )
+        needs = {GPU: 1} if any(map(_wants_gpu, call.arguments)) and self._has_gpu() else None
+        arguments = (call.work, call.arguments, Progress())
+        self._busy[self._client.submit(run_call, *arguments, key=key, pure=False, resources=needs)] = call
 
-    def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
-        ended, self._stopped = self._stopped, []
-        if not ended:
-            with suppress(TimeoutError):
-                _distributed().wait(list(self._busy), timeout=seconds, return_when="FIRST_COMPLETED")
-        for future in [future for future in self._busy if future.done()]:
-            ended.append((self._busy.pop(future), _outcome(future)))
+    def _collect(self, seconds: float) -> list[tuple[Call, Outcome]]:
+        with suppress(TimeoutError):
+            _distributed().wait(list(self._busy), timeout=seconds, return_when="FIRST_COMPLETED")
+        done = [future for future in self._busy if future.done()]
         self._size = self._count()
-        return ended
+        return [(self._busy.pop(future), _outcome(future)) for future in done]
 
-    def cancel(self, task: Task) -> None:
-        future = next((future for future, busy in self._busy.items() if busy is task), None)
-        if future is None:
-            return
+    def _stop(self, call: Call) -> None:
+        future = next(future for future, busy in self._busy.items() if busy is call)
         workers = [name for name, keys in self._client.processing().items() if future.key in keys]
         trace = _where(self._client, future)
         del self._busy[future]
         future.cancel()
         if workers:
             self._client.restart_workers(workers, timeout=CONNECT_S, raise_for_error=False)
-        self._stopped.append((task, TaskOutcome(WORKER_DIED, trace, 0.0, TaskStatus.DIED)))
+        self._early.append((call, Outcome(None, WORKER_DIED, trace, 0.0, Status.DIED)))
 
     def shutdown(self) -> None:
         for future in self._busy:
@@ -162,20 +154,20 @@ def _distributed() -> Any:
     return load_extra("distributed", "cluster")
 
 
-def _outcome(future: Any) -> TaskOutcome:
+def _outcome(future: Any) -> Outcome:
     if future.status == "finished":
-        result: TaskOutcome = future.result()
+        result: Outcome = future.result()
         return result
     error = future.exception() if future.status == "error" else None
     if error is None or isinstance(
         error, _distributed().KilledWorker
     ):  # a future that was lost has no error of its own
-        return TaskOutcome(WORKER_DIED, "", 0.0, TaskStatus.DIED)
-    return TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskStatus.FAILED)
+        return Outcome(reason=WORKER_DIED, status=Status.DIED)
+    return Outcome(reason=f"{type(error).__name__}: {error}", status=Status.FAILED)
 
 
-def _wants_gpu(task: Task) -> bool:
-    return isinstance(task, EstimatorTask) and task.spec.device == "cuda"
+def _wants_gpu(argument: Any) -> bool:
+    return isinstance(argument, EstimatorTask) and argument.spec.device == "cuda"
 
 
 def _where(client: Any, future: Any) -> str:

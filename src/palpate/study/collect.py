@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import ArtefactStore, provenance, stage_version
+from palpate.core.run import Outcome
 from palpate.design import Symmetry
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
@@ -20,11 +21,10 @@ from palpate.study.plan import Plan
 from palpate.study.result import Counts, DesignBounds, DesignResult, PressSummary
 from palpate.study.study import positions_field
 from palpate.study.task import BoundTask, DatasetTask, EvaluationTask, Task, read_bounds
-from palpate.study.worker import TaskOutcome
 
 
 def collect_designs(
-    plan: Plan, store: ArtefactStore, outcomes: Mapping[str, TaskOutcome], seed: int
+    plan: Plan, store: ArtefactStore, outcomes: Mapping[str, Outcome], seed: int
 ) -> tuple[DesignResult, ...]:
     """Collect the records of designs from the store; a press that serves several is read once.
 
@@ -49,7 +49,7 @@ def collect_designs(
 
 
 def collect_bounds(
-    tasks: Sequence[BoundTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
+    tasks: Sequence[BoundTask], store: ArtefactStore, outcomes: Mapping[str, Outcome]
 ) -> tuple[DesignBounds, ...]:
     """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
     found = []
@@ -71,7 +71,7 @@ class _Known:
     """
 
     store: ArtefactStore
-    outcomes: Mapping[str, TaskOutcome]
+    outcomes: Mapping[str, Outcome]
     presses: Mapping[str, PressSummary]
     versions: Mapping[str, str]
     seed: int
@@ -145,7 +145,7 @@ def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     }
 
 
-def _reason(tasks: Sequence[Task], outcomes: Mapping[str, TaskOutcome]) -> str:
+def _reason(tasks: Sequence[Task], outcomes: Mapping[str, Outcome]) -> str:
     """Why the first of these tasks gave nothing."""
     reasons = (outcomes[task.recipe.key].reason for task in tasks if task.recipe.key in outcomes)
     return next((reason for reason in reasons if reason), "it was not computed")

@@ -12,21 +12,19 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core import ArtefactStore, MissingExtraError, wrap_write_errors
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError, wrap_write_errors
+from palpate.core.run import LocalWorkers, Outcome, Progress, Status, WorkerPool
 from palpate.learn import find_device
 from palpate.study.available import default_workers
 from palpate.study.built_task import export_twins
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_bounds, collect_designs
 from palpate.study.force_task import ForceTask
-from palpate.study.observer import NullObserver, Observer
 from palpate.study.plan import plan_study, with_dependencies
 from palpate.study.result import DesignBounds, StudyResult, TaskFailure
-from palpate.study.schedule import MOST_REMADE, run_task_graph
+from palpate.study.schedule import MOST_REMADE, Made, run_task_graph
 from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import TaskOutcome, TaskStatus
-from palpate.study.worker_pool import LocalWorkers, WorkerPool
 
 TRACES = "failures.log"
 """File in the result folder with what failed in the last run, and the tracebacks of errors that nobody foresaw."""
@@ -39,7 +37,7 @@ def run_study(
     study: Study,
     out: Path,
     workers: int | None = None,
-    observer: Observer | None = None,
+    progress: Progress | None = None,
     limit_s: float | None = None,
     cluster: str | None = None,
 ) -> StudyResult:
@@ -56,8 +54,8 @@ def run_study(
         Result folder; artefacts go to ``out/store``.
     workers
         Number of worker processes; without one, as many as there are cores.
-    observer
-        Called as it goes.
+    progress
+        Receives the start and end of every task; costs are expected seconds on one core.
     limit_s
         How long one task may take, s; without it, an hour and 200 times its expected cost.
     cluster
@@ -71,14 +69,12 @@ def run_study(
     Raises
     ------
     PalpateError
-        If a design cannot be built, the folder cannot be written, or a library for what is still to be done
-        is not installed.
+        If a design cannot be built, the folder cannot be written, its disk is full, or a library for what is still
+        to be done is not installed.
     """
     started = time.perf_counter()
     plan = plan_study(resolve_device(study))
-    run = Run(
-        ensure_writable(out), plan.tasks(), WorkerOptions(workers, limit_s, cluster), observer or NullObserver()
-    )
+    run = Run(ensure_writable(out), plan.tasks(), WorkerOptions(workers, limit_s, cluster), progress)
     run.run()
     run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
@@ -91,14 +87,14 @@ def run_study(
         name=study.name,
         designs=collect_designs(plan, run.store, outcomes, study.seed),
         failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
-        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is TaskStatus.MADE),
+        computed=Counter(kinds[key] for key, how in outcomes.items() if how.value is Made.MADE),
         reused=Counter(kinds[key] for key in run.made | run.found()),
         wall_s=time.perf_counter() - started,
     )
 
 
 def run_bounds(
-    study: Study, out: Path, workers: int | None = None, observer: Observer | None = None
+    study: Study, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> tuple[DesignBounds, ...]:
     """Bound the errors of every design of `study`, without any training; missing presses are solved.
 
@@ -110,7 +106,7 @@ def run_bounds(
         One record a design, in the order of the study.
     """
     plan = plan_study(study)
-    run = Run(ensure_writable(out), plan.bound_tasks(), WorkerOptions(workers), observer or NullObserver())
+    run = Run(ensure_writable(out), plan.bound_tasks(), WorkerOptions(workers), progress)
     run.run()
     run.verify_outputs(tuple(design.bound for design in plan.designs))
     run.write_failures()
@@ -118,7 +114,7 @@ def run_bounds(
 
 
 def run_tasks(
-    out: Path, tasks: Sequence[Task], workers: int | None = None, observer: Observer | None = None, cluster: str = ""
+    out: Path, tasks: Sequence[Task], workers: int | None = None, progress: Progress | None = None, cluster: str = ""
 ) -> dict[str, str]:
     """Do tasks of one's own, each after those it needs; what an earlier run left in ``out/store`` is used.
 
@@ -136,7 +132,7 @@ def run_tasks(
         ensure_writable(out),
         with_dependencies(tasks),
         WorkerOptions(workers, None, cluster or None),
-        observer or NullObserver(),
+        progress,
     )
     run.run()
     run.write_failures()
@@ -158,27 +154,30 @@ class WorkerOptions:
     limit_s: float | None = None
     cluster: str | None = None
 
-    def make_pool(self, store: ArtefactStore, tasks: int) -> WorkerPool:
+    def make_pool(self, tasks: int) -> WorkerPool:
         """Workers for so many tasks."""
         if self.cluster is not None:
-            return ClusterWorkers(store, self.cluster)
-        return LocalWorkers(store, min(self.workers or default_workers(), tasks))
+            return ClusterWorkers(self.cluster)
+        return LocalWorkers(min(self.workers or default_workers(), tasks))
 
 
 class Run:
     """One run of the tasks of a study: what was there, and how the rest ended."""
 
-    def __init__(self, out: Path, tasks: tuple[Task, ...], worker_options: WorkerOptions, observer: Observer) -> None:
+    def __init__(
+        self, out: Path, tasks: tuple[Task, ...], worker_options: WorkerOptions, progress: Progress | None
+    ) -> None:
         self.out, self.tasks = out, tasks
         self.store = ArtefactStore(out / "store")
-        self.outcomes: dict[str, TaskOutcome] = {}
+        self.outcomes: dict[str, Outcome] = {}
         self.made = {task.recipe.key for task in tasks if self.store.has(task.recipe, task.suffix)}
-        self._hands, self._observer = worker_options, observer
+        self._workers, self._progress = worker_options, progress or Progress()
 
     def run(self) -> None:
         """Do what is not there yet."""
         todo = [task for task in self.tasks if task.recipe.key not in self.made]
-        self._observer.planned(len(todo), len(self.made), sum(task.cost for task in todo))
+        text = f"{len(todo)} artefacts to make, {len(self.made)} found"
+        self._progress.plan(sum(task.cost for task in todo), text)
         self._do(todo)
 
     def verify_outputs(self, read: Sequence[Task]) -> None:
@@ -195,7 +194,7 @@ class Run:
 
     def found(self) -> set[str]:
         """Keys of artefacts that another run has made in the meantime."""
-        return {key for key, how in self.outcomes.items() if how.ended is TaskStatus.FOUND}
+        return {key for key, how in self.outcomes.items() if how.value is Made.FOUND}
 
     def reason(self, task: Task) -> str:
         """Why a task failed in this run; empty where it did not."""
@@ -221,11 +220,21 @@ class Run:
         if any(isinstance(task, EstimatorTask | ForceTask) for task in todo):
             _refuse_missing_libraries()
         self.made -= {task.recipe.key for task in todo}
-        with self._hands.make_pool(self.store, len(todo)) as crew:
-            there = self.made | {key for key, how in self.outcomes.items() if not how.reason}
-            outcomes = run_task_graph(todo, there, crew, self._observer, self._hands.limit_s)
+        store = ArtefactStore(self.store.root.resolve())  # workers of a cluster have other working folders
+        with self._workers.make_pool(len(todo)) as pool:
+            made = self.made | {key for key, how in self.outcomes.items() if not how.reason}
+            outcomes = run_task_graph(todo, made, pool, store, self._progress, self._workers.limit_s)
         self.outcomes.update(outcomes)
         self.made -= outcomes.keys()  # what broke while it was read was made again
+        full = next((how for how in outcomes.values() if how.status is Status.UNWRITABLE), None)
+        if full is not None:
+            self.write_failures()
+            problem = (full.error.problem if full.error else full.reason).rstrip(".")
+            raise PalpateError(
+                f"A task could not write its result: {problem}.",
+                "Choose another folder, or free some space.",
+                code="disk-unwritable",
+            )
 
 
 def ensure_writable(out: Path) -> Path:

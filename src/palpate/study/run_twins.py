@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.built import PredictedAccuracy
+from palpate.core.run import Progress
 from palpate.design import Design
 from palpate.study.built_task import AccuracyTask, read_accuracy
-from palpate.study.observer import NullObserver, Observer
 from palpate.study.plan import plan_study
 from palpate.study.run_study import Run, WorkerOptions, ensure_writable
 from palpate.study.study import AsBuiltSpec, Study
@@ -38,7 +38,7 @@ class DesignAccuracy:
 
 
 def run_twins(
-    study: Study, out: Path, workers: int | None = None, observer: Observer | None = None
+    study: Study, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> tuple[DesignAccuracy, ...]:
     """Press every skin of a study under all frictions, make its twin, and foresee its units.
 
@@ -56,7 +56,7 @@ def run_twins(
         If a design cannot be built, or the folder cannot be written.
     """
     plan = plan_study(study.model_copy(update={"built": study.built or AsBuiltSpec()}))
-    run = Run(ensure_writable(out), plan.built_tasks(), WorkerOptions(workers), observer or NullObserver())
+    run = Run(ensure_writable(out), plan.built_tasks(), WorkerOptions(workers), progress)
     run.run()
     run.verify_outputs((*plan.built, *{task.twin.recipe.key: task.twin for task in plan.built}.values()))
     run.write_failures()

@@ -6,12 +6,12 @@ import heapq
 import time
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
-from palpate.study.observer import Observer
-from palpate.study.task import Task
-from palpate.study.worker import TaskOutcome, TaskStatus
-from palpate.study.worker_pool import WorkerPool
+from palpate.core import ArtefactStore
+from palpate.core.run import Call, Outcome, Progress, Status, WorkerPool
+from palpate.study.task import MissingArtefactError, Task
 
 MOST_REMADE = 2
 """How often in one run an artefact that breaks again and again is made again."""
@@ -20,7 +20,7 @@ BUSY_S = 1.0
 """When to look again at an artefact that another run makes, s."""
 
 POLL_S = 0.5
-"""How often the time of the tasks at work is looked at, s."""
+"""Time for which the pool is waited for, s."""
 
 NEVER_CAME = "an artefact that it needs is neither there nor to be made"
 
@@ -31,6 +31,27 @@ LEAST_LIMIT_S, LIMIT_OVER_COST = 3600.0, 200.0
 def time_limit(task: Task) -> float:
     """How long a task may take where nobody says otherwise, s."""
     return LEAST_LIMIT_S + LIMIT_OVER_COST * task.cost
+
+
+class Made(StrEnum):
+    """What a task that succeeded did."""
+
+    MADE = "made"
+    FOUND = "found"
+    """Another run made the artefact in the meantime."""
+    BUSY = "busy"
+    """Another run makes the artefact now."""
+
+
+def run_task(task: Task, store: ArtefactStore, progress: Progress) -> Made:
+    """Make the artefact of a task under its lease, unless another run has made it or makes it now."""
+    with store.lease(task.recipe) as free:
+        if not free:
+            return Made.BUSY
+        if store.has(task.recipe, task.suffix):
+            return Made.FOUND
+        task.make(store)
+    return Made.MADE
 
 
 class Schedule:
@@ -46,7 +67,7 @@ class Schedule:
 
     def __init__(self, tasks: Iterable[Task], made: Iterable[str]) -> None:
         self.made = set(made)
-        self.outcomes: dict[str, TaskOutcome] = {}
+        self.outcomes: dict[str, Outcome] = {}
         self._waiting: dict[str, Task] = {}
         self._lacking: dict[str, set[str]] = {}
         self._hanging: dict[str, list[str]] = {}
@@ -66,7 +87,7 @@ class Schedule:
                 return self._waiting.pop(task.recipe.key)
         return None
 
-    def complete(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
+    def complete(self, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
         """Note how a task ended, and end all that depend on a failed one; yields each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
@@ -80,13 +101,13 @@ class Schedule:
         reason = outcome.reason if task.dependencies else f"{task.name} failed: {outcome.reason}"
         for later in self._hanging.pop(key, []):
             if (hanging := self._waiting.pop(later, None)) is not None:
-                yield from self.complete(hanging, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+                yield from self.complete(hanging, Outcome(reason=reason, status=Status.FAILED))
 
-    def cancel_all(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+    def cancel_all(self, reason: str) -> Iterator[tuple[Task, Outcome]]:
         """End every waiting task for one reason; yields each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
-            yield from self.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+            yield from self.complete(task, Outcome(reason=reason, status=Status.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
         """Let an artefact that `task` needs and that broke be made again, and the task after it.
@@ -125,35 +146,55 @@ class Schedule:
 
 @dataclass
 class RunningTasks:
-    """What is at work now, and what has to be tried again.
+    """Tasks that are running, and those to be tried again.
 
     Attributes
     ----------
     running
-        Tasks given to a crew, by key, with the time at which they are taken for hung (s of the monotonic clock).
+        Tasks given to the pool, by their calls.
+    begun
+        Keys of the tasks whose progress has begun.
     busy
         Tasks that another run does, with the time at which to look again.
     suspects
         Tasks whose worker died; each is tried once more, alone, for the memory may have been too small for several.
     tried
         How often the worker of a task died, by key.
-    stopped
-        Tasks that were taken for hung, by key, with their time, s.
     alone
-        Whether the task at work must have no other beside it.
+        Whether the running task must be the only one.
     """
 
-    running: dict[str, tuple[Task, float]] = field(default_factory=dict)
+    running: dict[Call, Task] = field(default_factory=dict)
+    begun: set[str] = field(default_factory=set)
     busy: deque[tuple[float, Task]] = field(default_factory=deque)
     suspects: deque[Task] = field(default_factory=deque)
     tried: Counter[str] = field(default_factory=Counter)
-    stopped: dict[str, float] = field(default_factory=dict)
     alone: bool = False
+
+    def begin(self, task: Task, progress: Progress) -> None:
+        """Begin the progress of a task, unless an earlier try did."""
+        if task.recipe.key not in self.begun:
+            self.begun.add(task.recipe.key)
+            progress.begin(task.name, task.cost)
+
+    def finish(self, ended: Iterable[tuple[Task, Outcome]], progress: Progress) -> None:
+        """End the progress of tasks; those that were never given to the pool are not planned any more."""
+        for task, outcome in ended:
+            if task.recipe.key in self.begun:
+                self.begun.discard(task.recipe.key)
+                progress.finish(task.name, outcome.reason)
+            else:
+                progress.total -= task.cost
 
 
 def run_task_graph(
-    tasks: Iterable[Task], made: Iterable[str], pool: WorkerPool, observer: Observer, limit_s: float | None = None
-) -> dict[str, TaskOutcome]:
+    tasks: Iterable[Task],
+    made: Iterable[str],
+    pool: WorkerPool,
+    store: ArtefactStore,
+    progress: Progress | None = None,
+    limit_s: float | None = None,
+) -> dict[str, Outcome]:
     """Do tasks, each as soon as its inputs exist.
 
     Parameters
@@ -163,9 +204,11 @@ def run_task_graph(
     made
         Keys of the artefacts that exist already.
     pool
-        Who does them.
-    observer
-        Called at every start and end.
+        Its workers do them.
+    store
+        Where the workers read and write artefacts.
+    progress
+        Receives every start and end.
     limit_s
         How long a task may take, s; without it, as `time_limit` says.
 
@@ -174,22 +217,17 @@ def run_task_graph(
     dict
         How each task ended, by the key of its recipe. What was broken and made again is among them.
     """
-    schedule, work = Schedule(tasks, made), RunningTasks()
+    schedule, work, progress = Schedule(tasks, made), RunningTasks(), progress or Progress()
     while True:
         while (task := _next(schedule, work, pool.size)) is not None:
-            observer.started(task.name)
+            work.begin(task, progress)
             limit = time_limit(task) if limit_s is None else limit_s
-            work.running[task.recipe.key] = (task, time.monotonic() + limit)
-            pool.submit(task)
+            work.running[pool.submit(run_task, task, store, limit_s=limit)] = task
         if not work.running and not work.busy:
-            for ended, how in schedule.cancel_all(NEVER_CAME):
-                observer.ended(ended.name, ended.cost, how.seconds, how.reason)
+            work.finish(schedule.cancel_all(NEVER_CAME), progress)
             return schedule.outcomes
-        for task, outcome in pool.wait(POLL_S):
-            del work.running[task.recipe.key]
-            for ended, how in _settle(schedule, work, task, outcome):
-                observer.ended(ended.name, ended.cost, how.seconds, how.reason)
-        _stop_hung(work, pool, limit_s)
+        for call, outcome in pool.wait(POLL_S):
+            work.finish(_settle(schedule, work, work.running.pop(call), outcome), progress)
 
 
 def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
@@ -205,45 +243,32 @@ def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
     return task
 
 
-def _settle(
-    schedule: Schedule, work: RunningTasks, task: Task, outcome: TaskOutcome
-) -> Iterator[tuple[Task, TaskOutcome]]:
+def _settle(schedule: Schedule, work: RunningTasks, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
     """Take what a member reported; yields the tasks that are over by it, each with its outcome."""
     key = task.recipe.key
-    if outcome.ended is TaskStatus.BUSY:
+    if outcome.value is Made.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))
-    elif outcome.ended is TaskStatus.MISSING and schedule.remake(task, outcome.missing):
+    elif isinstance(outcome.error, MissingArtefactError) and schedule.remake(task, outcome.error.key):
         return
-    elif outcome.ended is TaskStatus.DIED and key in work.stopped:
-        reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
-        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskStatus.FAILED))
-    elif outcome.ended is TaskStatus.DIED and not work.tried[key]:
+    elif outcome.status is Status.DIED and not work.tried[key]:
         work.tried[key] += 1
         work.suspects.append(task)
-    elif outcome.ended is TaskStatus.DIED:
+    elif outcome.status is Status.DIED:
         reason = f"{outcome.reason}; tried once more alone, it died again"
-        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskStatus.FAILED))
+        yield from schedule.complete(task, replace(outcome, reason=reason))
     else:
         yield from schedule.complete(task, outcome)
-        if outcome.ended is TaskStatus.UNWRITABLE:
+        if outcome.status is Status.UNWRITABLE:
             yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
 
 
-def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, Outcome]]:
     """End all that is not at work now."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
-        yield from schedule.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+        yield from schedule.complete(task, Outcome(reason=reason, status=Status.FAILED))
     work.suspects.clear()
     work.busy.clear()
     yield from schedule.cancel_all(reason)
-
-
-def _stop_hung(work: RunningTasks, crew: WorkerPool, limit_s: float | None) -> None:
-    now = time.monotonic()
-    for key, (task, until) in work.running.items():
-        if now > until and key not in work.stopped:
-            work.stopped[key] = time_limit(task) if limit_s is None else limit_s
-            crew.cancel(task)
 
 
 def _ways(tasks: list[Task]) -> dict[str, float]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, provenance, reject_external_links, stage_version
+from palpate.core import PalpateError, create_hdf5, provenance, reject_external_links, stage_version
 from palpate.design import Skin, build_skin, skin_from_data
 from palpate.material import Material, material_from_data
 from palpate.relaxation import Relaxation
@@ -102,7 +102,7 @@ def write_twin(path: Path, twin: Twin) -> None:
         If the file cannot be written.
     """
     try:
-        with h5py.File(path, "w") as file:
+        with create_hdf5(path) as file:
             file.attrs["kind"] = _KIND
             file.attrs["version"] = TWIN_VERSION
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)

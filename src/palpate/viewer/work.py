@@ -6,25 +6,24 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+from palpate.core.run import Progress
 from palpate.fabricate import write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.viewer.job import Report
 from palpate.viewer.sketch import DesignDraft
 
 
-def press_sketch(sketch: DesignDraft, report: Report) -> Press:
-    """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
+def press_sketch(sketch: DesignDraft, progress: Progress) -> Press:
+    """Solve the press of a sketch by its obstacle; the cost is the depth, mm."""
     mesh = mesh_skin(sketch.design.skin, sketch.material.mesh(MeshSpec()))
-    wall = sketch.obstacle
-    return solve_press(
-        mesh, sketch.design.material, wall, on_increment=lambda depth: report(min(depth / wall.depth, 1.0))
-    )
+    wall, what = sketch.obstacle, "press"
+    progress.plan(wall.depth)
+    progress.begin(what, wall.depth)
+    return solve_press(mesh, sketch.design.material, wall, on_increment=lambda depth: progress.advance(what, depth))
 
 
-def pack_sketch(sketch: DesignDraft, report: Report) -> bytes:
+def pack_sketch(sketch: DesignDraft, progress: Progress) -> bytes:
     """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
-    report(0.0)
     with tempfile.TemporaryDirectory(prefix="palpate-pack-") as name:
         folder, archive = Path(name) / "pack", Path(name) / "pack.zip"
         write_pack(folder, sketch.design, sketch.process)

@@ -5,7 +5,6 @@ The design page shows on it what its fields say, the page of a search the design
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -14,13 +13,13 @@ from nicegui import ui
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
+from palpate.core.run import LocalWorkers, Progress
 from palpate.design import Finding
 from palpate.fea import Press, WallSpec
 from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
-from palpate.viewer.job import Job
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
@@ -51,7 +50,8 @@ class Workbench:
         self._sketch = DesignDraft()
         self._drawn = build_preview(self._sketch)
         self._ordered = (self._sketch, self._drawn)
-        self._errand: Job | None = None
+        self._pool: LocalWorkers | None = None
+        self._done, self._what, self._cancelled = Progress(), "", False
         self._finish: Callable[[Any], None] = self._show_press
         self._curves: list[ChartCurve] = []
         head.watch(self._draw_force)
@@ -174,36 +174,43 @@ class Workbench:
         self._start(pack_sketch, "Making the fabrication pack …")
 
     def _start(self, work: Callable[..., Any], what: str) -> None:
-        if self._errand is not None:
+        if self._pool is not None:
             return
         show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
-        self._errand = Job(work, self._sketch)
+        self._pool, self._done, self._what, self._cancelled = LocalWorkers(1), Progress(), what, False
+        self._pool.submit(work, self._sketch, progress=self._done)
         self._busy(True, what)
         self._timer.activate()
 
-    async def _look(self) -> None:
-        errand = self._errand
-        if errand is None:
+    def _look(self) -> None:
+        if self._pool is None:
             return
-        done = await asyncio.to_thread(errand.poll)
-        self._progress.value = errand.share
-        if not done:
+        if self._cancelled:
+            self._end_work(self._pool)
+            self._show_state("cancelled", "Cancelled.")
             return
-        self._errand = None
+        ended = self._pool.wait(0.0)
+        self._progress.value = self._done.share
+        self._status.text = f"{self._what} {self._done.remaining_text}".rstrip()
+        for _, outcome in ended:
+            self._end_work(self._pool)
+            if outcome.reason:
+                self._show_state("failed")
+                show_error(self._fault, outcome.reason)
+            else:
+                self._finish(outcome.value)
+
+    def _end_work(self, pool: LocalWorkers) -> None:
+        pool.shutdown()
+        self._pool = None
         self._timer.deactivate()
         self._busy(False)
-        if errand.cancelled:
-            self._show_state("cancelled", errand.fault)
-        elif errand.fault:
-            self._show_state("failed")
-            show_error(self._fault, errand.fault)
-        else:
-            self._finish(errand.result)
 
     def _cancel_job(self) -> None:
-        if self._errand is not None:
-            self._errand.cancel()
+        if self._pool is not None:
+            self._cancelled = True
+            self._pool.shutdown()  # at once: the visitor may have left, and nothing is shown any more
 
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered

@@ -71,3 +71,25 @@ def test_what_cannot_be_written_is_reported_with_its_reason_and_remedy(tmp_path:
 def test_an_error_without_a_reason_of_the_system_is_reported_as_it_is() -> None:
     with refused("file-unwritable", "The grid", "disk full"), wrap_write_errors("The grid"):
         raise OSError("disk full")
+
+
+def test_an_hdf5_file_has_the_bytes_that_hdf5_writes(tmp_path: Path) -> None:
+    import h5py
+    import numpy as np
+
+    from palpate.core import create_hdf5
+
+    for path, create in ((tmp_path / "one.h5", create_hdf5), (tmp_path / "other.h5", lambda p: h5py.File(p, "w"))):
+        with create(path) as file:
+            file.create_dataset("x", data=np.arange(10_000.0), compression="gzip")
+            file.create_dataset("names", data=["a", "b"], dtype=h5py.string_dtype())
+            file.attrs["kind"] = "test"
+    assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "other.h5").read_bytes()
+
+
+def test_a_failed_hdf5_file_is_not_written(tmp_path: Path) -> None:
+    from palpate.core import create_hdf5
+
+    with pytest.raises(KeyError), create_hdf5(tmp_path / "one.h5") as file:
+        raise KeyError(file.attrs)
+    assert not (tmp_path / "one.h5").exists()

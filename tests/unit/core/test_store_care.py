@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from errors import refused
-from palpate.core import ArtefactStore, PalpateError, Recipe, StoreError, check_store, clean_store, list_store
+from palpate.core import ArtefactStore, PalpateError, Recipe, check_store, clean_store, list_store
+from palpate.core.store import StoreError
 from palpate.core.store_lock import can_lock, is_locked, take_lock
 
 ONE, TWO = Recipe("press", {"tilt_deg": 1.0}), Recipe("press", {"tilt_deg": 2.0})

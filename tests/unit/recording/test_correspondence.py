@@ -9,6 +9,7 @@ import pytest
 from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from errors import refused
+from palpate.core.run import Progress
 from palpate.markers import prepare_detector
 from palpate.recording import MarkerMatcher, MatchFault, assign_images, number_markers
 from palpate.recording.sight import Detections
@@ -138,7 +139,7 @@ def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most
     sight = Detections(
         np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
     )
-    found = assign_images(sight, count, SHAPE, True, lambda _: None)
+    found = assign_images(sight, count, SHAPE, True, Progress())
     own = np.argmin(np.linalg.norm(found.layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
     off = [np.linalg.norm(found.layout.rest_px + found.moved_px[k] - drawn[k][0][own], axis=1) for k in range(count)]
     wrong = (np.array(off) > 8) & found.found[:count]
@@ -157,7 +158,7 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
     sight = Detections(
         np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
     )
-    found = assign_images(sight, count, SHAPE, True, lambda _: None)
+    found = assign_images(sight, count, SHAPE, True, Progress())
     assert not len(found.motion)
     assert found.good[:count].all()
     own = np.argmin(np.linalg.norm(found.layout.rest_px[:, None] - rest[None], axis=-1), axis=1)

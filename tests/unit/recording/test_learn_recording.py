@@ -21,6 +21,7 @@ from needs import needs
 from palpate.cli import main
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import page_markdown
+from palpate.core.run import Progress
 from palpate.dataset import Normalisation
 from palpate.learn import Estimator, write_estimator
 from palpate.recording import (
@@ -44,12 +45,24 @@ COUNT = 150
 FAST = RecordingSpec(estimators="ridge", threads=1)
 
 
-def quiet(_: str) -> None:
-    """Say nothing."""
+class Said(Progress):
+    """Keeps what is begun, and the texts of advances."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.texts: list[str] = []
+
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        super().begin(what, cost, done)
+        self.texts.append(what)
+
+    def advance(self, what: str, done: float, text: str = "") -> None:
+        super().advance(what, done, text)
+        self.texts.append(f"{what}: {text}")
 
 
 def learn(folder: Path, spec: RecordingSpec = FAST, start: PretrainedModel | None = None) -> RecordingResult:
-    return train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), quiet, start)
+    return train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), Progress(), start)
 
 
 @pytest.fixture(scope="module")
@@ -124,10 +137,10 @@ def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(l
 def test_a_second_run_finds_every_stage_and_says_the_same(
     drawn: tuple[Path, DrawnTruth], learnt: RecordingResult
 ) -> None:
-    said: list[str] = []
-    again = train_on_recording(read_recording(drawn[0]), FAST, ArtefactStore(drawn[0] / "store"), said.append)
+    said = Said()
+    again = train_on_recording(read_recording(drawn[0]), FAST, ArtefactStore(drawn[0] / "store"), said)
     np.testing.assert_array_equal(again.estimates, learnt.estimates)
-    assert not any(text.startswith("dots: ") for text in said)
+    assert not any(text.startswith("markers of") for text in said.texts)
 
 
 def test_without_an_image_at_rest_the_most_central_one_is_named(copied: Path) -> None:
@@ -341,9 +354,9 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
     across, down = (np.exp(-(((rows - places[:, k, None]) / 2.5) ** 2)) for k in (0, 1))
     pictures = (255 * down[:, :, None] * across[:, None, :]).astype(np.uint8)
     lesson = TrainingSet(pictures, places, np.arange(300) < 240, np.arange(300) >= 240)
-    said: list[str] = []
-    part = train_image_network("picture-network", lesson, 2, TrainerSpec(8), tmp_path / "kept", said.append)
-    least = min(float(text.split("error ")[1].split()[0]) for text in said)
+    said = Said()
+    part = train_image_network("picture-network", lesson, 2, TrainerSpec(8), tmp_path / "kept", said)
+    least = min(float(text.split("error ")[1].split()[0]) for text in said.texts if "error" in text)
     assert lesson.error(part.predict(pictures[240:])) == pytest.approx(least, abs=2e-4)
     assert least < 0.1
 
@@ -372,7 +385,7 @@ def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn()
 
 def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
     store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], n_outputs=asked) for asked in (2, 3)]
-    made = [next(iter(train_members([job], 1, store, quiet))).part for job in jobs]
+    made = [next(iter(train_members([job], 1, store, Progress()))).part for job in jobs]
     assert [part.predict(jobs[0].training_set.inputs).shape[1] for part in made] == [2, 3]
 
 
@@ -392,7 +405,7 @@ def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: P
         torch.manual_seed(seed)
         before = torch.get_rng_state()
         jobs = [job for job in _small_jobs() if job.is_network]
-        found.append([job.train(1, tmp_path / f"{seed} {job.name}", quiet) for job in jobs])
+        found.append([job.train(1, tmp_path / f"{seed} {job.name}", Progress()) for job in jobs])
         assert torch.equal(torch.get_rng_state(), before)
     for one, other in zip(*found, strict=True):
         assert all(np.array_equal(one[key], other[key]) for key in one)
@@ -401,10 +414,10 @@ def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: P
 @pytest.mark.slow
 def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_path: Path) -> None:
     needs("torch")
-    said: list[str] = []
+    said = Said()
     stores = [ArtefactStore(tmp_path / f"{threads}") for threads in (1, 2)]
     alone, beside = (
-        {made.part.name: made.part for made in train_members(_small_jobs(), threads, store, said.append)}
+        {made.part.name: made.part for made in train_members(_small_jobs(), threads, store, said)}
         for threads, store in zip((1, 2), stores, strict=True)
     )
     assert list(alone) == ["dots-ridge", "picture-network", "dots-network"]
@@ -413,7 +426,7 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
     for name, part in alone.items():
         for key, array in part.arrays.items():
             np.testing.assert_array_equal(array, beside[name].arrays[key])
-    assert sum(bool(re.search(r"picture-network\D* 2\D+2\b", text)) for text in said) == 2
+    assert sum(bool(re.search(r"picture-network\D* 2\D+2\b", text)) for text in said.texts if "error" in text) == 2
     assert not [path for store in stores for path in store.root.rglob("*.epochs*")]
 
 
@@ -430,11 +443,11 @@ class _Refusing(TrainingJob):
 def test_what_a_training_process_finds_is_told_as_if_it_were_found_here(tmp_path: Path) -> None:
     needs("torch")
     with refused("disk-full") as found:
-        list(train_members(_small_jobs(_Refusing)[1:], 2, ArtefactStore(tmp_path), quiet))
+        list(train_members(_small_jobs(_Refusing)[1:], 2, ArtefactStore(tmp_path), Progress()))
     assert found.value.remedy == "Make room."
 
 
 def test_a_training_process_that_dies_is_told_of(tmp_path: Path) -> None:
     needs("torch")
     with refused("training-process-died", "7"):
-        list(train_members(_small_jobs(_Dying)[1:], 2, ArtefactStore(tmp_path), quiet))
+        list(train_members(_small_jobs(_Dying)[1:], 2, ArtefactStore(tmp_path), Progress()))

@@ -1,4 +1,4 @@
-"""Small tasks with real files, that fail on demand, and a crew that does them."""
+"""Small tasks with real files, that fail on demand, and a pool that does them."""
 
 import os
 import signal
@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.study import NullObserver, Observer
+from palpate.core.run import LocalWorkers, Outcome, Progress
 from palpate.study.schedule import run_task_graph
 from palpate.study.task import Task, find_artefact
-from palpate.study.worker import TaskOutcome
-from palpate.study.worker_pool import LocalWorkers
 
 
 @dataclass(frozen=True)
@@ -92,9 +90,9 @@ def do(
     made: Iterable[str],
     store: ArtefactStore,
     workers: int,
-    observer: Observer | None = None,
+    progress: Progress | None = None,
     limit_s: float | None = None,
-) -> dict[str, TaskOutcome]:
+) -> dict[str, Outcome]:
     """Do tasks on processes of this machine."""
-    with LocalWorkers(store, workers) as crew:
-        return run_task_graph(tasks, made, crew, observer or NullObserver(), limit_s)
+    with LocalWorkers(workers) as pool:
+        return run_task_graph(tasks, made, pool, store, progress, limit_s)

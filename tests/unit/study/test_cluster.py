@@ -13,7 +13,7 @@ from small_task import Sum, do, read, starts
 from errors import check_values, refused
 from needs import needs
 from palpate.core import ArtefactStore
-from palpate.study import NullObserver, check_cluster_address
+from palpate.study import check_cluster_address
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.schedule import run_task_graph
 
@@ -47,18 +47,18 @@ def test_without_the_library_it_is_said_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with refused("extra-missing", "palpate[cluster]"):
-        ClusterWorkers(store, "local:1")
+        ClusterWorkers("local:1")
 
 
 def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, tmp_path: Path) -> None:
     needs("distributed")
     tasks = tree(lasts=0.5)
     bad = Sum("bad", 1.0, fault="unforeseen")
-    with ClusterWorkers(store, "local:2") as crew:
-        assert crew.size == 2
-        killer = threading.Thread(target=_kill_one, args=(crew, store))
+    with ClusterWorkers("local:2") as pool:
+        assert pool.size == 2
+        killer = threading.Thread(target=_kill_one, args=(pool, store))
         killer.start()
-        outcomes = run_task_graph([*tasks, bad], [], crew, NullObserver())
+        outcomes = run_task_graph([*tasks, bad], [], pool, store)
         killer.join()
     assert [outcomes[task.recipe.key].reason for task in tasks] == [""] * 9
     assert outcomes[bad.recipe.key].reason == "KeyError: 'tilt'"
@@ -71,11 +71,11 @@ def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, 
         assert store.path(task.recipe).read_bytes() == other.path(task.recipe).read_bytes()
 
 
-def _kill_one(crew: ClusterWorkers, store: ArtefactStore) -> None:
+def _kill_one(pool: ClusterWorkers, store: ArtefactStore) -> None:
     """Kill a worker process while its second task is at work."""
     while not (store.root / "starts.log").exists() or len((store.root / "starts.log").read_text().splitlines()) < 3:
         time.sleep(0.05)
-    pids = crew.worker_pids()
+    pids = pool.worker_pids()
     assert len(pids) == 2
     os.kill(pids[0], signal.SIGKILL)
 
@@ -84,8 +84,8 @@ def _kill_one(crew: ClusterWorkers, store: ArtefactStore) -> None:
 def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
     needs("distributed")
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
-    with ClusterWorkers(store, "local:1") as crew:
-        outcomes = run_task_graph([hung, good], [], crew, NullObserver(), limit_s=20.0)
+    with ClusterWorkers("local:1") as pool:
+        outcomes = run_task_graph([hung, good], [], pool, store, limit_s=20.0)
     check_values(outcomes[hung.recipe.key].reason, "20 s")
     assert "hang_here" in outcomes[hung.recipe.key].trace
     assert outcomes[good.recipe.key].reason == ""
@@ -97,4 +97,4 @@ def test_a_scheduler_that_does_not_answer_is_an_error_with_a_remedy(
     needs("distributed")
     monkeypatch.setattr("palpate.study.cluster.CONNECT_S", 1.0)
     with refused("scheduler-silent", "dask scheduler"):
-        ClusterWorkers(store, "tcp://127.0.0.1:9")
+        ClusterWorkers("tcp://127.0.0.1:9")

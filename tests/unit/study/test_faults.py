@@ -15,10 +15,8 @@ from small_task import Sum, do, read, starts
 
 from errors import check_values
 from palpate.core import ArtefactStore, Recipe
-from palpate.study import NullObserver
-from palpate.study.schedule import run_task_graph
-from palpate.study.worker import TaskOutcome, TaskStatus, run_task
-from palpate.study.worker_pool import WORKER_DIED, LocalWorkers
+from palpate.core.run import WORKER_DIED, LocalWorkers, Outcome, Progress
+from palpate.study.schedule import Made, run_task, run_task_graph
 
 
 @pytest.fixture
@@ -26,7 +24,7 @@ def store(tmp_path: Path) -> ArtefactStore:
     return ArtefactStore(tmp_path)
 
 
-def reasons(outcomes: dict[str, TaskOutcome], *tasks: Sum) -> list[str]:
+def reasons(outcomes: dict[str, Outcome], *tasks: Sum) -> list[str]:
     return [outcomes[task.recipe.key].reason for task in tasks]
 
 
@@ -55,12 +53,10 @@ def test_a_task_whose_worker_died_once_is_tried_again_and_succeeds(store: Artefa
 def test_a_hung_task_is_stopped_with_the_place_where_it_stood(store: ArtefactStore) -> None:
     hung = Sum("hung", 1.0, fault="hung", seconds=9)
     good = [Sum(f"good {i}", 1.0) for i in range(2)]
-    with LocalWorkers(store, 2) as crew:
-        run_task_graph(
-            [Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], crew, NullObserver()
-        )  # both are awake now
+    with LocalWorkers(2) as pool:
+        run_task_graph([Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], pool, store)  # both are awake now
         started = time.monotonic()
-        outcomes = run_task_graph([hung, *good], [], crew, NullObserver(), limit_s=4.0)
+        outcomes = run_task_graph([hung, *good], [], pool, store, limit_s=4.0)
         assert time.monotonic() - started < 10
     late, *others = reasons(outcomes, hung, *good)
     check_values(late, "4 s")
@@ -113,8 +109,8 @@ def test_two_runs_at_once_make_nothing_twice(store: ArtefactStore) -> None:
         both = list(runs.map(lambda _: do([*tasks, last], [], store, 1), range(2)))
     assert [starts(store, task.label) for task in [*tasks, last]] == [1] * 7
     assert all(reasons(outcomes, *tasks, last) == [""] * 7 for outcomes in both)
-    made = [how.ended for outcomes in both for how in outcomes.values()]
-    assert (made.count(TaskStatus.MADE), made.count(TaskStatus.FOUND)) == (7, 7)
+    made = [how.value for outcomes in both for how in outcomes.values()]
+    assert (made.count(Made.MADE), made.count(Made.FOUND)) == (7, 7)
     assert read(store, last) == 115.0
     assert not list(store.root.rglob("*.lock"))
 
@@ -123,7 +119,7 @@ def test_the_lease_of_a_killed_process_is_free_again(store: ArtefactStore) -> No
     task = Sum("killed", 1.0, fault="killed", seconds=9)
     do([task], [], store, 1)
     assert list(store.root.rglob("*.lock")), "a killed process cannot clear its lock away"
-    assert run_task(Sum("killed", 1.0), store).ended is TaskStatus.MADE
+    assert run_task(Sum("killed", 1.0), store, Progress()) is Made.MADE
     assert not list(store.root.rglob("*.lock"))
 
 
@@ -209,32 +205,32 @@ def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) ->
 
 def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
     started = time.monotonic()
-    with LocalWorkers(store, 1) as crew:
-        crew.submit(Sum("hung", 1.0, fault="hung"))
+    with LocalWorkers(1) as pool:
+        pool.submit(run_task, Sum("hung", 1.0, fault="hung"), store)
         while not (store.root / "starts.log").exists():
-            crew.wait(0.1)
+            pool.wait(0.1)
             assert time.monotonic() - started < 60
         left = time.monotonic()
     assert time.monotonic() - left < 5
 
 
 def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: ArtefactStore) -> None:
-    with LocalWorkers(store, 1) as crew:
-        run_task_graph([Sum("first", 1.0)], [], crew, NullObserver())
+    with LocalWorkers(1) as pool:
+        run_task_graph([Sum("first", 1.0)], [], pool, store)
         (worker,) = multiprocessing.active_children()
         worker.kill()
         worker.join()
         second = Sum("second", 2.0)
-        assert reasons(run_task_graph([second], [], crew, NullObserver()), second) == [""]
+        assert reasons(run_task_graph([second], [], pool, store), second) == [""]
 
 
 def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i)) for i in range(3)]
     do(tasks[:2], [], store, 1)
-    with LocalWorkers(store, 1) as crew:
-        outcomes = run_task_graph(tasks, [], crew, NullObserver())
-    assert [outcomes[task.recipe.key].ended for task in tasks] == [
-        TaskStatus.FOUND,
-        TaskStatus.FOUND,
-        TaskStatus.MADE,
+    with LocalWorkers(1) as pool:
+        outcomes = run_task_graph(tasks, [], pool, store)
+    assert [outcomes[task.recipe.key].value for task in tasks] == [
+        Made.FOUND,
+        Made.FOUND,
+        Made.MADE,
     ]

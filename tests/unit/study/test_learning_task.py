@@ -6,13 +6,14 @@ import numpy as np
 
 from errors import refused
 from palpate.core import ArtefactStore
+from palpate.core.run import Progress, run_call
 from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
 from palpate.learn import ErrorBound, calibrate_interval, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs
 from palpate.study.plan import Plan, plan_study
+from palpate.study.schedule import run_task
 from palpate.study.task import EvaluationTask
-from palpate.study.worker import run_task
 
 
 def make_dataset(markers: int = 7, presses: int = 200) -> Dataset:
@@ -80,7 +81,9 @@ def test_an_estimator_better_than_any_can_be_is_refused_as_leakage(tmp_path: Pat
 def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=3.0)
-    (design,) = collect_designs(Plan((task,)), store, {task.recipe.key: run_task(task, store)}, seed=0)
+    (design,) = collect_designs(
+        Plan((task,)), store, {task.recipe.key: run_call(run_task, (task, store), Progress())}, seed=0
+    )
     assert design.failure.startswith("Leakage")
     assert design.clean is design.jittered is None
     assert design.bounds[0].least_squares_deg == 6.0

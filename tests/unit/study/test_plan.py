@@ -3,12 +3,12 @@ from pathlib import Path
 import pytest
 
 from errors import refused
+from palpate.core.run import Outcome
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
 from palpate.study.study import AsBuiltSpec, MaterialSpec
 from palpate.study.task import PressTask
-from palpate.study.worker import TaskOutcome
 
 AFTER_PRESS = {"dataset", "limit", "estimator", "learning"}
 
@@ -116,7 +116,7 @@ def test_inverted_states_do_not_wait_for_the_trainings(preset: str) -> None:
     schedule, kinds = Schedule(plan_study(study).tasks(), []), []
     while (task := schedule.next_task()) is not None:
         kinds.append(task.recipe.kind)
-        list(schedule.complete(task, TaskOutcome("", "", 0.0)))
+        list(schedule.complete(task, Outcome()))
     assert kinds.index("estimator") > max(at for at, kind in enumerate(kinds) if kind == "inverted")
 
 

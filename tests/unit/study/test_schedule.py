@@ -5,20 +5,21 @@ from small_task import Sum, do, read
 
 from errors import check_values
 from palpate.core import ArtefactStore
-from palpate.study import NullObserver
+from palpate.core.run import Outcome, Progress
 from palpate.study.schedule import Schedule, time_limit
 from palpate.study.task import Task
-from palpate.study.worker import TaskOutcome
 
 
-class Diary(NullObserver):
+class Diary(Progress):
     """Keeps the order of starts."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.starts: list[str] = []
 
-    def started(self, task: str) -> None:
-        self.starts.append(task)
+    def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
+        super().begin(what, cost, done)
+        self.starts.append(what)
 
 
 @pytest.fixture
@@ -84,7 +85,7 @@ def test_of_many_tasks_each_is_taken_once_and_the_longest_ways_first() -> None:
     taken = []
     while (task := schedule.next_task()) is not None:
         taken.append(task.name)
-        assert [how.reason for _, how in schedule.complete(task, TaskOutcome("", "", 0.0))] == [""]
+        assert [how.reason for _, how in schedule.complete(task, Outcome())] == [""]
     assert len(taken) == 4000
     assert taken[0] == "opener 999"
     assert taken[1:4] == ["opener 998", "opener 997", "opener 996"]

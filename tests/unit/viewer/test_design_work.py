@@ -9,62 +9,16 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.core import PalpateError
+from palpate.core.run import LocalWorkers, Progress
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
-from palpate.viewer.job import Job
 from palpate.viewer.scene import describe_motion
 from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
 from palpate.viewer.specimen_cache import CACHE_SIZE, DesignCache
+from palpate.viewer.work import press_sketch
 
 
-def work_in_steps(count, report):
-    for i in range(count):
-        report((i + 1) / count)
-    return count
-
-
-def work_for_ever(report):
-    report(0.5)
-    time.sleep(600)
-
-
-def refuse(report):
-    raise PalpateError("It is too thin.", "Make it thicker.", code="wall-too-thin")
-
-
-def stumble(report):
-    raise ZeroDivisionError("by zero")
-
-
-def die(report):
-    import os
-
-    os._exit(3)
-
-
-def wait_for(errand, seconds=60):
-    end = time.monotonic() + seconds
-    while not errand.poll():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-def test_work_gives_its_result_and_says_how_far_it_is():
-    errand = Job(work_in_steps, 4)
-    wait_for(errand)
-    assert (errand.result, errand.share, errand.fault) == (4, 1.0, "")
-
-
-@pytest.mark.parametrize(("work", "shown"), [(refuse, "thicker"), (stumble, "ZeroDivisionError"), (die, "died")])
-def test_work_that_fails_says_why(work, shown):
-    errand = Job(work)
-    wait_for(errand)
-    assert errand.result is None
-    assert shown in errand.fault
-
-
-def tell_threads_and_go(path, report):
+def tell_threads_and_go(path, progress):
     import os
     import threading
 
@@ -78,9 +32,10 @@ def test_a_worker_has_one_thread_and_goes_with_its_server(tmp_path, monkeypatch)
     told = tmp_path / "told"
     script = (
         f"import sys, os, time; sys.path[:0] = {[str(Path(__file__).parents[up]) for up in (0, 2)]!r}\n"
-        "from test_design_work import Job, tell_threads_and_go\n"
+        "from test_design_work import LocalWorkers, tell_threads_and_go\n"
         "if __name__ == '__main__':\n"
-        f"    job = Job(tell_threads_and_go, {str(told)!r})\n"
+        "    pool = LocalWorkers(1)\n"
+        f"    pool.submit(tell_threads_and_go, {str(told)!r})\n"
         f"    while not os.path.exists({str(told)!r}): time.sleep(0.02)\n"
         "    time.sleep(0.2); os._exit(0)\n"
     )
@@ -95,14 +50,17 @@ def test_a_worker_has_one_thread_and_goes_with_its_server(tmp_path, monkeypatch)
     assert not Path(f"/proc/{worker}").exists()
 
 
-def test_work_can_be_called_off():
-    errand = Job(work_for_ever)
-    while errand.share < 0.5:
-        errand.poll()
-        time.sleep(0.02)
-    errand.cancel()
-    assert errand.poll()
-    assert errand.fault == "Cancelled."
+def test_a_press_of_a_sketch_reports_its_depth():
+    progress = Progress()
+    sketch = DesignDraft(obstacle=WallSpec(depth=1.0))
+    with LocalWorkers(1) as pool:
+        pool.submit(press_sketch, sketch, progress=progress)
+        ended = []
+        while not ended:
+            ended = pool.wait(1.0)
+    assert ended[0][1].reason == ""
+    assert ended[0][1].value.depth[-1] == pytest.approx(1.0)
+    assert progress.share == pytest.approx(1.0)
 
 
 def test_a_sketch_is_drawn_at_rest_with_its_wall():
