@@ -27,7 +27,29 @@ _RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished result
 def guarded(command: Callable[[], Any]) -> int:
     """Run `command`; print what went wrong to standard error and return the exit code."""
     _RESULTS_FOLDER.set(None)
-    sys.unraisablehook = _repeat_interrupt
+    repeats: list[threading.Timer] = []
+
+    def repeat_interrupt(swallowed: Any) -> None:
+        """Interrupt again if a destructor swallowed the interruption; print other faults as usual."""
+        if swallowed.exc_type is KeyboardInterrupt:
+            repeats.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
+            repeats[-1].start()
+        else:
+            sys.__unraisablehook__(swallowed)
+
+    def end_repeats() -> None:
+        sys.unraisablehook = before
+        for timer in repeats:
+            timer.cancel()
+
+    before, sys.unraisablehook = sys.unraisablehook, repeat_interrupt
+    try:
+        return _answer(command, end_repeats)
+    finally:
+        end_repeats()
+
+
+def _answer(command: Callable[[], Any], end_repeats: Callable[[], None]) -> int:
     try:
         code = command()
     except PalpateError as error:
@@ -42,9 +64,10 @@ def guarded(command: Callable[[], Any]) -> int:
             return _refuse(said, "See --help for units and bounds.", _kind(error.__cause__))
         return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
+        end_repeats()
         folder = _RESULTS_FOLDER.get()
         saved = f"; {folder} keeps the finished results" if folder else ""
-        print(f"Interrupted{saved}. Run the same command again to continue.", file=sys.stderr)
+        print(f"\nInterrupted{saved}. Run the same command again to continue.", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has left
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -55,14 +78,6 @@ def guarded(command: Callable[[], Any]) -> int:
         print(f"palpate failed: {type(error).__name__}. Details: {_write_log()}", file=sys.stderr)
         return FAULT
     return code if isinstance(code, int) else DONE
-
-
-def _repeat_interrupt(swallowed: Any) -> None:
-    """Interrupt again if a destructor swallowed the interruption; print other faults as usual."""
-    if swallowed.exc_type is KeyboardInterrupt:
-        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
-    else:
-        sys.__unraisablehook__(swallowed)
 
 
 def keep_results(folder: Path) -> Path:
