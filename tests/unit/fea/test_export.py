@@ -126,7 +126,7 @@ def test_what_cannot_be_written_leaves_nothing(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("palpate.fea.export._write_force", full)
-    with refused("file-unwritable"):
+    with refused("disk-unwritable"):
         export_press(tmp_path / "press", press)
     assert list(tmp_path.iterdir()) == []
 

@@ -257,7 +257,7 @@ def test_a_grid_that_cannot_be_finished_leaves_the_older_one_as_it_was(tmp_path,
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("palpate.grid.draw.draw_travel", fail)
-    with refused("file-unwritable", "No space left"):
+    with refused("disk-unwritable", "No space left"):
         write_grid(tmp_path, evaluate_grid(FIRST))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 

@@ -125,7 +125,7 @@ def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
     tasks = plan_study(gel).tasks()
     presses = [task for task in tasks if isinstance(task, PressTask)]
     assert len(presses) == len(gel.tilts_deg)
-    assert all(press.mesh.filled and press.material.gel is not None for press in presses)
+    assert all(press.mesh.filled and press.design.material.gel is not None for press in presses)
     hollow = plan_study(gel.model_copy(update={"material": MaterialSpec()}))
     assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
     with refused("material-unknown"):
