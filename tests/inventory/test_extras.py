@@ -46,9 +46,8 @@ PROGRAMS = {
     + "export_grid(Path('grid.parquet'), evaluate_grid(PAPER[:4]))",
     "cad": "from palpate.cli import main; main('specimens --out molds --json'.split())",
     "viz": "from palpate.cli import main; main('press --cells 4 --depth 2 --step 1 --export out'.split())",
-    "cluster": "from palpate.study.cluster import ClusterWorkers; from palpate.core import ArtefactStore\n"
-    "from pathlib import Path\n"
-    "if __name__ == '__main__':\n    pool = ClusterWorkers(ArtefactStore(Path('store')), 'local:1')\n"
+    "cluster": "from palpate.study.cluster import ClusterWorkers\n"
+    "if __name__ == '__main__':\n    pool = ClusterWorkers('local:1')\n"
     "    print(pool.size)\n    pool.shutdown()",
     "web": "import palpate.viewer.server; from nicegui import ui; print(ui.label)",
     "vision": "from palpate.cli import main; main('find {data}/recording --json'.split())",
