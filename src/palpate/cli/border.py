@@ -65,19 +65,34 @@ def _answer(command: Callable[[], Any], end_repeats: Callable[[], None]) -> int:
         return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
         end_repeats()
-        folder = _RESULTS_FOLDER.get()
-        saved = f"; {folder} keeps the finished results" if folder else ""
-        print(f"\nInterrupted{saved}. Run the same command again to continue.", file=sys.stderr)
-        return INTERRUPTED
+        return _report_interruption()
     except BrokenPipeError:  # the reader of our output has left
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAULT
     except Exception as error:
+        if _wraps_interruption(error):
+            return _report_interruption()
         if _is_disk_full(error):
             return _report_full_disk(f"The results cannot be written: {error}.")
         print(f"palpate failed: {type(error).__name__}. Details: {_write_log()}", file=sys.stderr)
         return FAULT
     return code if isinstance(code, int) else DONE
+
+
+def _report_interruption() -> int:
+    folder = _RESULTS_FOLDER.get()
+    saved = f"; {folder} keeps the finished results" if folder else ""
+    print(f"\nInterrupted{saved}. Run the same command again to continue.", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _wraps_interruption(error: BaseException | None) -> bool:
+    """Return whether a compiled library, such as pydantic's, has turned an interruption into this error."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt) or "KeyboardInterrupt" in str(error):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def keep_results(folder: Path) -> Path:

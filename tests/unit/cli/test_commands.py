@@ -128,6 +128,16 @@ def test_an_interruption_that_a_destructor_swallows_still_ends_the_command() -> 
     assert time.monotonic() - start < 3.0
 
 
+def test_an_interruption_that_a_library_wraps_is_one() -> None:
+    def command() -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise ValueError("serializing failed") from error
+
+    assert guarded(command) == 130
+
+
 def test_interruption_has_its_exit_code() -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt
