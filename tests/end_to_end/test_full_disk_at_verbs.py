@@ -1,6 +1,5 @@
 """A disk that is full at every verb that writes: one sentence, exit code 2; with room it goes on."""
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -8,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from small_disk import mounted
+
 DATA = Path(__file__).parents[2] / "examples" / "data"
 VERBS = {
     "run": ("run {data}/small.yaml --out kept --workers 2", "kept"),
     "make": ("make --markers 61 --out pack", ""),
     "press": ("press --cells 4 --depth 0.4 --export shown", ""),
-    "learn": ("learn {recording} --out kept", "kept"),
+    "learn": ("learn {data}/recording --out kept", "kept"),
     "twin": ("twin {data}/small.yaml --out kept --workers 2", "kept"),
     "limit": ("limit {data}/small.yaml --out kept --workers 2", "kept"),
     "benchmark make": ("benchmark make --spec tiny --out kept --workers 2", "kept"),
@@ -25,25 +26,12 @@ FAST = ("run", "press")
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 128 KiB, where this user may mount one."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    words = ["mount", "-t", "tmpfs", "-o", "size=128k", "none", str(folder)]
-    if sys.platform != "linux" or subprocess.run(words, capture_output=True).returncode != 0:
-        pytest.skip("only the administrator of a Linux system can mount a small disk")
-    try:
+    with mounted(tmp_path / "disk", 128) as folder:
         yield folder
-    finally:
-        subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
 def palpate(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    recording = folder.parent / "recording"
-    if "{recording}" in words:
-        shutil.copytree(DATA / "recording", recording)
-        rows = (recording / "poses.csv").read_text().splitlines()
-        (recording / "poses.csv").write_text("\n".join(row for row in rows if ",rest," not in row))
-    command = [sys.executable, "-m", "palpate", *words.format(data=DATA, recording=recording).split()]
+    command = [sys.executable, "-m", "palpate", *words.format(data=DATA).split()]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900)
 
 

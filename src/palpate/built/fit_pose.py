@@ -49,7 +49,7 @@ READ = (*POSE, "inverse_friction")
 TWIN_ERROR_SD = State(READ, np.array([0.015, 0.015, 0.004, 0.03]))
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
 
-This and the other numbers of a contact are of a skin of the size in `palpate.built.scale`."""
+This and the other constants of a contact were measured on a skin of the size in `palpate.built.scale`."""
 _LATERAL_FRICTION_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
@@ -363,7 +363,7 @@ class PoseFitter:
 
 
 def twin_sd(skin: Skin) -> State:
-    """What the twin of a skin is off in pose (degrees, mm) and 1/µ."""
+    """Return the standard deviation of the error of a twin of a skin, in pose (degrees, mm) and 1/µ."""
     return scale_contact(TWIN_ERROR_SD, skin)
 
 

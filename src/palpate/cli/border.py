@@ -81,8 +81,8 @@ def _answer(command: Callable[[], Any], end_repeats: Callable[[], None]) -> int:
 
 def _report_interruption() -> int:
     folder = _RESULTS_FOLDER.get()
-    saved = f"; {folder} keeps the finished results" if folder else ""
-    print(f"\nInterrupted{saved}. Run the same command again to continue.", file=sys.stderr)
+    kept = f"; {folder} keeps the finished results. Run the same command again to continue" if folder else ""
+    print(f"\nInterrupted{kept}.", file=sys.stderr)
     return INTERRUPTED
 
 

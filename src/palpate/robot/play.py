@@ -57,7 +57,7 @@ class AlignmentScenario:
     twin
         The design's twin, which reads.
     design
-        Its markers and camera; skin and material for presses that are solved anew.
+        Its markers and camera; skin and material for presses that are solved for each touch.
     align, robot, tolerance
         How walls are touched, how well the robot does, and how far units and walls may be from the design.
     max_tilt_deg

@@ -188,8 +188,8 @@ class DriftTracker:
     def remove_drift(self, state: RestState, seen_px: FloatArray, contact: State | None = None) -> FloatArray:
         """Dots (m, 2) px where they would be had the rest not moved.
 
-        How far a drift of the camera shows depends on where the dots are: as under about the contact of the last
-        image (`palpate.built.CONTACT_STATE`), or at rest.
+        The shift of a dot by a drift of the camera depends on its place: that of the contact of the last image
+        (`palpate.built.CONTACT_STATE`), or that at rest.
         """
         if state.motion.rms_px < _NOTHING_PX:
             return seen_px

@@ -69,8 +69,8 @@ def run_study(
     Raises
     ------
     PalpateError
-        If a design cannot be built, the folder cannot be written, its disk is full, or a library for what is still
-        to be done is not installed.
+        If a design cannot be built, the folder cannot be written, its disk is full, or a library that a task needs
+        is not installed.
     """
     started = time.perf_counter()
     plan = plan_study(resolve_device(study))

@@ -34,7 +34,7 @@ def time_limit(task: Task) -> float:
 
 
 class Made(StrEnum):
-    """What a task that succeeded did."""
+    """Result of a task that succeeded."""
 
     MADE = "made"
     FOUND = "found"

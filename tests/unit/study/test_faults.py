@@ -4,7 +4,6 @@ import itertools
 import multiprocessing
 import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +16,7 @@ from errors import check_values
 from palpate.core import ArtefactStore, Recipe
 from palpate.core.run import WORKER_DIED, LocalWorkers, Outcome, Progress
 from palpate.study.schedule import Made, run_task, run_task_graph
+from small_disk import mounted
 
 
 @pytest.fixture
@@ -148,16 +148,8 @@ def test_an_artefact_under_the_key_of_another_is_never_read(store: ArtefactStore
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 256 KiB, where this user may mount one."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    words = ["mount", "-t", "tmpfs", "-o", "size=256k", "none", str(folder)]
-    if sys.platform != "linux" or subprocess.run(words, capture_output=True).returncode != 0:
-        pytest.skip("only the administrator of a Linux system can mount a small disk")
-    try:
+    with mounted(tmp_path / "disk", 256) as folder:
         yield folder
-    finally:
-        subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
 def test_a_full_disk_ends_the_run_with_the_reason_and_loses_nothing(small_disk: Path) -> None:
