@@ -12,6 +12,7 @@ import traceback
 from collections.abc import Callable
 from contextvars import ContextVar
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from cyclopts import Argument, CycloptsError, default_name_transform
@@ -21,35 +22,48 @@ from palpate.core import PalpateError
 
 DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
+_POSTPONE_S = 0.02
+"""Time until an interruption is tried again, s; imports of a whole package last some tenths."""
 _RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished results", default=None)
 
 
 def guarded(command: Callable[[], Any]) -> int:
     """Run `command`; print what went wrong to standard error and return the exit code."""
     _RESULTS_FOLDER.set(None)
-    repeats: list[threading.Timer] = []
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # a job in the background, or a test
+        return _answer(command)
+    postponed: list[threading.Timer] = []
 
-    def repeat_interrupt(swallowed: Any) -> None:
-        """Interrupt again if a destructor swallowed the interruption; print other faults as usual."""
-        if swallowed.exc_type is KeyboardInterrupt:
-            repeats.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
-            repeats[-1].start()
-        else:
-            sys.__unraisablehook__(swallowed)
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        """Interrupt; where the interruption would be lost, a little later."""
+        if not _loses_interruption(frame):
+            signal.default_int_handler(number, frame)
+        postponed.append(threading.Timer(_POSTPONE_S, os.kill, (os.getpid(), signal.SIGINT)))
+        postponed[-1].start()
 
-    def end_repeats() -> None:
-        sys.unraisablehook = before
-        for timer in repeats:
-            timer.cancel()
-
-    before, sys.unraisablehook = sys.unraisablehook, repeat_interrupt
     try:
-        return _answer(command, end_repeats)
+        signal.signal(signal.SIGINT, interrupt)
+    except ValueError:  # only the main thread is interrupted
+        return _answer(command)
+    try:
+        return _answer(command)
     finally:
-        end_repeats()
+        for timer in postponed:
+            timer.cancel()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def _answer(command: Callable[[], Any], end_repeats: Callable[[], None]) -> int:
+def _loses_interruption(frame: FrameType | None) -> bool:
+    """Return whether an import, a destructor or a weak reference is at work, which may swallow an interruption."""
+    while frame is not None:
+        code = frame.f_code
+        if "importlib" in code.co_filename or code.co_filename.endswith("weakref.py") or code.co_name == "__del__":
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _answer(command: Callable[[], Any]) -> int:
     try:
         code = command()
     except PalpateError as error:
@@ -64,7 +78,6 @@ def _answer(command: Callable[[], Any], end_repeats: Callable[[], None]) -> int:
             return _refuse(said, "See --help for units and bounds.", _kind(error.__cause__))
         return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
-        end_repeats()
         return _report_interruption()
     except BrokenPipeError:  # the reader of our output has left
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

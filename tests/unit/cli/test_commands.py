@@ -1,4 +1,5 @@
 import json
+import os
 import signal
 import time
 from pathlib import Path
@@ -108,12 +109,13 @@ def test_an_unforeseen_error_is_one_line_with_a_log(
     assert "Traceback" in Path(shown.split()[-1]).read_text()
 
 
-def test_an_interruption_that_a_destructor_swallows_still_ends_the_command() -> None:
+def test_an_interruption_in_a_destructor_which_would_swallow_it_still_ends_the_command() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
 
     class Swallowing:
         def __del__(self) -> None:
-            raise KeyboardInterrupt
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.1)
 
     def command() -> None:
         Swallowing()
