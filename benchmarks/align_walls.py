@@ -18,7 +18,7 @@ import numpy as np
 
 from palpate.core import PalpateError
 from palpate.design import Design, DomeSpec, MarkerSpec
-from palpate.robot import AlignmentScenario, VirtualUnit, describe_wall
+from palpate.simulation import AlignmentScenario, VirtualUnit, describe_wall
 from palpate.twin import read_twin
 
 ROBOT_DEG = 0.05

@@ -16,16 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import Deviation
-from palpate.bench.photograph import build_scene, marker_outlines
 from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
-from palpate.camera import CameraSpec, RenderSpec
+from palpate.camera import CameraSpec, RenderSpec, marker_outlines
 from palpate.core import generator
 from palpate.design import Design, MarkerSpec, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import SensorSpec, Unit, open_sensor
+from palpate.simulation import Deviation, SimulatedUnit
 from palpate.twin import read_twin
 
 PRINTS = 6
@@ -67,7 +66,7 @@ def main() -> None:
         x, y = bend_print(designed, float(np.hypot(*layout.positions[:, :2].T).max()), rng).T
         printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
         scene = replace(
-            build_scene(Design.of_skin(skin, layout, nominal), deviation, LIGHT),
+            SimulatedUnit(Design.of_skin(skin, layout, nominal), deviation, LIGHT),
             edges=marker_outlines(skin, printed, layout.diameter),
         )
         unit = Unit(Design.of_skin(skin, layout, nominal), tolerance=TOLERANCE)

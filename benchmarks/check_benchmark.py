@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import build_scene
 from palpate.benchmark import deviation_of, read_set
 from palpate.camera import project_markers
 from palpate.design import Design, build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.simulation import SimulatedUnit
 
 CELLS = 12
 
@@ -36,7 +36,7 @@ def main(folder: str, count: int) -> None:
             rx, ry, depth, force, _, friction = table.labels[row]
             unit, tilt = int(table.unit[row]), float(np.hypot(rx, ry))
             built = deviation_of(spec, design, unit)
-            scene = build_scene(Design.of_skin(skin, layout, spec.camera), built, spec.render)
+            scene = SimulatedUnit(Design.of_skin(skin, layout, spec.camera), built, spec.render)
             azimuth = float(np.degrees(np.arctan2(ry, rx)))
             wall = WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, depth=depth, depth_step=0.8, contact=friction)
             mesh = mesh_skin(build_skin(built.dome(design.skin)), MeshSpec(cells=CELLS))

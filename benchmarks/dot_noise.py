@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import DEGRADED, Deviation, build_scene
 from palpate.built.noise import noise_by_diameter
 from palpate.camera import CameraSpec, project_markers, render
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
+from palpate.simulation import DEGRADED, Deviation, SimulatedUnit
 
 DIAMETERS_MM, DISTANCES_MM = (0.8, 1.0, 1.3, 1.6, 2.0, 2.5), (30.0, 38.0, 48.0, 54.0)
 MOVED_MM = 0.3
@@ -41,7 +41,7 @@ def measure(diameter: float, distance: float, seed: int, images: int) -> list[Fl
     rng, errors, detector = generator(seed, "dot noise"), [], None
     for number in range(images):
         x, y = rng.uniform(-MOVED_MM, MOVED_MM, 2)
-        scene = build_scene(
+        scene = SimulatedUnit(
             Design.of_skin(skin, layout, CameraSpec(distance=distance)), Deviation(offset_x=x, offset_y=y), DEGRADED
         )
         look = DEGRADED.model_copy(update={"seed": seed, "noise_seed": number})

@@ -14,8 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import bench as virtual
-from palpate.bench.photograph import Scene, build_scene
 from palpate.built import (
     CalibrationPress,
     Deviation,
@@ -33,6 +31,8 @@ from palpate.fea import Press
 from palpate.material import get_material
 from palpate.optimise import RequirementsSpec
 from palpate.optimise.prove import _Candidate
+from palpate.simulation import SimulatedUnit
+from palpate.simulation import bench as virtual
 from palpate.study import find_artefact
 
 KNOWN_ROBOT = {"robot_tilt_deg": 1e-6, "robot_depth": 1e-6}
@@ -41,7 +41,7 @@ KNOWN_ROBOT = {"robot_tilt_deg": 1e-6, "robot_depth": 1e-6}
 class ExactDots:
     """A scene whose images are the places (m, 2) px of the layout's dots; NaN for those that are not printed."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SimulatedUnit) -> None:
         self.scene = scene
 
     def predict(self, edges: FloatArray) -> FloatArray:
@@ -59,7 +59,7 @@ class ExactDots:
 def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
     spec, twin = bench.spec, bench.opened_model
-    dots = ExactDots(build_scene(Design.of_skin(bench.nominal, bench.layout, bench.camera), deviation, spec.render))
+    dots = ExactDots(SimulatedUnit(Design.of_skin(bench.nominal, bench.layout, bench.camera), deviation, spec.render))
     rest = dots.predict(dots.scene.edges)
     belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
     model, rng = (

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench import SimulatedSource
 from palpate.design import Design, MarkerSpec, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.sensor import Unit, open_sensor
+from palpate.simulation import SimulatedSource
 from palpate.twin import read_twin
 
 WALLS = ((3.0, 20.0, 0.8), (6.0, 140.0, 0.5), (9.0, 260.0, 1.2))

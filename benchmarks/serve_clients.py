@@ -18,12 +18,12 @@ import numpy as np
 import uvicorn
 import websockets
 
-from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
 from palpate.design import Design, MarkerSpec, place_markers
 from palpate.sensor import Unit, open_sensor
+from palpate.simulation import SimulatedUnit
 from palpate.twin import read_twin
 from palpate.viewer import Feed, ServeSpec, build_readings_app
 from palpate.viewer.guard import Guard
@@ -41,7 +41,7 @@ def memory_mb() -> float:
 def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
     twin = read_twin(path)
     layout = place_markers(twin.skin, MarkerSpec(count=169))
-    scene = build_scene(Design.of_skin(twin.skin, layout), Deviation(), RenderSpec(noise=2.0, blur_px=0.7))
+    scene = SimulatedUnit(Design.of_skin(twin.skin, layout), Deviation(), RenderSpec(noise=2.0, blur_px=0.7))
     images = [scene.render_rest()]
     sensor = open_sensor(images, Unit(Design.of_skin(twin.skin, layout)), twin)
     began = time.monotonic()

@@ -13,13 +13,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from palpate.bench import build_scene
 from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec, RenderSpec, render
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.simulation import SimulatedUnit
 
 SEED = 20261126
 DOME, MARKERS = DomeSpec(height=20, thickness=2), MarkerSpec(count=61)
@@ -49,7 +49,7 @@ def make_recording(folder: Path) -> None:
         folder.parent / "layout.csv", "x_mm,y_mm,z_mm", ([f"{x:.4f}" for x in row] for row in layout.positions)
     )
     deviation = sample_deviation(ToleranceSpec(), SEED, 1)
-    scene = build_scene(Design.of_skin(skin, layout, CameraSpec()), deviation, LIGHT)
+    scene = SimulatedUnit(Design.of_skin(skin, layout, CameraSpec()), deviation, LIGHT)
     mesh, material = mesh_skin(skin, MeshSpec()), get_material("zaid_2024_ecoflex_00_30")
     solved = [
         solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, depth_step=0.8, contact=FRICTION))

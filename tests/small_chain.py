@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from palpate.bench import VirtualBench, VirtualBenchSpec
 from palpate.camera import build_camera
 from palpate.core import ArtefactStore
 from palpate.dataset import DatasetSpec, generate_dataset
@@ -12,6 +11,7 @@ from palpate.learn import fit_ridge, write_estimator
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.simulation import VirtualBench, VirtualBenchSpec
 from palpate.twin import TWIN_DERIVATIVES, write_twin
 from presses import build_twin, solve_press
 

@@ -16,8 +16,6 @@ from typing import Any
 import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
-from palpate.bench import ToleranceSpec, run_unit_trial
-from palpate.bench.played import COLUMNS
 from palpate.benchmark import PRESETS, make_benchmark, read_set
 from palpate.benchmark.draw_unit import simulate_unit
 from palpate.benchmark.learnt_baselines import predict_by_markers
@@ -49,6 +47,8 @@ from palpate.optimise.proposal import SkinEvaluation
 from palpate.optimise.propose import evaluate_skin
 from palpate.recording import RecordingSpec, read_recording, train_on_recording
 from palpate.recording.arrays import read_arrays
+from palpate.simulation import ToleranceSpec, run_unit_trial
+from palpate.simulation.trial import COLUMNS
 from palpate.twin import TWIN_DERIVATIVES, build_field
 from presses import run_tiny_study, solve_press, stored_folder
 from small_chain import small_bench, small_twin, write_small_twin

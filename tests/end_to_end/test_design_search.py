@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from errors import check_values
-from palpate.bench import VirtualBench, VirtualBenchSpec, run_bench
-from palpate.bench.result import pool_units
 from palpate.core import ArtefactStore
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.material import get_material
 from palpate.optimise import optimise_design, propose, prove, read_requirements, validate_front, write_front
+from palpate.simulation import VirtualBench, VirtualBenchSpec, run_bench
+from palpate.simulation.result import pool_units
 from palpate.study import find_artefact, read_study
 
 pytest.importorskip("optuna")

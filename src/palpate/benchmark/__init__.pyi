@@ -1,6 +1,6 @@
 """Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
 
-from palpate.benchmark.draw_unit import BenchmarkUnit, deviation_of, simulate_unit
+from palpate.benchmark.draw_unit import deviation_of, simulate_unit
 from palpate.benchmark.make_benchmark import BenchmarkFiles, make_benchmark
 from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
 from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_benchmark_spec
@@ -29,7 +29,6 @@ __all__ = [
     "BenchmarkScore",
     "BenchmarkSet",
     "BenchmarkSpec",
-    "BenchmarkUnit",
     "ErrorLine",
     "Predictions",
     "ScoreLine",

@@ -14,18 +14,17 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.robot import (
+from palpate.robot import AlignSpec, list_touches
+from palpate.sensor import Unit, check_model, open_model
+from palpate.simulation import (
     AlignmentScenario,
     AlignmentTrial,
-    AlignSpec,
     SimulatedRobotSpec,
     VirtualUnit,
     describe_wall,
-    list_touches,
     list_wall_touches,
     write_alignments,
 )
-from palpate.sensor import Unit, check_model, open_model
 from palpate.twin import Twin
 
 _OUT = "Folder for touches.csv and alignment.json."

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from palpate.bench import ToleranceSpec, VirtualBenchSpec
 from palpate.built import AccuracySpec, predict_budget
 from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
@@ -20,10 +19,11 @@ from palpate.cli.progress import show_progress
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import Column, Report, plain_page, write_csv
+from palpate.simulation import ToleranceSpec, VirtualBenchSpec
 from palpate.twin import Twin, twin_path
 
 if TYPE_CHECKING:
-    from palpate.bench import VirtualBench
+    from palpate.simulation import VirtualBench
 
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
@@ -73,7 +73,7 @@ def bench(
     output: Output = Output(),
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
-    from palpate.bench import VirtualBench
+    from palpate.simulation import VirtualBench
 
     check_folder(out)
     chosen, model = flags.chosen(), _model(flags)
@@ -111,7 +111,7 @@ def _model(flags: BenchFlags) -> Path:
 
 
 def _units(trials: VirtualBench, out: Path, output: Output) -> None:
-    from palpate.bench import bench_summary, describe_bench, run_bench, write_bench
+    from palpate.simulation import bench_summary, describe_bench, run_bench, write_bench
 
     results = []
     for result in run_bench(trials):
@@ -136,7 +136,7 @@ def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> N
 
 
 def _budget(trials: VirtualBench, out: Path, output: Output) -> None:
-    from palpate.bench import describe_budget, run_budget, write_budget
+    from palpate.simulation import describe_budget, run_budget, write_budget
 
     lines = []
     for line in run_budget(trials):

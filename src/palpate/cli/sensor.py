@@ -150,7 +150,7 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
 def _open(source: str, unit: Unit) -> Source:
     if source != "synthetic":
         return open_source(source)
-    from palpate.bench import simulate_sensor
+    from palpate.simulation import simulate_sensor
 
     announce_compilation()
     return simulate_sensor(unit)

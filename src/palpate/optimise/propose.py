@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.bench import DEGRADED, build_scene
 from palpate.built import (
     AccuracySpec,
     ContradictionError,
@@ -38,6 +37,7 @@ from palpate.optimise.setting import CameraSetting, measure_settings, rank_setti
 from palpate.optimise.spec import BaselineGridSpec, RequirementsSpec
 from palpate.optimise.twin_checks import ValidationPressTasks, plan_validation_presses
 from palpate.sensor import Unit, open_sensor
+from palpate.simulation import DEGRADED, SimulatedUnit
 from palpate.study import (
     AsBuiltSpec,
     MaterialSpec,
@@ -265,9 +265,9 @@ def _refuse(
     unit = Unit(design, tolerance=spec.tolerance)
     for number in range(_FIRST_UNIT, _FIRST_UNIT + units):
         deviation = sample_deviation(spec.tolerance, spec.seed, number)
-        scene = build_scene(design, deviation, DEGRADED)
+        rest = SimulatedUnit(design, deviation, DEGRADED).render_rest()
         try:
-            open_sensor([scene.render_rest()], unit, twin)
+            open_sensor([rest], unit, twin)
         except MissingExtraError:
             raise
         except PalpateError as error:

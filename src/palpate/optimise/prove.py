@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
 from palpate.built import ContradictionError, Deviation, PredictedAccuracy, predict_accuracy, sample_deviation
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, calculix_recipe, solve_press_calculix
@@ -28,6 +27,7 @@ from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
 from palpate.optimise.propose import SkinEvaluationTask, accuracy_spec, plan_skin_evaluation
 from palpate.optimise.spec import RequirementsSpec
+from palpate.simulation import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
 from palpate.study import PressTask, Task, TwinTask, find_artefact, plan_study, resolve_device
 from palpate.twin import read_twin
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from palpate.bench import FINER
 from palpate.built import CALIBRATION_TILTS, ValidationPresses
 from palpate.core import ArtefactStore
 from palpate.fea import read_press
 from palpate.mesh import mesh_skin
 from palpate.optimise.spec import RequirementsSpec
+from palpate.simulation import FINER
 from palpate.study import PressTask, TwinTask, find_artefact
 
 _READ = ((1, 0.7887), (4, 0.2113), (6, 0.2113))

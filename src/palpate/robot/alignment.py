@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from palpate.core import FloatArray
 from palpate.robot.placement import Placement
@@ -90,3 +92,55 @@ class Alignment:
     def square(self) -> bool:
         """Whether the tool is square."""
         return self.outcome is AlignmentOutcome.SQUARE
+
+
+TOUCH_COLUMNS = (
+    "touch",
+    "rx_deg",
+    "ry_deg",
+    "depth_mm",
+    "angle_deg",
+    "half_width_deg",
+    "turned_deg",
+    "force_n",
+    "force_upper_n",
+    "friction",
+    "images",
+)
+
+
+def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
+    """A row a touch, by `TOUCH_COLUMNS`; friction is empty where nothing slips."""
+    columns = zip(
+        alignment.touches, alignment.angles_deg, alignment.half_widths_deg, alignment.turned_deg, strict=True
+    )
+    return [
+        {
+            "touch": number,
+            "rx_deg": float(touch.tilt_deg[0]),
+            "ry_deg": float(touch.tilt_deg[1]),
+            "depth_mm": touch.depth,
+            "angle_deg": angle,
+            "half_width_deg": half,
+            "turned_deg": turned,
+            "force_n": touch.force_n,
+            "force_upper_n": touch.force_upper_n,
+            "friction": 1.0 / touch.inverse_friction if touch.inverse_friction > 0 else None,
+            "images": touch.images,
+        }
+        for number, (touch, angle, half, turned) in enumerate(columns, start=1)
+    ]
+
+
+def describe_alignment(alignment: Alignment) -> dict[str, Any]:
+    """How an alignment ended, and what is left, as plain data."""
+    known = math.isfinite(alignment.residual_deg)
+    return {
+        "square": alignment.square,
+        "outcome": alignment.outcome.name.lower(),
+        "reason": str(alignment.outcome),
+        "touches": len(alignment.touches),
+        "images": alignment.images,
+        "residual_deg": alignment.residual_deg if known else None,
+        "residual_half_width_deg": alignment.residual_half_width_deg if known else None,
+    }

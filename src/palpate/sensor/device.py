@@ -3,7 +3,7 @@
     with Device(open_source("0")) as device:
         image = device.get_image()
 
-A simulated sensor (`palpate.bench.SimulatedSource`) stands behind the same class.
+A simulated sensor (`palpate.simulation.SimulatedSource`) stands behind the same class.
 """
 
 from __future__ import annotations

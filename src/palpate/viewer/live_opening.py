@@ -9,11 +9,11 @@ from typing import final
 
 from nicegui import ui
 
-from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.grid import design_label
 from palpate.sensor import Unit, open_model
+from palpate.simulation import SimulatedSource, sample_presses
 from palpate.twin import twin_path
 from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.library import DesignLibrary

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.bench import Deviation, ToleranceSpec
-from palpate.bench.photograph import build_scene
 from palpate.built import IMPERFECTIONS, sample_deviation, single_deviation
 from palpate.camera import LENSES, CameraSpec, Lens, RenderSpec
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
+from palpate.simulation import Deviation, ToleranceSpec
+from palpate.simulation.simulated_unit import SimulatedUnit
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
@@ -126,8 +126,8 @@ def test_the_camera_is_mounted_off_and_its_lens_not_quite_known():
 
 
 def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface():
-    as_designed = build_scene(DESIGN, Deviation(), RenderSpec()).edges
-    printed = build_scene(DESIGN, Deviation(marker_position=0.1, print_shift_x=0.2), RenderSpec()).edges
+    as_designed = SimulatedUnit(DESIGN, Deviation(), RenderSpec()).edges
+    printed = SimulatedUnit(DESIGN, Deviation(marker_position=0.1, print_shift_x=0.2), RenderSpec()).edges
     assert np.abs(DOME.distance(printed)).max() < 1e-9
     off = np.linalg.norm(printed.mean(axis=1) - as_designed.mean(axis=1), axis=-1)
     assert 0.1 < off.max() < 0.6
@@ -136,8 +136,8 @@ def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface(
 
 
 def test_missing_dots_are_not_drawn_and_the_mark_never_is_missing():
-    edges = build_scene(DESIGN, Deviation(missing=0.2, seed=4), RenderSpec()).edges
-    all_of_them = build_scene(DESIGN, Deviation(), RenderSpec()).edges
+    edges = SimulatedUnit(DESIGN, Deviation(missing=0.2, seed=4), RenderSpec()).edges
+    all_of_them = SimulatedUnit(DESIGN, Deviation(), RenderSpec()).edges
     assert len(edges) == 38 - 7
     assert np.allclose(edges[-1], all_of_them[-1])
 
@@ -145,11 +145,11 @@ def test_missing_dots_are_not_drawn_and_the_mark_never_is_missing():
 def test_light_and_dirt_stay_while_noise_is_new():
     spec = RenderSpec(noise=2.0, dirt=10, unevenness=0.3)
     first, again = (spec.model_copy(update={"noise_seed": seed}) for seed in (1, 2))
-    images = [build_scene(DESIGN, Deviation(), chosen).render_rest() for chosen in (first, again)]
+    images = [SimulatedUnit(DESIGN, Deviation(), chosen).render_rest() for chosen in (first, again)]
     assert np.array_equal(images[0], images[1])  # the scene numbers its images itself
     from palpate.camera import build_camera, render
 
-    edges = build_scene(DESIGN, Deviation(), spec).edges
+    edges = SimulatedUnit(DESIGN, Deviation(), spec).edges
     one, two = (render(build_camera(), edges, chosen).astype(float) for chosen in (first, again))
     assert 2.0 < np.std(one - two) < 3.5
     assert abs(np.mean(one - two)) < 0.05

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from palpate.bench import DEGRADED, Deviation, build_scene
 from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, noise_by_diameter
 from palpate.camera import CameraSpec, build_camera, project_markers, render
 from palpate.core import generator
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
+from palpate.simulation import DEGRADED, Deviation, SimulatedUnit
 
 SKIN = build_skin(DomeSpec())
 
@@ -19,7 +19,7 @@ def test_the_law_is_what_the_detector_shows_on_degraded_images(diameter: float, 
     rng, errors, detector = generator(1, "law"), [], None
     for number in range(10):
         x, y = rng.uniform(-0.3, 0.3, 2)
-        scene = build_scene(
+        scene = SimulatedUnit(
             Design.of_skin(SKIN, layout, CameraSpec(distance=distance)), Deviation(offset_x=x, offset_y=y), DEGRADED
         )
         image = render(scene.camera, scene.edges, DEGRADED.model_copy(update={"noise_seed": number}))

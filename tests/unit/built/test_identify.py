@@ -561,12 +561,12 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     """Rendered images of known presses, a table of poses: a unit file by which further images are read and judged."""
     import cv2
 
-    from palpate.bench.photograph import build_scene
     from palpate.camera import RenderSpec
     from palpate.cli import main
+    from palpate.simulation.simulated_unit import SimulatedUnit
 
     deviation = replace(sample_deviation(TOLERANCE, 11, 7), friction=1.0, thickness=0.0, missing=0.0)
-    scene = build_scene(Design.of_skin(DOME, LAYOUT, NOMINAL), deviation, RenderSpec(noise=2.0, blur_px=0.6))
+    scene = SimulatedUnit(Design.of_skin(DOME, LAYOUT, NOMINAL), deviation, RenderSpec(noise=2.0, blur_px=0.6))
     rows, number = [], 0
     cv2.imwrite(str(tmp_path / "rest.png"), scene.render_rest())
     for k, azimuth_deg in enumerate((40.0, 184.0, 328.0, 112.0, 256.0)):

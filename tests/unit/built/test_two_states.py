@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.bench.photograph import build_scene
 from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, marker_outlines, project_markers
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
@@ -15,6 +14,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor
+from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.twin import TWIN_DERIVATIVES, Twin, read_twin, write_twin
 from presses import build_twin, solve_press
 
@@ -110,7 +110,7 @@ def test_a_skin_that_comes_back_is_read_as_flat_again(twin: Twin, other: Press) 
 
 def test_a_picture_in_which_the_skin_has_popped_is_named_anew(twin: Twin, other: Press) -> None:
     """From rest to the inverted state at once: dots beside the ridge change places, until the fit foresees them."""
-    scene = build_scene(Design.of_skin(DOME, LAYOUT, CameraSpec()), Deviation(), RenderSpec())
+    scene = SimulatedUnit(Design.of_skin(DOME, LAYOUT, CameraSpec()), Deviation(), RenderSpec())
     sensor = open_sensor([scene.render_rest()], Unit(Design.of_skin(DOME, LAYOUT, CameraSpec())), twin)
     picture = list(scene.render_press(other))[-1]
     by_motion_alone = Tracker(MotionModel(sensor.assignment.positions_px)).step(

@@ -3,7 +3,6 @@
 import pytest
 from pydantic import ValidationError
 
-from palpate.bench import VirtualBenchSpec
 from palpate.benchmark import BenchmarkSpec, TwinPressSpec
 from palpate.built import ToleranceSpec
 from palpate.camera import CalibrationSpec
@@ -14,8 +13,9 @@ from palpate.grid import filter_rows, sort_rows
 from palpate.material import FitSpec, PrepareSpec
 from palpate.optimise import RequirementsSpec
 from palpate.recording import RecordingSpec
-from palpate.robot import AlignSpec, SimulatedRobotSpec
+from palpate.robot import AlignSpec
 from palpate.sensor import AcceptanceSpec, SensorSpec
+from palpate.simulation import SimulatedRobotSpec, VirtualBenchSpec
 from palpate.study import AsBuiltSpec, Study
 from palpate.viewer.sketch import DesignDraft
 

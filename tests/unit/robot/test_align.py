@@ -8,28 +8,32 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.built import ToleranceSpec
+from palpate.built import CONTACT_STATE, ToleranceSpec
 from palpate.core import PalpateError
+from palpate.core.state import State
 from palpate.design import Design, build_skin, place_markers, wall_normal
 from palpate.fea import Press
 from palpate.fea.press import IncrementFields
 from palpate.robot import (
     Aligner,
     AlignmentOutcome,
-    AlignmentScenario,
     AlignSpec,
     Placement,
     Robot,
-    SimulatedRobotSpec,
     Tool,
     Touch,
-    VirtualUnit,
     find_tool_offset,
     tilt_from_normal,
-    write_alignments,
 )
 from palpate.robot.placement import rotation_from_vector
-from palpate.robot.touched_dome import SolverBackend, TwinBackend
+from palpate.simulation import (
+    AlignmentScenario,
+    SimulatedRobotSpec,
+    SolverBackend,
+    TwinBackend,
+    VirtualUnit,
+    write_alignments,
+)
 from palpate.twin import Twin, read_twin, write_twin
 from small_chain import DOME, MARKERS, MATERIAL, write_small_twin
 
@@ -194,7 +198,7 @@ def test_touches_of_two_walls_or_too_few_tell_no_offset() -> None:
 
 def test_a_simulated_robot_errs_as_it_is_said_to(unit: VirtualUnit) -> None:
     spec = SimulatedRobotSpec(backlash_mm=0.0, backlash_deg=0.0)
-    from palpate.robot import SimulatedRobot
+    from palpate.simulation import SimulatedRobot
 
     def free(_: Placement) -> np.ndarray:
         return np.zeros(3)
@@ -222,16 +226,14 @@ def test_a_simulated_robot_errs_as_it_is_said_to(unit: VirtualUnit) -> None:
     assert pushed.true_pose.position[2] == pytest.approx(1.0 / 1.4, abs=1e-6)
 
 
-def test_the_twins_dome_goes_where_a_solved_one_goes(twin: Twin, unit: VirtualUnit) -> None:
-    """Two ways to the same dots: what a played unit shows, and a press solved anew, of a tilt between the twin's."""
-    rest = unit._scene.edges
-    by_twin = TwinBackend(twin, rest, unit.deviation)
-    solved = SolverBackend(unit.deviation.built(unit.play.design), rest, 4.0, cells=6)
-    pose, slip = np.array([2.5, -1.5, 3.1]), 1.0
-    one, other = (dome.marker_outlines(pose, slip, np.zeros(3)) for dome in (by_twin, solved))
-    moved = np.linalg.norm(one - rest, axis=2)
-    assert np.linalg.norm(one - other, axis=2).max() < 0.05 * moved.max()
-    forces = [float(np.linalg.norm(dome.force(pose, slip))) for dome in (by_twin, solved)]
+def test_twin_and_solver_show_the_same_markers_of_one_unit(twin: Twin, unit: VirtualUnit) -> None:
+    """Two ways to the same markers: by the twin, and by a press solved anew, of a tilt between those of the twin."""
+    simulated = unit._backend.unit
+    by_twin, solved = TwinBackend(simulated, twin), SolverBackend(simulated, 4.0, cells=6)
+    contact = State.zeros(CONTACT_STATE).replace(rx_deg=2.5, ry_deg=-1.5, depth_mm=3.1, inverse_friction=1.0)
+    one, other = (backend.edges(contact) for backend in (by_twin, solved))
+    assert np.linalg.norm(one - other, axis=2).max() < 0.05 * np.linalg.norm(one - simulated.edges, axis=2).max()
+    forces = [float(np.linalg.norm(backend.force(contact))) for backend in (by_twin, solved)]
     assert forces[0] == pytest.approx(forces[1], rel=0.05)
 
 
@@ -262,7 +264,7 @@ def test_the_command_prints_touches_and_writes_them(
 
 def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: VirtualUnit, monkeypatch: pytest.MonkeyPatch) -> None:
     """Markers between increments are read from a press of the four about them, whose every field has four rows."""
-    solved, seen = SolverBackend(unit.deviation.built(unit.play.design), unit._scene.edges, 1.0, cells=4), []
+    solved, seen = SolverBackend(unit._backend.unit, 1.0, cells=4), []
     positions = Press.positions
 
     def remember(press: Press, points: np.ndarray) -> np.ndarray:
@@ -270,7 +272,7 @@ def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: VirtualUnit, monk
         return positions(press, points)
 
     monkeypatch.setattr(Press, "positions", remember)
-    solved.marker_outlines(np.array([1.0, 0.0, 0.7]), 0.0, np.zeros(3))
+    solved.edges(State.zeros(CONTACT_STATE).replace(rx_deg=1.0, depth_mm=0.7))
     assert {len(getattr(seen[0], name)) for name in IncrementFields.__annotations__} == {4}
     whole = next(iter(solved._solved.values()))
     both = whole.cut(1, 3)

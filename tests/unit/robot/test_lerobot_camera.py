@@ -14,7 +14,6 @@ import pytest
 
 import palpate.camera
 from errors import check_values
-from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
@@ -22,6 +21,7 @@ from palpate.design import Design, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.simulation import SimulatedUnit
 from palpate.twin import TWIN_DERIVATIVES, write_twin
 from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
@@ -206,7 +206,7 @@ def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
     mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     presses = [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
     write_twin(tmp_path / "twin.h5", build_twin(presses))
-    scene = build_scene(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=1.0))
+    scene = SimulatedUnit(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=1.0))
     (tmp_path / "images").mkdir()
     for number, image in enumerate([scene.render_rest(), list(scene.render_press(presses[1]))[6]]):
         cv2.imwrite(str(tmp_path / "images" / f"{number}.png"), image)

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.core import FloatArray
@@ -14,6 +13,7 @@ from palpate.fea import Press, WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.robot import Placement, tilt_from_normal
 from palpate.robot.placement import rotation_between, rotation_from_vector
+from palpate.simulation import SimulatedUnit
 from presses import solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
@@ -29,7 +29,7 @@ def press() -> Press:
 
 def motion(press: Press, azimuth_deg: float, camera: CameraSpec) -> FloatArray:
     """Where the image of a press differs from that at rest: column and row from the middle of the dome, px."""
-    scene = build_scene(Design.of_skin(SKIN, place_markers(SKIN, MARKERS), camera), Deviation(), RenderSpec())
+    scene = SimulatedUnit(Design.of_skin(SKIN, place_markers(SKIN, MARKERS), camera), Deviation(), RenderSpec())
     turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
     images = [image.astype(float) for image in scene.render_press(turned)]
     changed = np.abs(images[-1] - images[0])

@@ -6,7 +6,6 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.design import Design, build_skin, place_markers, wall_normal
@@ -15,6 +14,7 @@ from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.robot import TOPICS, RosSensor, RosSpec, parse_launch_spec
 from palpate.ros import Message, build_message, header_of, pose_message, pose_with_covariance
+from palpate.simulation import SimulatedUnit
 from palpate.twin import TWIN_DERIVATIVES, write_twin
 from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
     """A twin, and images of a unit at rest, then under a wall of 4° at 30°: 3 mm and 4 mm deep, cut off, 4 mm."""
     folder = tmp_path_factory.mktemp("sensor")
     write_twin(folder / "twin.h5", build_twin([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)]))
-    scene = build_scene(Design.of_skin(SKIN, LAYOUT, CameraSpec()), LEANING, RenderSpec(noise=1.0))
+    scene = SimulatedUnit(Design.of_skin(SKIN, LAYOUT, CameraSpec()), LEANING, RenderSpec(noise=1.0))
     images = [scene.render_rest(), *(list(scene.render_press(PRESSED))[k] for k in (6, 8, 8, 8))]
     (folder / "images").mkdir()
     for number, image in enumerate(images):

@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 from errors import check_refusal, refused
-from palpate.bench import Deviation
-from palpate.bench.bench import solve_unit_presses
-from palpate.bench.photograph import build_scene
 from palpate.cli import main
 from palpate.core import generator
 from palpate.sensor import (
@@ -22,6 +19,9 @@ from palpate.sensor import (
     read_readings,
     write_acceptance,
 )
+from palpate.simulation import Deviation
+from palpate.simulation.run_trial import solve_unit_presses
+from palpate.simulation.simulated_unit import SimulatedUnit
 from small_chain import small_bench, write_small_model
 
 COLUMNS = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
@@ -146,7 +146,7 @@ def recording(tmp_path_factory):
     """Images of a small virtual unit with their truth, and its model."""
     folder = tmp_path_factory.mktemp("recording")
     bench = small_bench(folder / "bench", write_small_model(folder / "m.onnx"))
-    scene = build_scene(bench.design, Deviation(), bench.spec.render)
+    scene = SimulatedUnit(bench.design, Deviation(), bench.spec.render)
     rows = [["rest.png", "rest", "", "", ""]]
     cv2.imwrite(str(folder / "rest.png"), scene.render_rest())
     for press in solve_unit_presses(bench, Deviation()):

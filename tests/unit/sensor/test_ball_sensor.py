@@ -8,7 +8,6 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import (
@@ -33,6 +32,7 @@ from palpate.learn import (
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, check_model, open_sensor, run_sensor, write_readings
+from palpate.simulation import SimulatedSource, sample_presses
 from palpate.twin import build_field
 from presses import solve_press
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from palpate.bench import DEGRADED, build_scene
 from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Unit
 from palpate.sensor.sensor import analyse_rest
+from palpate.simulation import DEGRADED, SimulatedUnit
 
 FLAT = EllipsoidSpec(height=19.2, thickness=1.2, aspect=0.6, taper=0.8)
 WIDE_GAP = (4.128, 7.179, 10.217, 16.231, 20.658, 29.144, 31.809)
@@ -29,7 +29,7 @@ def test_numbers_are_told_of_every_unit(rings, distance):
     unit = Unit(Design.of_skin(skin, layout, camera), tolerance=tolerance)
     for number in range(1, 6):
         deviation = sample_deviation(tolerance, 0, number)
-        scene = build_scene(Design.of_skin(skin, layout, camera), deviation, DEGRADED)
+        scene = SimulatedUnit(Design.of_skin(skin, layout, camera), deviation, DEGRADED)
         naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
         assert not naming.ambiguous
         there = np.flatnonzero(scene.printed)
@@ -47,7 +47,7 @@ def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
     """Two rings beyond 27 px without a dot, where neighbours are 10 px apart: in one of 20 units they were masked."""
     skin, tolerance, camera = build_skin(FLAT), ToleranceSpec(), CameraSpec(distance=30.0)
     layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
-    scene = build_scene(Design.of_skin(skin, layout, camera), sample_deviation(tolerance, 0, 8), DEGRADED)
+    scene = SimulatedUnit(Design.of_skin(skin, layout, camera), sample_deviation(tolerance, 0, 8), DEGRADED)
     unit = Unit(Design.of_skin(skin, layout, camera), tolerance=tolerance)
     naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
     assert not naming.ambiguous

@@ -14,13 +14,13 @@ from errors import check_values, refused
 pytest.importorskip("PIL")
 
 
-from palpate.bench import SimulatedSource, sample_presses
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.core.report import csv_text
 from palpate.design import TILT_SPACE, Design, MarkerSpec, place_markers
 from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
+from palpate.simulation import SimulatedSource, sample_presses
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside

@@ -22,7 +22,6 @@ import cv2
 import uvicorn
 from starlette.testclient import TestClient
 
-from palpate.bench import build_scene
 from palpate.built import Deviation
 from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
@@ -30,6 +29,7 @@ from palpate.design import Design, build_skin, place_markers
 from palpate.learn import open_predictor
 from palpate.robot import Broadcast
 from palpate.sensor import Sensor, Unit, open_sensor
+from palpate.simulation import SimulatedUnit
 from palpate.viewer import Feed, ServeSpec, build_readings_app, follow_readings
 from palpate.viewer.guard import Guard
 from palpate.viewer.serve_readings import SCHEMA_VERSION
@@ -43,7 +43,7 @@ IMAGES = 12
 
 def rest_image() -> np.ndarray:
     skin = build_skin(DOME)
-    scene = build_scene(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=2.0))
+    scene = SimulatedUnit(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=2.0))
     return scene.render_rest()
 
 

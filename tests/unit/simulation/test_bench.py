@@ -10,14 +10,22 @@ import pytest
 
 from errors import check_values, refused
 from needs import needs_program
-from palpate.bench import Deviation, ToleranceSpec, run_bench, run_budget, run_unit_trial, write_bench, write_budget
-from palpate.bench.bench import solve_unit_presses, unit_tilts
-from palpate.bench.budget import BudgetLine, recommend_randomisation, total
-from palpate.bench.played import COLUMNS, collect_estimates, covered_share
-from palpate.bench.result import bench_page, pool_units, score_unit
-from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import RenderSpec
 from palpate.core.report import page_markdown
+from palpate.simulation import (
+    Deviation,
+    ToleranceSpec,
+    run_bench,
+    run_budget,
+    run_unit_trial,
+    write_bench,
+    write_budget,
+)
+from palpate.simulation.budget import BudgetLine, recommend_randomisation, total
+from palpate.simulation.result import bench_page, pool_units, score_unit
+from palpate.simulation.run_trial import solve_unit_presses, unit_tilts
+from palpate.simulation.spec import VirtualBenchSpec
+from palpate.simulation.trial import COLUMNS, collect_estimates, covered_share
 from small_chain import rms, small_bench, write_small_model, write_small_twin
 
 

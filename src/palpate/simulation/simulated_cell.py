@@ -1,24 +1,24 @@
-"""A simulated workplace: a built unit on a robot that is not quite where it says, before a wall."""
+"""A simulated cell: a unit on a robot whose reported placement has errors, in front of a wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench import Scene
-from palpate.camera import render
+from palpate.built import CONTACT_STATE
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Skin
-from palpate.robot.placement import Placement, rotation_from_vector, tilt_from_normal
-from palpate.robot.simulated_robot import SimulatedRobot
-from palpate.robot.touched_dome import ContactBackend
+from palpate.core.state import State
+from palpate.design import TILT_SPACE
+from palpate.robot import Placement, rotation_from_vector, tilt_from_normal
+from palpate.simulation.backend import UnitBackend
+from palpate.simulation.simulated_robot import SimulatedRobot
+from palpate.twin import LATERAL
 
-_RESTS = 12
-"""Images of the untouched dome, one of which is shown while nothing touches."""
+_REST_NOISES = 12
+"""Seeds of the noise in images of the untouched skin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,42 +40,13 @@ class FlatWall:
     inverse_friction: float
 
 
-@dataclass(frozen=True, eq=False)
-class SimulatedUnit:
-    """A built unit as it is, which nobody in the cell knows.
-
-    Attributes
-    ----------
-    skin
-        Its design.
-    thicker
-        By how much its wall is thicker, mm.
-    scene
-        Its dots, camera and light.
-    dome
-        What presses do to it.
-    """
-
-    skin: Skin
-    thicker: float
-    scene: Scene
-    dome: ContactBackend
-
-    @cached_property
-    def at_rest(self) -> list[NDArray[np.uint8]]:
-        """Images (h, w) of the untouched dome, each with noise of its own."""
-        scene = self.scene
-        specs = (scene.render.model_copy(update={"noise_seed": number}) for number in range(_RESTS))
-        return [render(scene.camera, scene.edges, spec) for spec in specs]
-
-
 class SimulatedCell:
     """Wall, unit and camera; it gives images of where the robot truly is.
 
     Parameters
     ----------
-    unit
-        The unit.
+    backend
+        The unit and what presses do to it.
     wall
         What is touched.
     flange_from_sensor
@@ -97,13 +68,13 @@ class SimulatedCell:
 
     def __init__(
         self,
-        unit: SimulatedUnit,
+        backend: UnitBackend,
         wall: FlatWall,
         flange_from_sensor: Placement,
         unreadable: float,
         rng: np.random.Generator,
     ) -> None:
-        self._unit, self._wall, self._mounted = unit, wall, flange_from_sensor
+        self._backend, self._wall, self._mounted = backend, wall, flange_from_sensor
         self._unreadable, self._rng = unreadable, rng
         self._first: Placement | None = None
         self.max_force_n = 0.0
@@ -114,14 +85,14 @@ class SimulatedCell:
         pose = self._pose(sensor)
         if pose[2] <= 0.0:
             return np.zeros(3)
-        on_wall = sensor.rotation @ self._unit.dome.force(pose, self._wall.inverse_friction)
+        on_wall = sensor.rotation @ self._backend.force(self._contact(pose))
         return -on_wall
 
     def next_image(self) -> NDArray[Any] | PalpateError:
         """An image (h, w) of where the robot is; torn ones come as errors."""
         sensor = self.robot.true_pose @ self._mounted
         pose = self._pose(sensor)
-        unit, scene = self._unit, self._unit.scene
+        unit = self._backend.unit
         if pose[2] <= 0.0:
             self._first = None
         else:
@@ -130,10 +101,9 @@ class SimulatedCell:
         if self._rng.random() < self._unreadable:
             return PalpateError("The image was torn.", "Look again.", code="image-damaged")
         if pose[2] <= 0.0:
-            return unit.at_rest[int(self._rng.integers(len(unit.at_rest)))]
-        edges = unit.dome.marker_outlines(pose, self._wall.inverse_friction, self._drift(sensor, pose))
-        noise = int(self._rng.integers(2**31))
-        return render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
+            return unit.render(unit.edges, int(self._rng.integers(_REST_NOISES)))
+        edges = self._backend.edges(self._contact(pose).add(LATERAL, self._drift(sensor, pose)))
+        return unit.render(edges, int(self._rng.integers(2**31)))
 
     def angle_deg(self, drill: FloatArray) -> float:
         """True angle between the drill (3,) of the flange's frame and the wall's normal."""
@@ -154,8 +124,14 @@ class SimulatedCell:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths do not touch."""
         normal = sensor.rotation.T @ self._wall.normal
         height = float(normal @ sensor.inverse().apply(self._wall.point))
-        reach = float(self._unit.skin.support_point(normal) @ normal) + self._unit.thicker
+        unit = self._backend.unit
+        reach = float(unit.design.skin.support_point(normal) @ normal) + unit.deviation.thickness
         return np.array([*tilt_from_normal(normal), (reach - height) / normal[2]])
+
+    def _contact(self, pose: FloatArray) -> State:
+        """The contact at a pose (3,), without motion in the plane of the wall."""
+        contact = State.zeros(CONTACT_STATE).add(TILT_SPACE.names, pose)
+        return contact.replace(inverse_friction=self._wall.inverse_friction)
 
     def _drift(self, sensor: Placement, pose: FloatArray) -> FloatArray:
         """How far the wall has gone sideways and turned since first touch, in its own axes."""

@@ -23,17 +23,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.photograph import Scene, build_scene
-from palpate.bench.played import (
-    COLUMNS,
-    MEASURANDS,
-    ParameterEstimate,
-    UnitTrial,
-    compare_parameters,
-    read_trial,
-    write_trial,
-)
-from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, Deviation, RobotUncertainty
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
 from palpate.deck import calculix_recipe
@@ -64,6 +53,17 @@ from palpate.sensor import (
     identify_unit,
     open_model,
     open_sensor,
+)
+from palpate.simulation.simulated_unit import SimulatedUnit
+from palpate.simulation.spec import VirtualBenchSpec
+from palpate.simulation.trial import (
+    COLUMNS,
+    MEASURANDS,
+    ParameterEstimate,
+    UnitTrial,
+    compare_parameters,
+    read_trial,
+    write_trial,
 )
 from palpate.twin import Twin
 
@@ -189,25 +189,25 @@ def _press(bench: VirtualBench, deviation: Deviation, tilt: float, branch: Branc
 
 
 def _run_unit(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
-    scene = build_scene(bench.design, deviation, bench.spec.render)
+    simulated = SimulatedUnit(bench.design, deviation, bench.spec.render)
     unit = Unit(bench.design, tolerance=bench.spec.tolerance)
     presses = list(solve_unit_presses(bench, deviation))
     try:
         _refuse_none(presses)
-        sensor = open_sensor([scene.render_rest()], unit, bench.opened_model)
+        sensor = open_sensor([simulated.render_rest()], unit, bench.opened_model)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
         zero, learnt = None, tuple[ParameterEstimate, ...]()
         if bench.spec.calibration_presses:
-            known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
+            known = identify_unit(sensor, _known(bench, simulated, rng), _robot(bench))
             learnt = tuple(
                 compare_parameters(known, deviation, _inverse_friction(bench, deviation), bench.spec.tolerance)
             )
         elif bench.spec.zero:
             flat = _press(bench, deviation, unit_tilts(bench.spec, deviation.unit)[0])
-            first = _read(bench, scene, sensor, _turned(flat, float(rng.uniform(0, 360))), deviation)
+            first = _read(bench, simulated, sensor, _turned(flat, float(rng.uniform(0, 360))))
             zero = find_depth_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.min_depth)
         tables = [
-            _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation, number).images
+            _read(bench, simulated, sensor, _turned(press, float(rng.uniform(0, 360))), number).images
             for number, press in enumerate(item for item in presses for _ in range(bench.spec.azimuths))
         ]
     except PalpateError as error:
@@ -225,7 +225,7 @@ def _refuse_none(presses: list[Press]) -> None:
 
 
 def _known(
-    bench: VirtualBench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
+    bench: VirtualBench, simulated: SimulatedUnit, rng: np.random.Generator
 ) -> list[tuple[FloatArray, list[NDArray[np.uint8]], FloatArray]]:
     """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off.
 
@@ -234,6 +234,7 @@ def _known(
     tilts = [
         round(share * bench.spec.max_tilt_deg, 3) for share in CALIBRATION_TILTS[: bench.spec.calibration_presses]
     ]
+    deviation = simulated.deviation
     level = replace(deviation, curvature=0.0)
     solved, first, found = [_press(bench, level, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
     for number in range(bench.spec.calibration_presses):
@@ -245,7 +246,7 @@ def _known(
         cell = np.full(int(deep.sum()), np.nan)
         if not number:
             cell[-1] = _weigh(press)[-1]
-        found.append((poses[deep], list(compress(scene.render_press(press), deep)), cell))
+        found.append((poses[deep], list(compress(simulated.render_press(press), deep)), cell))
     return found
 
 
@@ -268,13 +269,11 @@ def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float
     return float(rx), float(ry), float(depth + late)
 
 
-def _read(
-    bench: VirtualBench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation, number: int = 0
-) -> UnitTrial:
+def _read(bench: VirtualBench, simulated: SimulatedUnit, sensor: Sensor, press: Press, number: int = 0) -> UnitTrial:
     """Truth and readings of the images of a press that count."""
-    rows = []
+    rows, deviation = [], simulated.deviation
     slip = _inverse_friction(bench, deviation)
-    for depth, force, image in zip(press.depth, _weigh(press), scene.render_press(press), strict=True):
+    for depth, force, image in zip(press.depth, _weigh(press), simulated.render_press(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.min_depth - 1e-9:
             told, half = list(reading.pose), list(reading.half_width)
@@ -297,7 +296,7 @@ def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall in another direction; its solution turns with it (`Scene.render_press`)."""
+    """The press with its wall in another direction; its solution turns with it (`SimulatedUnit.press_edges`)."""
     return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import VirtualBench, run_unit_trial
-from palpate.bench.played import UnitTrial
 from palpate.built import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, parameters
+from palpate.simulation.run_trial import VirtualBench, run_unit_trial
+from palpate.simulation.trial import UnitTrial
 
 DRAWS = 2
 """Units of opposite signs and other dots off, for an imperfection that needs no press of its own."""

@@ -9,13 +9,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.photograph import build_scene
-from palpate.built import Deviation
-from palpate.camera import RenderSpec, Source, render
+from palpate.camera import RenderSpec, Source
 from palpate.core import FloatArray, child_seed, generator
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit
+from palpate.simulation.simulated_unit import SimulatedUnit
 
 _CELLS = 10
 """A coarse mesh is solved in seconds and is good enough to look at."""
@@ -39,7 +38,7 @@ class SimulatedSource(Source):
 
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
         self._touches = touches
-        self._scene = build_scene(replace(unit.design, camera_spec=unit.camera_spec), Deviation(), LIGHT)
+        self._unit = SimulatedUnit(replace(unit.design, camera_spec=unit.camera_spec), light=LIGHT)
         self._truth: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
@@ -52,27 +51,20 @@ class SimulatedSource(Source):
         return self._truth
 
     def images(self) -> Iterator[NDArray[np.uint8]]:
-        scene = self._scene
         for number, (pose, edges) in enumerate(self._poses()):
             self._truth = pose
-            noise = child_seed(scene.render.seed, "noise", number)
-            yield render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
+            yield self._unit.render(edges, child_seed(LIGHT.seed, "noise", number))
 
     def _poses(self) -> Iterator[tuple[tuple[float, ...], FloatArray]]:
         """Pose of the obstacle and edges (m, k, 3) of the dots in every image."""
-        rest = self._scene.edges
         for _ in range(_REST_IMAGES):
-            yield (0.0, 0.0, 0.0), rest
+            yield (0.0, 0.0, 0.0), self._unit.edges
         for press in self._touches:
-            edges = press.positions(rest.reshape(-1, 3))
             wall = press.obstacle
             down = np.arange(0.0, press.depth[-1], _STEP)
-            for depth in np.append(down, down[::-1]):
-                after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
-                share = (depth - press.depth[after - 1]) / (press.depth[after] - press.depth[after - 1])
-                points = (1.0 - share) * edges[after - 1] + share * edges[after]
-                pose = wall.pose_space.pose(wall.radial, wall.turn_deg, float(depth))
-                yield tuple(pose.tolist()), points.reshape(rest.shape)
+            depths = np.append(down, down[::-1])
+            for depth, edges in zip(depths, self._unit.press_edges(press, depths), strict=True):
+                yield tuple(wall.pose_space.pose(wall.radial, wall.turn_deg, float(depth)).tolist()), edges
 
 
 def simulate_sensor(

@@ -9,9 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray
-from palpate.robot.placement import Placement, rotation_from_vector
-from palpate.robot.robot import Robot
-from palpate.robot.spec import SimulatedRobotSpec
+from palpate.robot import Placement, Robot, rotation_from_vector
+from palpate.simulation.spec import SimulatedRobotSpec
 
 _SAME = 1e-9
 _ROUNDS = 30

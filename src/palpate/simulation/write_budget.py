@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.bench.bench import VirtualBench
-from palpate.bench.budget import BudgetLine, recommend_randomisation, total
 from palpate.core import wrap_write_errors
 from palpate.core.report import Report
 from palpate.sensor import write_report
+from palpate.simulation.budget import BudgetLine, recommend_randomisation, total
+from palpate.simulation.run_trial import VirtualBench
 
 BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg", "depth RMS mm", "units")
 

@@ -6,12 +6,14 @@ go through detection, naming and fit. Walls differ in tilt, distance and frictio
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.bench import Scene, build_scene
 from palpate.built import (
     CALIBRATION_TILTS,
     CALIBRATION_TURN_DEG,
@@ -20,22 +22,28 @@ from palpate.built import (
     ToleranceSpec,
     sample_deviation,
 )
-from palpate.camera import RenderSpec
-from palpate.core import FloatArray, PalpateError, generator
+from palpate.core import FloatArray, PalpateError, atomic_write, generator, provenance
+from palpate.core.report import write_csv
 from palpate.design import Design, wall_normal
-from palpate.robot.align import Aligner
-from palpate.robot.alignment import Alignment
-from palpate.robot.placement import Placement, rotation_from_vector
-from palpate.robot.simulated_cell import FlatWall, SimulatedCell, SimulatedUnit
-from palpate.robot.simulated_robot import SimulatedRobot
-from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
-from palpate.robot.tool import Tool
-from palpate.robot.touched_dome import ContactBackend, SolverBackend, TwinBackend
+from palpate.robot import (
+    TOUCH_COLUMNS,
+    Aligner,
+    Alignment,
+    AlignSpec,
+    Placement,
+    Tool,
+    describe_alignment,
+    list_touches,
+    rotation_from_vector,
+)
 from palpate.sensor import SensorSpec, Unit, identify_unit, open_sensor
+from palpate.simulation.backend import SolverBackend, TwinBackend, UnitBackend
+from palpate.simulation.simulated_cell import FlatWall, SimulatedCell
+from palpate.simulation.simulated_robot import SimulatedRobot
+from palpate.simulation.simulated_unit import SimulatedUnit
+from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec
 from palpate.twin import Twin
 
-LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
-"""Light, lens and sensor, as on the bench."""
 WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
 """Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
 _LENGTH_MM = 120.0
@@ -133,22 +141,18 @@ class VirtualUnit:
     def __init__(self, scenario: AlignmentScenario, number: int) -> None:
         self.play, self.number = scenario, number
         self.deviation = sample_deviation(scenario.tolerance, scenario.seed, number)
-        self._scene = build_scene(scenario.design, self.deviation, LIGHT)
-        self._unit = SimulatedUnit(
-            scenario.design.skin, self.deviation.thickness, self._scene, self._pressed(self._scene)
-        )
+        self._backend = self._choose_backend(SimulatedUnit(scenario.design, self.deviation, DEGRADED))
         unit = Unit(scenario.design, tolerance=scenario.tolerance)
-        self._sensor = open_sensor([self._scene.render_rest()], unit, scenario.twin, SensorSpec())
+        self._sensor = open_sensor([self._backend.unit.render_rest()], unit, scenario.twin, SensorSpec())
         if scenario.calibration_presses:
             self._identify()
         self._mount()
 
-    def _pressed(self, scene: Scene) -> ContactBackend:
-        play = self.play
-        if play.by_solver:
-            deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
-            return SolverBackend(self.deviation.built(play.design), scene.edges, deepest)
-        return TwinBackend(play.twin, scene.edges, self.deviation)
+    def _choose_backend(self, unit: SimulatedUnit) -> UnitBackend:
+        twin = self.play.twin
+        if self.play.by_solver:
+            return SolverBackend(unit, min(self.play.align.depth + 1.5, float(twin.depths_mm[-1])))
+        return TwinBackend(unit, twin)
 
     def _identify(self) -> None:
         """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
@@ -177,7 +181,7 @@ class VirtualUnit:
         identify_unit(self._sensor, presses, _JIG, on_robot=False)
 
     def _cell(self, wall: FlatWall, mounted: Placement, unreadable: float, rng: np.random.Generator) -> SimulatedCell:
-        return SimulatedCell(self._unit, wall, mounted, unreadable, rng)
+        return SimulatedCell(self._backend, wall, mounted, unreadable, rng)
 
     def _mount(self) -> None:
         """Put the unit on the robot askew, and tell its offset by touching a reference wall."""
@@ -230,3 +234,36 @@ def _seating(deviation: Deviation) -> FloatArray:
 
 def _angle(first: FloatArray, second: FloatArray) -> float:
     return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)))
+
+
+def list_wall_touches(walls: Sequence[AlignmentTrial]) -> list[dict[str, Any]]:
+    """A row a touch of every wall, by ``wall`` (from 1) and `palpate.robot.TOUCH_COLUMNS`."""
+    return [{"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)]
+
+
+def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
+    """A wall that was played, with the truth, as plain data."""
+    said = wall.alignment
+    return {
+        "tilt_deg": wall.tilt_deg,
+        "friction": wall.friction,
+        **describe_alignment(said),
+        "final_deg": wall.final_deg,
+        "max_force_n": wall.max_force_n,
+        "held": bool(wall.final_deg <= said.residual_deg + said.residual_half_width_deg),
+    }
+
+
+def write_alignments(folder: Path, walls: Sequence[AlignmentTrial], facts: dict[str, Any]) -> None:
+    """Write ``touches.csv``, a row a touch, and ``alignment.json``, a wall an entry with `facts` and versions.
+
+    Raises
+    ------
+    PalpateError
+        If a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_csv(folder / "touches.csv", list_wall_touches(walls), ["wall", *TOUCH_COLUMNS])
+    content = facts | {"walls": [describe_wall(wall) for wall in walls], "made_by": provenance()}
+    with atomic_write(folder / "alignment.json") as draft:
+        draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

@@ -91,3 +91,24 @@ class VirtualBenchSpec(Spec):
                 {"depth": f"{self.depth:g}", "least": f"{self.min_depth:g}"},
             )
         return self
+
+
+class SimulatedRobotSpec(Spec):
+    """A robot that is not quite where it says."""
+
+    position_sd_mm: float = parameter(
+        0.1, unit="mm", meaning="standard deviation of a place, along each axis", ge=0, le=5
+    )
+    rotation_sd_deg: float = parameter(
+        0.05, unit="deg", meaning="standard deviation of a turn, about each axis", ge=0, le=5
+    )
+    backlash_mm: float = parameter(0.05, unit="mm", meaning="play along each axis", ge=0, le=5)
+    backlash_deg: float = parameter(0.02, unit="deg", meaning="play about each axis", ge=0, le=5)
+    compliance: float = parameter(0.02, unit="mm/N", meaning="how far a force pushes the flange back", ge=0, le=2)
+    approach_mm: float = parameter(
+        2.0, unit="mm", meaning="how far the wall is from where it is believed, either way", ge=0, le=100
+    )
+    offset_deg: float = parameter(
+        1.0, unit="deg", meaning="how far the sensor's axes are from the drill's, about each, either way", ge=0, le=10
+    )
+    dropout: float = parameter(0.01, unit="1", meaning="share of images that are torn", ge=0, le=1)

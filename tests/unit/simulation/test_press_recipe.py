@@ -3,8 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-from palpate.bench import Deviation, VirtualBench, VirtualBenchSpec, unit_recipe
-from palpate.bench.bench import _mesh_spec, _press_recipe, _wall
 from palpate.built import sample_deviation
 from palpate.core import ArtefactStore
 from palpate.deck import CalculixSpec
@@ -13,6 +11,8 @@ from palpate.fea import Branch
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.optimise.prove import CalculixTask, UnitTrialTask
+from palpate.simulation import Deviation, VirtualBench, VirtualBenchSpec, unit_recipe
+from palpate.simulation.run_trial import _mesh_spec, _press_recipe, _wall
 from palpate.study import PressTask, TwinTask
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import VirtualBench, run_unit_trial
-from palpate.bench.played import MEASURANDS, POSE, ParameterEstimate, UnitTrial, collect_estimates, covered_share
-from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
 from palpate.core.report import Report
 from palpate.sensor import PAPER_TABLE_3, Score, provenance_line, score_readings, write_report
+from palpate.simulation.run_trial import VirtualBench, run_unit_trial
+from palpate.simulation.spec import VirtualBenchSpec
+from palpate.simulation.trial import MEASURANDS, POSE, ParameterEstimate, UnitTrial, collect_estimates, covered_share
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""
