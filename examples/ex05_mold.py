@@ -1,12 +1,12 @@
 """Volumes of a contact module and of the mold that casts it."""
 
-from palpate.design import DomeSpec, MountSpec, build_contact_module, build_module_solid, build_skin
+from palpate.design import DomeSpec, MountSpec, build_contact_module, build_skin
 from palpate.fabricate import ProcessSpec, build_mold
 
 
 def main() -> float:
     dome, mount, process = build_skin(DomeSpec(height=20, thickness=2)), MountSpec(), ProcessSpec()
-    part = build_module_solid(build_contact_module(dome, mount))
+    part = build_contact_module(dome, mount).build_solid()
     scale = 1 / (1 - process.shrinkage_percent / 100)
     mold = build_mold(build_contact_module(dome, mount, scale), process)
     print(f"part {part.volume / 1000:.2f} mL, mold holds {mold.hollow() / 1000:.2f} mL")

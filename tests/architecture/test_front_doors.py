@@ -29,7 +29,6 @@ FRONT_DOORS = {
         "MountSpec",
         "build_skin",
         "build_contact_module",
-        "build_module_solid",
         "check_design",
         "place_markers",
         "place_orientation_mark",

@@ -16,7 +16,7 @@ from palpate.built import CONTACT_STATE, Deviation, sample_deviation
 from palpate.camera import project_markers
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.core.state import State
-from palpate.design import Design, wall_normal
+from palpate.design import Design, PoseDensity, rotation_vector, wall_normal
 from palpate.simulation import SimulatedUnit, TwinBackend
 from palpate.twin import Twin
 
@@ -90,8 +90,8 @@ def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> 
     for _ in range(spec.presses):
         share, turn, rub, state = rng.random(4)
         parts = (np.arange(spec.images) + rng.random(spec.images)) / spec.images
-        tilt, azimuth = spec.max_tilt_deg * np.sqrt(share), 2.0 * np.pi * turn
-        rx, ry = (round(float(tilt * way), _DIGITS) for way in (np.cos(azimuth), np.sin(azimuth)))
+        tilt = PoseDensity.UNIFORM_DISC.radius(share, spec.max_tilt_deg)
+        rx, ry = (round(float(each), _DIGITS) for each in rotation_vector(tilt, 2.0 * np.pi * turn))
         slips, friction = twin.inverse_frictions, np.inf
         if len(slips) > 1 and spec.tolerance.friction_min > 0:
             friction = round(float(spec.tolerance.friction_at(float(rub))), _DIGITS)

@@ -10,7 +10,7 @@ from palpate.built.next_press import rank_next_presses
 from palpate.built.noise import NOISE_PX
 from palpate.built.pose_fit import CONTACT_STATE, FitState, PoseFit
 from palpate.built.ring_information import RingInformation, compute_ring_information
-from palpate.built.robot_press import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, CalibrationPress, RobotUncertainty
+from palpate.built.robot_press import CALIBRATION_TILTS, CalibrationPress, RobotUncertainty, calibration_pose
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.twin_error import ValidationPresses
 from palpate.built.unit_file import IdentifiedUnit, read_unit, write_unit
@@ -18,7 +18,6 @@ from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel,
 
 __all__ = [
     "CALIBRATION_TILTS",
-    "CALIBRATION_TURN_DEG",
     "CONTACT_STATE",
     "IMPERFECTIONS",
     "NOISE_PX",
@@ -43,6 +42,7 @@ __all__ = [
     "UnitModel",
     "ValidationPresses",
     "build_unit_model",
+    "calibration_pose",
     "compute_ring_information",
     "identify",
     "infer_from_rest",

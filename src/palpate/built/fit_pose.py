@@ -23,7 +23,7 @@ from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
 from palpate.core import FloatArray
 from palpate.core.state import State
-from palpate.design import Skin, wall_normal
+from palpate.design import Skin, rotation_vector, wall_normal
 from palpate.twin import LATERAL, Twin
 
 MAX_INVERSE_FRICTION = 5.0
@@ -119,7 +119,7 @@ class PoseFitter:
         turns = np.radians(np.arange(0, 360, 45))
         self._starts = np.array(
             [
-                (tilt * np.cos(turn), tilt * np.sin(turn), depth)
+                (*rotation_vector(tilt, turn), depth)
                 for depth in depths
                 for tilt in tilts
                 for turn in (turns if tilt else turns[:1])

@@ -27,7 +27,7 @@ from palpate.built.fit_pose import READ, contact_prior_sd, free_entries, twin_sd
 from palpate.built.learn_presses import predict_posterior
 from palpate.built.mounting import Mounting, prior_mounting
 from palpate.built.noise import NOISE_PX, layout_noise
-from palpate.built.robot_press import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, CalibrationPress, RobotUncertainty
+from palpate.built.robot_press import CalibrationPress, RobotUncertainty, calibration_pose
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.twin_error import ValidationPresses, measure_twin_error
@@ -35,7 +35,7 @@ from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, build_unit_mode
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.core.state import State
-from palpate.design import TILT_SPACE, MarkerLayout
+from palpate.design import TILT_SPACE, MarkerLayout, PoseDensity, rotation_vector
 from palpate.twin import LATERAL, Twin
 
 
@@ -212,11 +212,11 @@ def sample_working_range(
     found: list[tuple[FloatArray, float]] = []
     most = min(spec.max_tilt_deg, float(twin.tilts_deg[-1]))
     while len(found) < spec.poses:
-        tilt, turn = most * rng.uniform(), 2 * np.pi * rng.uniform()
+        tilt, turn = float(PoseDensity.UNIFORM_TILT.radius(rng.uniform(), most)), 2 * np.pi * rng.uniform()
         slip = _draw_inverse_friction(twin, tolerance, rng)
         deepest = twin.max_depth(tilt, slip)
         depth = rng.uniform(min(spec.min_depth, 0.5 * deepest), deepest)
-        found.append((np.array([tilt * np.cos(turn), tilt * np.sin(turn), depth]), slip))
+        found.append((np.append(rotation_vector(tilt, turn), depth), slip))
     return found
 
 
@@ -233,12 +233,9 @@ def simulate_calibration_presses(
     twin, found = model.dots.twin, []
     first, slip = 2 * np.pi * rng.uniform(), _draw_inverse_friction(twin, tolerance, rng)
     for number in range(spec.calibration_presses):
-        tilt, turn = (
-            CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * spec.max_tilt_deg,
-            first + np.radians(CALIBRATION_TURN_DEG) * number,
-        )
+        tilt, turn_deg = calibration_pose(number, spec.max_tilt_deg)
         depths = np.linspace(spec.min_depth, twin.max_depth(tilt, slip), 8)
-        poses = np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
+        poses = np.array([[*rotation_vector(tilt, first + np.radians(turn_deg)), depth] for depth in depths])
         pixels = np.array([model.predict(pose, slip, unit=False).pixels for pose in poses])
         found.append((CalibrationPress(poses, pixels), slip))
     return found

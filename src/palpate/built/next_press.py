@@ -14,6 +14,7 @@ from palpate.built.mounting import Mounting
 from palpate.built.robot_press import CalibrationPress
 from palpate.built.unit_model import UnitModel
 from palpate.core import FloatArray
+from palpate.design import rotation_vector
 
 _TILTS = (0.0, 0.35, 0.8)
 """Tilts of the candidates over the greatest."""
@@ -77,7 +78,7 @@ def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_
     deepest = float(model.dots.twin.depths_mm[-1])
     turns = np.radians(np.arange(0, 360, turn_deg))
     return [
-        np.array([spec.max_tilt_deg * share * np.cos(turn), spec.max_tilt_deg * share * np.sin(turn), depth])
+        np.append(rotation_vector(spec.max_tilt_deg * share, turn), depth)
         for share in shares
         for turn in turns
         for depth in (spec.min_depth, 0.9 * deepest)
@@ -89,7 +90,7 @@ def _deepening(
 ) -> FloatArray:
     turn, twin = np.radians(turn_deg), model.dots.twin
     depths = np.linspace(spec.min_depth, twin.max_depth(tilt, inverse_friction), _IMAGES)
-    return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
+    return np.array([[*rotation_vector(tilt, turn), depth] for depth in depths])
 
 
 def _rmse(

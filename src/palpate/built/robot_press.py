@@ -6,8 +6,15 @@ from dataclasses import dataclass
 
 from palpate.core import FloatArray
 
-CALIBRATION_TILTS, CALIBRATION_TURN_DEG = (0.35, 0.8), 144.0
-"""Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
+CALIBRATION_TILTS = (0.35, 0.8)
+"""Tilts of calibration presses over the greatest tilt, in turn."""
+_CALIBRATION_TURN_DEG = 144.0
+"""Azimuth from one calibration press to the next, degrees: two fifths of a turn."""
+
+
+def calibration_pose(number: int, max_tilt_deg: float) -> tuple[float, float]:
+    """Tilt and azimuth (degrees) of calibration press 0, 1, …; the azimuth of the first is 0."""
+    return CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * max_tilt_deg, _CALIBRATION_TURN_DEG * number
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ import numpy as np
 from palpate.built.fit_pose import PoseFitter
 from palpate.built.identify import identify
 from palpate.built.noise import NOISE_PX
-from palpate.built.robot_press import CALIBRATION_TURN_DEG, CalibrationPress
+from palpate.built.robot_press import CalibrationPress, calibration_pose
 from palpate.built.unit_model import UnitModel
 from palpate.camera import project_markers
 from palpate.core import FloatArray
+from palpate.design import rotation_vector
 from palpate.fea import Branch, Press
 
 _READ_TURN_DEG = 36.0
@@ -111,7 +112,7 @@ def _read_checks(
     """Poses and errors (n, 3) of the images of presses of one friction that are read."""
     told = [
         simulate_exact_markers(
-            model, checks.known[number % len(checks.known)], CALIBRATION_TURN_DEG * number, min_depth
+            model, checks.known[number % len(checks.known)], calibration_pose(number, 0.0)[1], min_depth
         )
         for number in range(count)
     ]
@@ -137,7 +138,7 @@ def simulate_exact_markers(
     azimuth = np.radians(turned.obstacle.turn_deg)
     here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
     here &= press.depth >= _least(press.depth[here], min_depth)
-    tilt = press.obstacle.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
+    tilt = rotation_vector(press.obstacle.radial, azimuth)
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
     edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.visible), -1, 3)
     pixels = np.array([project_markers(model.camera, each).centres for each in edges])

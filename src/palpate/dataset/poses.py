@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.dataset.spec import DatasetSpec
-from palpate.design import rotation_vector
+from palpate.design import PoseDensity, rotation_vector
 
 PLASTIC_NUMBER = 1.3247179572447460
 """Real root of x³ = x + 1; its powers give the evenest two-dimensional Kronecker sequence known
@@ -52,7 +52,10 @@ def sample_poses(
     """
     if spec.poses == "disc":
         most = spec.max_tilt_deg if offset is None else offset
-        return _disc(spec.n_presses, (least, most), spec.seed, lies)
+        density = PoseDensity.UNIFORM_TILT if lies else PoseDensity.UNIFORM_DISC
+        steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
+        square = (generator(spec.seed, "poses").random(2) + np.arange(spec.n_presses)[:, None] * steps) % 1.0
+        return rotation_vector(density.radius(square[:, 0], most, least), np.deg2rad(360.0 * square[:, 1]))
     if offset is not None:
         raise PalpateError(
             f"The protocol {spec.poses} is one of tilts up to 12°.",
@@ -61,17 +64,3 @@ def sample_poses(
         )
     tilt, azimuth = np.meshgrid(PAPER_TILTS_DEG, PAPER_AZIMUTHS_DEG[spec.poses], indexing="ij")
     return rotation_vector(tilt.ravel(), np.deg2rad(azimuth.ravel()))
-
-
-def _disc(n: int, radii: tuple[float, float], seed: int, by_radius: bool) -> FloatArray:
-    """Evenly by area, or by radius: a Kronecker sequence on the unit square, shifted at random, bent into a disc.
-
-    It is a ring where the least radius is not zero.
-    """
-    least, most = radii
-    start = generator(seed, "poses").random(2)
-    steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
-    square = (start + np.arange(n)[:, None] * steps) % 1.0
-    share = square[:, 0] if by_radius else np.sqrt(square[:, 0])
-    radius = np.sqrt(least**2 + (most**2 - least**2) * square[:, 0]) if least else most * share
-    return rotation_vector(radius, np.deg2rad(360.0 * square[:, 1]))

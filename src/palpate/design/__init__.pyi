@@ -8,11 +8,11 @@ from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
-from palpate.design.module import ContactModule, build_contact_module, build_module_solid
+from palpate.design.module import ContactModule, build_contact_module
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
-from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
+from palpate.design.pose import PoseDensity, rotation_vector, turn_about_axis, wall_normal
 from palpate.design.pose_space import OFFSET_SPACE, TILT_SPACE, PoseSpace
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
@@ -35,6 +35,7 @@ __all__ = [
     "MarkerLayout",
     "MarkerSpec",
     "MountSpec",
+    "PoseDensity",
     "PoseSpace",
     "RevolvedSkin",
     "Rim",
@@ -44,7 +45,6 @@ __all__ = [
     "SplineSpec",
     "Symmetry",
     "build_contact_module",
-    "build_module_solid",
     "build_skin",
     "check_design",
     "markers_in_rings",

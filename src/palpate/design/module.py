@@ -72,9 +72,9 @@ class ContactModule:
         x, y = reach * self.skin.plan.edge(np.radians([azimuth_deg]))[0][0]
         return float(x), float(y)
 
-    def solid(self, outline: Outline) -> CadSolid:
-        """The solid of half a section, (x, z) mm."""
-        return self.skin.solid(outline)
+    def solid(self, outline: Outline | None = None) -> CadSolid:
+        """The solid of half a section, (x, z) mm; without one, the body of the module."""
+        return self.skin.solid(self.outline() if outline is None else outline)
 
     def prism(self, reach: float, low: float, high: float) -> CadSolid:
         """What lies within the plan up to `reach` along x and between two heights, mm."""
@@ -149,8 +149,3 @@ def build_contact_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Co
     outer = skin.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
     return ContactModule(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
-
-
-def build_module_solid(module: ContactModule) -> CadSolid:
-    """Build the body of a module."""
-    return module.solid(module.outline())

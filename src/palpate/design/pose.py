@@ -6,6 +6,8 @@ the axis about which it is turned, seen from above, from x towards y. So at azim
 
 from __future__ import annotations
 
+from enum import StrEnum
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -21,6 +23,28 @@ def rotation_vector(tilt: ArrayLike, azimuth: ArrayLike) -> FloatArray:
     [0.0, 5.0]
     """
     return np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth)], axis=-1)
+
+
+class PoseDensity(StrEnum):
+    """How samples are spread over tilts, or over offsets from the axis."""
+
+    UNIFORM_TILT = "uniform_tilt"
+    """Tilts are uniform."""
+    UNIFORM_DISC = "uniform_disc"
+    """Poses are uniform by area of their disc, so large tilts are more frequent."""
+
+    def radius(self, share: ArrayLike, reach: float, inner: float = 0.0) -> FloatArray:
+        """Radii (...) from `inner` to `reach`, in their unit, for shares (...) that are uniform from 0 to 1.
+
+        Examples
+        --------
+        >>> [float(density.radius(0.25, 12.0)) for density in PoseDensity]
+        [3.0, 6.0]
+        """
+        share = np.asarray(share, float)
+        if self is PoseDensity.UNIFORM_DISC:
+            return np.sqrt(inner**2 + (reach**2 - inner**2) * share) if inner else reach * np.sqrt(share)
+        return inner + (reach - inner) * share
 
 
 def wall_normal(rx: float, ry: float) -> FloatArray:

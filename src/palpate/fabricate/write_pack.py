@@ -21,7 +21,6 @@ from palpate.design import (
     MountSpec,
     Severity,
     build_contact_module,
-    build_module_solid,
     raise_on_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
@@ -139,7 +138,7 @@ def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
     frame = plan_frame(module, layout) if skin.hole else None
     enclosure = build_enclosure(module, design.camera_spec.distance, process, window, frame)
     mold = build_mold(scaled, process, holes)
-    body = build_module_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
+    body = module.solid().join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(

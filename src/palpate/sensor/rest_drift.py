@@ -23,7 +23,7 @@ import numpy as np
 from palpate.built import UNIT_PARAMETERS, UnitModel
 from palpate.core import BoolArray, FloatArray
 from palpate.core.state import State
-from palpate.design import TILT_SPACE
+from palpate.design import TILT_SPACE, rotation_vector
 from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
 
 _CAMERA = UNIT_PARAMETERS[:-1]
@@ -269,8 +269,7 @@ class DriftTracker:
         moved = []
         for tilt in tilts:
             for turn in np.arange(turns if tilt else 1) * (2.0 * np.pi / turns):
-                flat = tilt * np.cos(turn), tilt * np.sin(turn)
-                poses = (np.array([*flat, depth]) for depth in depths)
+                poses = (np.append(rotation_vector(tilt, turn), depth) for depth in depths)
                 moved += [self.model.predict(pose, slip, unit=False).pixels - rest for pose in poses]
         fields = np.where(self._known[:, None], np.array(moved), 0.0).reshape(len(moved), -1)
         _, sizes, ways = np.linalg.svd(fields, full_matrices=False)

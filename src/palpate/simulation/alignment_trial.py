@@ -15,16 +15,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from palpate.built import (
-    CALIBRATION_TILTS,
-    CALIBRATION_TURN_DEG,
     Deviation,
     RobotUncertainty,
     ToleranceSpec,
+    calibration_pose,
     sample_deviation,
 )
 from palpate.core import FloatArray, PalpateError, atomic_write, generator, provenance
 from palpate.core.report import write_csv
-from palpate.design import Design, wall_normal
+from palpate.design import Design, PoseDensity, rotation_vector, wall_normal
 from palpate.robot import (
     TOUCH_COLUMNS,
     Aligner,
@@ -162,9 +161,8 @@ class VirtualUnit:
         )
         presses = []
         for press in range(self.play.calibration_presses):
-            tilt = CALIBRATION_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
-            turn = np.radians(CALIBRATION_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
-            truth = tilt * np.array([np.cos(turn), np.sin(turn)])
+            tilt, turn_deg = calibration_pose(press, float(self.play.twin.tilts_deg[-1]))
+            truth = rotation_vector(tilt, np.radians(turn_deg + float(rng.uniform(0.0, 20.0))))
             poses, images = [], []
             off = rng.normal(0.0, [_JIG.tilt_deg, _JIG.tilt_deg, _JIG.depth])
             cell = self._cell(FlatWall(np.zeros(3), wall_normal(*np.radians(truth)), 1.0), Placement(), 0.0, rng)
@@ -190,8 +188,7 @@ class VirtualUnit:
         along = np.array([0.0, 0.0, _LENGTH_MM])
         self._mounted = Placement(askew @ _seating(self.deviation), along)
         nominal = Tool(Placement(position=along))
-        turn = float(rng.uniform(0.0, 2.0 * np.pi))
-        tilt = _REFERENCE_DEG * np.array([np.cos(turn), np.sin(turn)])
+        tilt = rotation_vector(_REFERENCE_DEG, rng.uniform(0.0, 2.0 * np.pi))
         cell, robot = self._before(tilt, 1.0, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, nominal, play.align)
         self.tool = aligner.find_offset()
@@ -217,12 +214,13 @@ class VirtualUnit:
     def square(self, wall: int) -> AlignmentTrial:
         """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
         play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
-        tilt, turn = play.max_tilt_deg * np.sqrt(rng.uniform()), float(rng.uniform(0.0, 2.0 * np.pi))
+        tilt = float(PoseDensity.UNIFORM_DISC.radius(rng.uniform(), play.max_tilt_deg))
+        tilts = rotation_vector(tilt, rng.uniform(0.0, 2.0 * np.pi))
         friction = play.tolerance.friction_at(float(rng.uniform()))
-        cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
+        cell, robot = self._before(tilts, 1.0 / friction, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
-        return AlignmentTrial(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
+        return AlignmentTrial(tilt, friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
 
 
 def _seating(deviation: Deviation) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What an obstacle does to a simulated unit: by the twin of its design, or by presses that are solved for it.
+"""Mechanics of a simulated unit, by the twin of its design or by presses that are solved for it.
 
 The twin takes a millisecond, so that whole studies can be simulated; it shares the idea of the estimator that reads.
 Solved presses do not.
@@ -23,10 +23,10 @@ from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.twin import LATERAL, MarkerState, MarkerTwin, Twin, interpolate_depths
 
 _CARRIED = 8
-"""Points of an edge that the twin moves; the edge is the trigonometric polynomial through them. With 4, edges of H20
-T2 under 12° are off by 0.02 mm, with 8 by less than 1e-4 mm."""
+"""Points of an edge that the twin moves; the edge is the trigonometric polynomial through them. On the dome of
+tests/small_chain.py edges are off by 0.011 mm with 4 points, 0.001 mm with 8 and 0.0007 mm with 16."""
 _STEP_MM = 0.25
-"""Depth step of solved presses; the spline through them is off by less than 1e-3 mm."""
+"""Depth step of solved presses, mm."""
 _ABOUT = 4
 """Increments about a depth through which a cubic is laid."""
 
@@ -45,7 +45,7 @@ class UnitBackend(ABC):
 
     @abstractmethod
     def edges(self, contact: State, inverted: bool = False) -> FloatArray:
-        """Edges (m, k, 3) mm of the dots at a contact (`palpate.built.CONTACT_STATE`), flat or inverted."""
+        """Edges (m, k, 3) mm of the dots at a contact (`palpate.built.CONTACT_STATE`)."""
 
     @abstractmethod
     def force(self, contact: State, inverted: bool = False) -> FloatArray:
@@ -54,7 +54,7 @@ class UnitBackend(ABC):
 
 @final
 class TwinBackend(UnitBackend):
-    """A unit as the twin of its design has it; its thickness and stiffness count, its stiffening does not.
+    """A unit by the twin of its design, with its thickness and stiffness, without its stiffening.
 
     Parameters
     ----------
@@ -159,5 +159,5 @@ class SolverBackend(UnitBackend):
 
 
 def resample_edges(points: FloatArray, corners: int) -> FloatArray:
-    """Edges (m, corners, 3) by the trigonometric polynomial through points (m, k, 3) at equal parts of a turn."""
+    """Edges (m, corners, 3) by the trigonometric polynomial through points (m, k, 3)."""
     return np.asarray(np.moveaxis(resample(np.moveaxis(points, 1, -1), corners, axis=-1), -1, 1), float)

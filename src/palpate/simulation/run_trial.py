@@ -23,12 +23,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, Deviation, RobotUncertainty
+from palpate.built import Deviation, RobotUncertainty, calibration_pose
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
 from palpate.deck import calculix_recipe
 from palpate.design import (
     TILT_SPACE,
     Design,
+    PoseDensity,
+    rotation_vector,
     wall_normal,
 )
 from palpate.fea import (
@@ -164,7 +166,7 @@ def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
 def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
     """Rising tilts (degrees) at which a unit is pressed: one from each of equal parts of the range."""
     parts = np.arange(spec.tilts) + generator(spec.seed, "tilts", unit).random(spec.tilts)
-    return [round(float(tilt), 3) for tilt in spec.max_tilt_deg * parts / spec.tilts]
+    return PoseDensity.UNIFORM_TILT.radius(parts / spec.tilts, spec.max_tilt_deg).round(3).tolist()
 
 
 def solve_unit_presses(bench: VirtualBench, deviation: Deviation) -> Iterator[Press]:
@@ -231,14 +233,12 @@ def _known(
 
     They are on a flat wall. Its load cell is read once, at the deepest image of the first.
     """
-    tilts = [
-        round(share * bench.spec.max_tilt_deg, 3) for share in CALIBRATION_TILTS[: bench.spec.calibration_presses]
-    ]
     deviation = simulated.deviation
     level = replace(deviation, curvature=0.0)
-    solved, first, found = [_press(bench, level, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
+    first, found = float(rng.uniform(0, 360)), []
     for number in range(bench.spec.calibration_presses):
-        press = _turned(solved[number % len(solved)], (first + CALIBRATION_TURN_DEG * number) % 360.0)
+        tilt, turn_deg = calibration_pose(number, bench.spec.max_tilt_deg)
+        press = _turned(_press(bench, level, round(tilt, 3)), (first + turn_deg) % 360.0)
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
@@ -262,8 +262,7 @@ def _robot(bench: VirtualBench) -> RobotUncertainty:
 def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float, float, float]:
     """rx, ry (degrees) and depth (mm) of an image on the robot's scale."""
     tilt, azimuth = press.obstacle.radial, np.radians(press.obstacle.turn_deg + deviation.seating_turn_deg)
-    rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
-    ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
+    rx, ry = rotation_vector(tilt, azimuth) + np.array([deviation.seating_x_deg, deviation.seating_y_deg])
     # the robot starts where a dome of the design's thickness would be touched
     late = deviation.depth_zero - deviation.thickness / np.cos(np.radians(tilt))
     return float(rx), float(ry), float(depth + late)

@@ -1,4 +1,4 @@
-"""The noun of the stage: one manufactured unit of a design, its printed dots and its camera, and its images."""
+"""One manufactured unit of a design: its printed dots, its camera and its images."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SimulatedUnit:
 
     @property
     def edges(self) -> FloatArray:
-        """(m, k, 3) mm, edges of the printed dots on the undeformed skin; the orientation mark is the last."""
+        """Edges (m, k, 3) mm of the printed dots at rest; the orientation mark is the last."""
         return self._print[0]
 
     @cached_property
@@ -71,7 +71,7 @@ class SimulatedUnit:
         return self.render(self.edges, child_seed(self.light.seed, "noise", "rest"))
 
     def press_edges(self, press: Press, depths: FloatArray | None = None) -> FloatArray:
-        """Edges (d, m, k, 3) mm of the dots in a press, at its increments or at depths (d,) mm."""
+        """Edges (d, m, k, 3) mm of the dots at the increments of a press, or at depths (d,) mm."""
         own = turn_about_axis(np.radians(press.obstacle.turn_deg)) if press.mesh.spec.whole else np.eye(3)
         moved = press.positions(self.edges.reshape(-1, 3) @ own) @ own.T  # a whole model was solved at azimuth 0
         moved = moved if depths is None else interpolate_depths(press, moved, depths)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from palpate.design import rotation_vector
 from palpate.fea import Branch, Press
 from palpate.twin.tilt_runs import SAME_DEPTH_MM
 from palpate.twin.twin import Twin
@@ -42,6 +43,6 @@ def measure_interpolation_error(twin: Twin, presses: Sequence[Press]) -> float:
         deepest = min(float(twin.depths_mm[-1]) + SAME_DEPTH_MM, press.jump_depth)
         kept = (press.depth > 0) & (press.depth <= deepest) & (press.branch == str(Branch.FLAT))
         for depth, true in zip(press.depth[kept], press.positions(points)[kept], strict=True):
-            pose = np.array([*(press.obstacle.radial * np.array([np.cos(turn), np.sin(turn)])), depth])
+            pose = np.append(rotation_vector(press.obstacle.radial, turn), depth)
             squares.append(((dots.evaluate(pose, slip).positions - true) ** 2).sum(axis=1))
     return float(np.sqrt(np.mean(squares))) if squares else float("nan")

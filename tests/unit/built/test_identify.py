@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 from errors import check_refusal, refused
 from palpate.built import (
     CALIBRATION_TILTS,
-    CALIBRATION_TURN_DEG,
     UNIT_PARAMETERS,
     AccuracySpec,
     CalibrationPress,
@@ -671,7 +670,7 @@ def test_what_robots_cost_is_what_they_cost_a_sensor_without_error(twin: Twin) -
     def by_mounting(rx: float, ry: float) -> np.ndarray:
         return np.array([[1.0, 0.0, -np.radians(ry)], [0.0, 1.0, np.radians(rx)]])
 
-    turns = np.radians(CALIBRATION_TURN_DEG * np.arange(5))
+    turns = np.radians(144.0 * np.arange(5))
     tilts = tilt * np.array([CALIBRATION_TILTS[number % 2] for number in range(5)])
     told = np.vstack([by_mounting(*pair) for pair in zip(tilts * np.cos(turns), tilts * np.sin(turns), strict=True)])
     sides = np.array([TOLERANCE.seating_tilt_deg] * 2 + [TOLERANCE.seating_turn_deg])

@@ -7,7 +7,7 @@ from scipy.special import gamma
 from errors import refused
 from needs import needs
 from palpate.cad import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, loft, read_step, revolve, write_step
-from palpate.design import ConeSpec, DomeSpec, MountSpec, build_contact_module, build_module_solid, build_skin
+from palpate.design import ConeSpec, DomeSpec, MountSpec, build_contact_module, build_skin
 from palpate.design.superellipse import Superellipse
 
 needs("build123d")
@@ -29,11 +29,11 @@ def test_build_solid_has_the_volume_of_a_dome_and_a_drafted_ring(height: float, 
     expected += frustum(module.flange_radius, module.flange_foot) - frustum(
         module.opening_radius, module.opening_foot
     )
-    assert build_module_solid(module).volume == pytest.approx(expected, rel=1e-6)
+    assert module.solid().volume == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_mesh_is_closed_faces_outward_and_keeps_the_volume() -> None:
-    solid = build_module_solid(build_contact_module(build_skin(DomeSpec()), MountSpec()))
+    solid = build_contact_module(build_skin(DomeSpec()), MountSpec()).solid()
     mesh = solid.mesh()
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(solid.volume, rel=5e-3)

@@ -20,7 +20,6 @@ from palpate.design import (
     MarkerSpec,
     MountSpec,
     build_contact_module,
-    build_module_solid,
     place_markers,
     place_orientation_mark,
 )
@@ -79,7 +78,7 @@ def body_mm3(module: ContactModule) -> float:
 
 
 def test_a_barrels_module_has_both_flanges_and_the_volume_of_its_section(module: ContactModule) -> None:
-    body = build_module_solid(module)
+    body = module.solid()
     assert body.volume == pytest.approx(body_mm3(module), rel=1e-9)
     assert body.bounds[:, 2] == pytest.approx([-3.0, 263.0], abs=1e-6)
     upside_down = body.turned("x", 180.0).moved(z=260.0)
@@ -87,7 +86,7 @@ def test_a_barrels_module_has_both_flanges_and_the_volume_of_its_section(module:
 
 
 def test_the_mesh_of_a_barrel_lies_on_both_arcs_also_between_its_points(module: ContactModule) -> None:
-    mesh = build_module_solid(module).mesh()
+    mesh = module.solid().mesh()
     assert mesh.is_watertight
     corners = mesh.points[mesh.triangles]
     wall = corners[(corners[..., 2].min(axis=1) > -1e-6) & (corners[..., 2].max(axis=1) < 260 + 1e-6)]
@@ -158,7 +157,7 @@ def build_rows(pitch: float) -> MarkerLayout:
 def test_rods_carry_the_far_end_between_the_columns_of_dots(module: ContactModule, layout: MarkerLayout) -> None:
     frame = plan_frame(module, layout)
     enclosure = build_enclosure(module, 20.0, PROCESS, frame=frame)
-    parts, body = enclosure.parts, build_module_solid(module)
+    parts, body = enclosure.parts, module.solid()
     clamped = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
     check_interference({**parts, "module": body}, intended=clamped)
     squeezed = np.pi * (module.flange_radius**2 - 37.7**2) * 0.2

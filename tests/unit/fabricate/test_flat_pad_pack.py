@@ -22,7 +22,6 @@ from palpate.design import (
     MountSpec,
     Rim,
     build_contact_module,
-    build_module_solid,
     rotation_vector,
     wall_normal,
 )
@@ -68,9 +67,9 @@ def body_mm3(module: ContactModule) -> float:
 
 
 def test_a_pads_module_has_the_volume_of_its_sections_and_not_that_of_a_round_one(module: ContactModule) -> None:
-    volume = build_module_solid(module).volume
+    volume = module.solid().volume
     assert volume == pytest.approx(body_mm3(module), rel=2e-6)
-    turned = build_module_solid(build_contact_module(PAD.cone, MountSpec())).volume
+    turned = build_contact_module(PAD.cone, MountSpec()).solid().volume
     assert turned == pytest.approx(body_mm3(module) * np.pi / AREA, rel=1e-6)
     assert turned < 0.7 * volume
 
@@ -83,12 +82,12 @@ def off_surface(points: np.ndarray) -> np.ndarray:
 
 
 def test_the_mesh_of_a_pad_is_closed_and_lies_on_its_two_surfaces(module: ContactModule) -> None:
-    mesh = build_module_solid(module).mesh()
+    mesh = module.solid().mesh()
     assert mesh.is_watertight
     above = mesh.points[mesh.points[:, 2] > 1e-6]
     assert len(above) > 500
     assert off_surface(above).max() < 1e-3
-    round_one = build_module_solid(build_contact_module(PAD.cone, MountSpec())).mesh().points
+    round_one = build_contact_module(PAD.cone, MountSpec()).solid().mesh().points
     assert off_surface(round_one[round_one[:, 2] > 1e-6]).max() > 0.1
 
 

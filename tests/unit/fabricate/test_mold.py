@@ -15,7 +15,6 @@ from palpate.design import (
     SkinSpec,
     SplineSpec,
     build_contact_module,
-    build_module_solid,
     build_skin,
     place_markers,
 )
@@ -34,8 +33,8 @@ def module_of(height: float, thickness: float = 2.0):
 def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
     module = module_of(height)
     mold = build_mold(module, SPEC)
-    assert mold.hollow() == pytest.approx(build_module_solid(module).volume, rel=1e-9)
-    body = build_module_solid(module)
+    assert mold.hollow() == pytest.approx(module.solid().volume, rel=1e-9)
+    body = module.solid()
     for part in mold.parts.values():
         assert part.pieces == 1
         assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
@@ -55,7 +54,7 @@ def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
 )
 def test_a_mold_of_any_meridian_leaves_the_module_between_its_parts(spec: SkinSpec) -> None:
     module = build_contact_module(spec.build(), MountSpec())
-    mold, body = build_mold(module, SPEC), build_module_solid(module)
+    mold, body = build_mold(module, SPEC), module.solid()
     assert mold.hollow() == pytest.approx(body.volume, rel=1e-6)
     for part in mold.parts.values():
         assert part.pieces == 1
@@ -90,7 +89,7 @@ def test_a_mold_that_cannot_be_is_refused_with_the_number(change: dict[str, floa
 def test_build_enclosure_holds_the_module_and_nothing_interferes(camera: CameraBody) -> None:
     module = module_of(20)
     enclosure = build_enclosure(module, 48.0, ProcessSpec(camera_body=camera))
-    parts, body = enclosure.parts, build_module_solid(module)
+    parts, body = enclosure.parts, module.solid()
     assert parts["housing"].overlap(body) < 1e-3
     assert parts["housing"].overlap(parts["clamp_ring"]) < 1e-3
     assert parts["housing"].overlap(parts["robot_plate"]) < 1e-3
