@@ -34,7 +34,7 @@ class PoseDensity(StrEnum):
     """Poses are uniform by area of their disc, so large tilts are more frequent."""
 
     def radius(self, share: ArrayLike, reach: float, inner: float = 0.0) -> FloatArray:
-        """Radii (...) from `inner` to `reach`, in their unit, for shares (...) that are uniform from 0 to 1.
+        """Radii (...) from `inner` to `reach`, in their unit, for uniform shares (...) from 0 to 1.
 
         Examples
         --------

@@ -1,17 +1,19 @@
 """Recordings: images of any sensor with dots, and poses beside them, to a model that reads it."""
 
 from palpate.recording.adapt import PretrainedModel, read_pretrained
-from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
+from palpate.recording.assign import assign_images
 from palpate.recording.columns import ColumnMapping, PoseColumn
 from palpate.recording.conclude import EstimatorScore
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
 from palpate.recording.course import TrainerSpec
 from palpate.recording.curve import CurvePoint
+from palpate.recording.images import ImageSet
 from palpate.recording.layout import ObservedLayout, number_markers
 from palpate.recording.learn_recording import RecordingResult, train_on_recording
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import PoseReading, RecordedModel, is_recorded_model, read_model, write_model
 from palpate.recording.read_recording import Recording, read_recording
+from palpate.recording.reader import READERS, RecordingReader
 from palpate.recording.report import draw_recording_report, recording_page, recording_report
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
@@ -19,11 +21,12 @@ from palpate.recording.table import RecordingTable, read_table
 from palpate.recording.train_part import train_image_network
 
 __all__ = [
-    "AssignedMarkers",
+    "READERS",
     "ColumnMapping",
     "Correspondence",
     "CurvePoint",
     "EstimatorScore",
+    "ImageSet",
     "MarkerMatcher",
     "MatchFault",
     "ObservedLayout",
@@ -33,13 +36,13 @@ __all__ = [
     "PretrainedModel",
     "RecordedModel",
     "Recording",
+    "RecordingReader",
     "RecordingResult",
     "RecordingSpec",
     "RecordingTable",
     "TrainerSpec",
     "TrainingSet",
     "assign_images",
-    "choose_reference",
     "draw_recording_report",
     "is_recorded_model",
     "number_markers",

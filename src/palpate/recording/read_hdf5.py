@@ -8,49 +8,54 @@ one. So the arrays of many labs, and robomimic's ``data/demo_0``, are read alike
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import h5py
 import numpy as np
 
 from palpate.core import PalpateError, reject_external_links
 from palpate.recording.images import ArrayImages, ImageSet
+from palpate.recording.reader import RecordingReader
 from palpate.recording.table import Column, RecordingTable
 
-HDF5 = (".h5", ".hdf5")
 _REMEDY = "Give images as one dataset (n, h, w) of whole numbers, and poses as datasets of n rows beside it."
 
 
-def read_hdf5(path: Path) -> tuple[RecordingTable, ImageSet]:
-    """Read the table of an HDF5 file, and where its images lie.
+@final
+class HDF5Reader(RecordingReader):
+    """Images and poses in one HDF5 file."""
 
-    Raises
-    ------
-    PalpateError
-        If it has no images, or none of its datasets has as many rows.
-    """
-    try:
-        with h5py.File(path, "r") as file:
-            reject_external_links(file, path)
-            groups = _groups(file)
-            if not groups:
-                raise PalpateError(f"{path.name} holds no images.", _REMEDY, code="recording-no-images")
-            parts, places = [], list[tuple[str, int]]()
-            for number, (images, group) in enumerate(groups):
-                count = images.shape[0]
-                parts.append(_columns(group, images, count))
-                if len(groups) > 1:
-                    parts[-1].setdefault("press", np.full(count, float(number)))
-                places += [(images.name, row) for row in range(count)]
-    except (OSError, KeyError, ValueError) as error:
-        raise PalpateError(f"{path.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable") from error
-    names = set.intersection(*(set(part) for part in parts))
-    if not names - {"press"}:
-        raise PalpateError(
-            f"{path.name} has no numbers with as many rows as images.", _REMEDY, code="recording-no-table"
-        )
-    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
-    return RecordingTable(path.name, columns, {}), ArrayImages(path, places)
+    formats = ".h5, .hdf5"
+
+    @classmethod
+    def accepts(cls, place: Path) -> bool:
+        return place.is_file() and place.suffix.lower() in cls.formats.split(", ")
+
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
+        try:
+            with h5py.File(place, "r") as file:
+                reject_external_links(file, place)
+                groups = _groups(file)
+                if not groups:
+                    raise PalpateError(f"{place.name} holds no images.", _REMEDY, code="recording-no-images")
+                parts, places = [], list[tuple[str, int]]()
+                for number, (images, group) in enumerate(groups):
+                    count = images.shape[0]
+                    parts.append(_columns(group, images, count))
+                    if len(groups) > 1:
+                        parts[-1].setdefault("press", np.full(count, float(number)))
+                    places += [(images.name, row) for row in range(count)]
+        except (OSError, KeyError, ValueError) as error:
+            raise PalpateError(
+                f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
+            ) from error
+        names = set.intersection(*(set(part) for part in parts))
+        if not names - {"press"}:
+            raise PalpateError(
+                f"{place.name} has no numbers with as many rows as images.", _REMEDY, code="recording-no-table"
+            )
+        columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
+        return RecordingTable(place.name, columns, {}), ArrayImages(place, places)
 
 
 def _groups(file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:

@@ -14,50 +14,49 @@ import numpy as np
 
 from palpate.core import PalpateError, load_extra, load_opencv
 from palpate.recording.images import ImageSet, Item, VideoImages
+from palpate.recording.reader import RecordingReader
 from palpate.recording.table import Column, RecordingTable
 
 _REMEDY = "Give the folder that holds meta/info.json, data and videos."
 
 
-def is_lerobot(place: Path) -> bool:
-    """Whether a folder is such a dataset."""
-    return (place / "meta" / "info.json").is_file()
+@final
+class LeRobotReader(RecordingReader):
+    """Datasets of LeRobot; reading needs pyarrow."""
 
+    formats = "LeRobot datasets"
 
-def read_lerobot(folder: Path) -> tuple[RecordingTable, ImageSet]:
-    """Read the table of a dataset, and where its images lie.
+    @classmethod
+    def accepts(cls, place: Path) -> bool:
+        return (place / "meta" / "info.json").is_file()
 
-    Raises
-    ------
-    PalpateError
-        If a file is missing or damaged, or it holds no camera, or several.
-    MissingExtraError
-        If pyarrow is not installed.
-    """
-    parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
-    try:
-        features = json.loads((folder / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
-        cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
-        if len(cameras) != 1:
-            raise PalpateError(
-                f"{folder.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
-                "Keep the sensor's camera alone.",
-                code="recording-several-cameras",
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
+        parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
+        try:
+            features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
+            cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
+            if len(cameras) != 1:
+                raise PalpateError(
+                    f"{place.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
+                    "Keep the sensor's camera alone.",
+                    code="recording-several-cameras",
+                )
+            tables = [parquet.read_table(path) for path in sorted((place / "data").rglob("*.parquet"))]
+            if not tables:
+                raise PalpateError(
+                    f"{place.name} has no table in its folder data.", _REMEDY, code="recording-no-table"
+                )
+            columns = _columns(tables, features, cameras[0])
+            images = (
+                _videos(place, cameras[0], columns, parquet)
+                if features[cameras[0]]["dtype"] == "video"
+                else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], place)
             )
-        tables = [parquet.read_table(path) for path in sorted((folder / "data").rglob("*.parquet"))]
-        if not tables:
-            raise PalpateError(f"{folder.name} has no table in its folder data.", _REMEDY, code="recording-no-table")
-        columns = _columns(tables, features, cameras[0])
-        images = (
-            _videos(folder, cameras[0], columns, parquet)
-            if features[cameras[0]]["dtype"] == "video"
-            else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], folder)
-        )
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(
-            f"{folder.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
-        ) from error
-    return RecordingTable(folder.name, columns, {}), images
+        except (OSError, KeyError, ValueError, TypeError) as error:
+            raise PalpateError(
+                f"{place.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
+            ) from error
+        return RecordingTable(place.name, columns, {}), images
 
 
 def _columns(tables: Sequence[Any], features: dict[str, Any], camera: str) -> dict[str, Column]:

@@ -25,9 +25,8 @@ from palpate.recording.images import (
     find_files,
     list_below,
 )
-from palpate.recording.read_hdf5 import HDF5, read_hdf5
-from palpate.recording.read_lerobot import is_lerobot, read_lerobot
-from palpate.recording.table import REST, TABLES, RecordingTable, read_table
+from palpate.recording.reader import READERS, RecordingReader
+from palpate.recording.table import REST, RecordingTable
 
 LEAST_IMAGES, LEAST_PRESSES = 12, 8
 
@@ -87,7 +86,7 @@ def read_recording(
     Parameters
     ----------
     place
-        A table (`TABLES`) beside its images, an HDF5 file, or a folder that holds one table, or is a LeRobot dataset.
+        A file or folder that a reader accepts (`READERS`), or a folder that holds one such file.
     choice
         What its columns are, where their names do not tell.
     rest
@@ -101,10 +100,11 @@ def read_recording(
         If it cannot be read, or has too few images or presses.
     """
     choice = choice or ColumnMapping()
-    place = _find_table(place)
+    reader, place = _find_reader(place)
     if rest is not None:
         read_image(rest)  # refused here, by its own sentence
-    table, images, column = _open_table(place, choice)
+    table, images = reader().read(place)
+    column = find_image_column(table, choice) if images is None else ""
     by = find_press_column(table, choice)
     notes: list[str] = []
     chosen, at_rest = _split_rest(table, by, column)
@@ -135,52 +135,43 @@ def read_recording(
     return found
 
 
-def _open_table(place: Path, choice: ColumnMapping) -> tuple[RecordingTable, ImageSet | None, str]:
-    """The table, its images where it holds them itself, and else the column that names them."""
-    if is_lerobot(place):
-        return *read_lerobot(place), ""
-    if place.suffix.lower() in HDF5:
-        return *read_hdf5(place), ""
-    table = read_table(place)
-    return table, None, find_image_column(table, choice)
-
-
 def _find_rest(folder: Path) -> Path | None:
     """An image of the untouched sensor that the table does not name."""
     return next((path for path in list_below(folder) if path.stem.lower() == REST), None)
 
 
-def _find_table(place: Path) -> Path:
+def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
+    """The reader of a file or folder, or of the one file in a folder that a reader accepts."""
     if not place.exists():
         raise PalpateError(
             f"{place} is not there.", "Give a folder with a table of poses, or the table.", code="file-missing"
         )
+    readers = [reader for _, reader in READERS.available()]
+    for reader in readers:
+        if reader.accepts(place):
+            return reader, place
     if place.is_file():
-        if place.suffix.lower() not in (*TABLES, *HDF5):
+        raise PalpateError(
+            f"{place.name} is no table that is known.",
+            f"Known are {', '.join(reader.formats for reader in readers)}.",
+            code="file-ending-unknown",
+        )
+    files = sorted(place.iterdir())
+    for reader in readers:
+        tables = [path for path in files if reader.accepts(path)]
+        if len(tables) == 1:
+            return reader, tables[0]
+        if tables:
             raise PalpateError(
-                f"{place.name} is no table that is known.",
-                f"Known are {', '.join((*TABLES, *HDF5))}.",
-                code="file-ending-unknown",
+                f"{place} holds {len(tables)} tables: {', '.join(path.name for path in tables[:5])}.",
+                "Name one of them.",
+                code="recording-several-tables",
             )
-        return place
-    if is_lerobot(place):
-        return place
-    files = sorted(path for path in place.iterdir() if path.is_file())
-    tables = [path for path in files if path.suffix.lower() in TABLES]
-    tables = tables or [path for path in files if path.suffix.lower() in HDF5]
-    if not tables:
-        raise PalpateError(
-            f"{place} holds no table of poses.",
-            "Write a CSV with a row an image: its name, and its pose.",
-            code="recording-no-table",
-        )
-    if len(tables) > 1:
-        raise PalpateError(
-            f"{place} holds {len(tables)} tables: {', '.join(path.name for path in tables[:5])}.",
-            "Name one of them.",
-            code="recording-several-tables",
-        )
-    return tables[0]
+    raise PalpateError(
+        f"{place} holds no table of poses.",
+        "Write a CSV with a row an image: its name, and its pose.",
+        code="recording-no-table",
+    )
 
 
 def _split_rest(table: RecordingTable, by: str, column: str) -> tuple[IntArray, IntArray]:

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
 
-TABLES = (".csv", ".tsv", ".txt", ".jsonl")
-"""Endings of the tables that are read."""
 REST = "rest"
 """Press, or stem of an image's name, of the untouched sensor."""
 _ROWS = 20_000
@@ -64,7 +62,7 @@ def read_table(path: Path) -> RecordingTable:
     Parameters
     ----------
     path
-        A file that ends as one of `TABLES`; the first line of all but JSON lines names the columns.
+        The file; the first line of all but JSON lines names the columns.
 
     Raises
     ------

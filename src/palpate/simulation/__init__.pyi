@@ -1,4 +1,4 @@
-"""Simulation: manufactured units, their images and forces by a twin or by solved presses, and trials."""
+"""Simulation: manufactured units, their images and forces by a twin or solved presses, and trials."""
 
 from palpate.built import Deviation, ToleranceSpec
 from palpate.simulation.alignment_trial import (

@@ -253,7 +253,7 @@ def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
 
 
 def write_alignments(folder: Path, walls: Sequence[AlignmentTrial], facts: dict[str, Any]) -> None:
-    """Write ``touches.csv``, a row a touch, and ``alignment.json``, a wall an entry with `facts` and versions.
+    """Write ``touches.csv``, a row a touch, and ``alignment.json``, an entry a wall, with `facts`.
 
     Raises
     ------

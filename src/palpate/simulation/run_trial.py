@@ -295,7 +295,7 @@ def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall in another direction; its solution turns with it (`SimulatedUnit.press_edges`)."""
+    """The press with its wall at another azimuth; `SimulatedUnit.press_edges` turns its solution."""
     return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 

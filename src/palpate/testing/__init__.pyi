@@ -7,7 +7,18 @@ from palpate.testing.law import LawSuite
 from palpate.testing.lens import LensSuite
 from palpate.testing.linear_solver import LinearSolverSuite
 from palpate.testing.obstacle import ObstacleSuite
+from palpate.testing.recording_reader import RecordingReaderSuite
+from palpate.testing.robot import RobotSuite
 from palpate.testing.skin import SkinSuite
 from palpate.testing.source import SourceSuite
 
-__all__ = ["LawSuite", "LensSuite", "LinearSolverSuite", "ObstacleSuite", "SkinSuite", "SourceSuite"]
+__all__ = [
+    "LawSuite",
+    "LensSuite",
+    "LinearSolverSuite",
+    "ObstacleSuite",
+    "RecordingReaderSuite",
+    "RobotSuite",
+    "SkinSuite",
+    "SourceSuite",
+]

@@ -7,6 +7,7 @@ import pytest
 from palpate_guest.carroll import Carroll
 from palpate_guest.cosine import Bell
 from palpate_guest.division import Division
+from palpate_guest.table_robot import TableRobot
 from palpate_guest.wheel import WheelSpec
 
 from palpate.camera import CameraSpec, build_camera
@@ -15,8 +16,17 @@ from palpate.fea import WallSpec, obstacle_from_data, solve_press
 from palpate.markers import assign_markers, build_pattern
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
+from palpate.recording import read_recording
 from palpate.sensor import register_dome
-from palpate.testing import LawSuite, LensSuite, ObstacleSuite, SkinSuite, SourceSuite
+from palpate.testing import (
+    LawSuite,
+    LensSuite,
+    ObstacleSuite,
+    RecordingReaderSuite,
+    RobotSuite,
+    SkinSuite,
+    SourceSuite,
+)
 
 RUBBER = (0.008, 0.00001, 0.006)
 
@@ -103,3 +113,27 @@ def test_the_guests_obstacle_is_pressed_into_the_guests_skin() -> None:
     press = solve_press(mesh, get_material("neo-hooke:0.0141"), spec)
     assert press.depth[-1] == pytest.approx(1.6)
     assert press.work[-1] == pytest.approx(press.energy[-1] + press.contact_energy[-1], rel=5e-3)
+
+
+class TestNpzReader(RecordingReaderSuite):
+    @pytest.fixture
+    def place(self, tmp_path: Path) -> Path:
+        rng = np.random.default_rng(0)
+        poses = {name: rng.uniform(-5, 5, 24) for name in ("rx_deg", "ry_deg")}
+        images = rng.integers(0, 255, (24, 48, 64), np.uint8)
+        np.savez(tmp_path / "presses.npz", images=images, press=np.arange(24) // 3, **poses)
+        return tmp_path / "presses.npz"
+
+    @pytest.fixture
+    def damaged(self, tmp_path: Path) -> Path:
+        (tmp_path / "torn.npz").write_bytes(b"PK torn")
+        return tmp_path / "torn.npz"
+
+    def test_a_folder_that_holds_one_is_read_as_well(self, place: Path) -> None:
+        assert len(read_recording(place.parent)) == 24
+
+
+class TestTableRobot(RobotSuite):
+    @pytest.fixture
+    def robot(self) -> TableRobot:
+        return TableRobot()
