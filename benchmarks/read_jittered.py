@@ -1,7 +1,7 @@
 """Read the jittered images of a data set by the fit of a twin, against the least-squares bound of each pose.
 
     palpate run best
-    palpate twin no_slip.yaml       # a study with built: contacts: [no-slip]
+    palpate calibration predict no_slip.yaml       # a study with built: contacts: [no-slip]
     python benchmarks/read_jittered.py DATASET.h5 H20_T2.h5
 
 Only presses that the data set holds out are read. The unit is the design: all tolerances are nought.

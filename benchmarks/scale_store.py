@@ -3,8 +3,9 @@
     python benchmarks/scale_store.py --designs 20000 --out /tmp/scale
 
 Makes the artefacts of a whole study as small files in the layout of the store (without flushing each to the disk),
-then asks what `palpate status`, the start of `palpate run` and `palpate store check` ask. The first rows are a small
-study that shares the store with all the others, the last ones the study that all of the artefacts belong to.
+then asks what `palpate study status`, the start of `palpate run` and `palpate study store check` ask. The first rows
+are a small study that shares the store with all the others, the last ones the study that all of the artefacts belong
+to.
 """
 
 from __future__ import annotations

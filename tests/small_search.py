@@ -65,5 +65,5 @@ def write_search(folder: Path, *, finished: bool) -> Front:
         ),
     )
     if finished:
-        write_front(folder, front, "palpate optimise small.yaml")
+        write_front(folder, front, "palpate search small.yaml")
     return front

@@ -1,4 +1,4 @@
-// The newest reading of `palpate serve`, over HTTP, by POSIX sockets alone. C++17.
+// The newest reading of `palpate sensor serve`, over HTTP, by POSIX sockets alone. C++17.
 //
 //   palpate::Reading reading = palpate::newest("127.0.0.1", 8760);
 //   if (reading.there) std::cout << reading.number("rx_deg") << "\n";

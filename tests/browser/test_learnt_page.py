@@ -13,10 +13,10 @@ from errors import check_values
 
 @pytest.fixture(scope="module")
 def learnt_link(tmp_path_factory) -> Iterator[str]:
-    """The viewer on a folder of palpate learn, with the recording below it."""
+    """The viewer on a folder of palpate recording train, with the recording below it."""
     folder = tmp_path_factory.mktemp("learnt")
     draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
-    words = ["learn", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"]
+    words = ["recording", "train", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"]
     subprocess.run([sys.executable, "-m", "palpate", *words], cwd=ROOT / "src", check=True, capture_output=True)
     with viewer(folder) as address:
         yield address

@@ -91,10 +91,10 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     wanted.write_text(WANTED + "baseline_grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
     more = ["--skins", "2", "--random-skins", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
-        main(["optimise", str(wanted), "--out", str(tmp_path / "out"), *more])
+        main(["search", str(wanted), "--out", str(tmp_path / "out"), *more])
     assert left.value.code == 0
     page = (tmp_path / "out" / "report.md").read_text()
-    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --random-skins 3 --packs\n" in page
+    assert f"palpate search {wanted} --out {tmp_path / 'out'} --skins 2 --random-skins 3 --packs\n" in page
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37
@@ -109,7 +109,7 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     assert json.loads((pack / "manifest.json").read_text())
     (tmp_path / "other.yaml").write_text(WANTED + "min_marker_diameter: 1.2\n")
     with pytest.raises(SystemExit) as left:
-        main(["optimise", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
+        main(["search", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
     assert left.value.code == 2
 
 
@@ -146,7 +146,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         assert proof.second.own_force_n == pytest.approx(proof.second.force_n, rel=0.1)
         assert proof.second.depth == pytest.approx(3.0)
         assert proof.second.markers_mm < 0.1
-    write_front(out, front, "palpate optimise")
+    write_front(out, front, "palpate search")
     page = (out / "report.md").read_text()
     check_values(page, "winner", "rival", "RMSE")
     assert validate_front(optimise_design(spec, out, workers=1), out, workers=1).validation == proof

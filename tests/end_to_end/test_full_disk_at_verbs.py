@@ -12,13 +12,13 @@ from small_disk import mounted
 DATA = Path(__file__).parents[2] / "examples" / "data"
 VERBS = {
     "run": ("run {data}/small.yaml --out kept --workers 2", "kept"),
-    "make": ("make --markers 61 --out pack", ""),
+    "make": ("design make --markers 61 --out pack", ""),
     "press": ("press --cells 4 --depth 0.4 --export shown", ""),
-    "learn": ("learn {data}/recording --out kept", "kept"),
-    "twin": ("twin {data}/small.yaml --out kept --workers 2", "kept"),
-    "limit": ("limit {data}/small.yaml --out kept --workers 2", "kept"),
+    "learn": ("recording train {data}/recording --out kept", "kept"),
+    "twin": ("calibration predict {data}/small.yaml --out kept --workers 2", "kept"),
+    "limit": ("design bound {data}/small.yaml --out kept --workers 2", "kept"),
     "benchmark make": ("benchmark make --spec tiny --out kept --workers 2", "kept"),
-    "optimise": ("optimise paper_task --out kept --workers 2", "kept"),
+    "optimise": ("search paper_task --out kept --workers 2", "kept"),
 }
 """Verb → its words, and the folder that keeps finished results."""
 FAST = ("run", "press")

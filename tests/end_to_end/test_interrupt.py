@@ -12,16 +12,16 @@ import pytest
 DATA = Path(__file__).parents[2] / "examples" / "data"
 VERBS = {
     "press": ("press --whole --cells 30 --depth 12", ""),
-    "learn": (f"learn {DATA}/recording --out kept --targets rx_deg", "kept"),
+    "learn": (f"recording train {DATA}/recording --out kept --targets rx_deg", "kept"),
     "run": (f"run {DATA}/small.yaml --out kept --workers 2", "kept"),
-    "twin": (f"twin {DATA}/small.yaml --out kept --workers 2", "kept"),
-    "limit": (f"limit {DATA}/small.yaml --out kept --workers 2", "kept"),
+    "twin": (f"calibration predict {DATA}/small.yaml --out kept --workers 2", "kept"),
+    "limit": (f"design bound {DATA}/small.yaml --out kept --workers 2", "kept"),
     "benchmark make": ("benchmark make --spec tiny --out kept --workers 2", "kept"),
-    "bench": ("bench --out kept --units 2 --markers 61", "results"),
-    "optimise": ("optimise paper_task --out kept --workers 2", "kept"),
-    "make": ("make --markers 61 --out pack", ""),
+    "bench": ("simulation bench --out kept --units 2 --markers 61", "results"),
+    "optimise": ("search paper_task --out kept --workers 2", "kept"),
+    "make": ("design make --markers 61 --out pack", ""),
     "verify": ("verify", ""),
-    "convergence": ("convergence --meshes 20 30", ""),
+    "convergence": ("design convergence --meshes 20 30", ""),
 }
 """Verb → its words, and the folder that keeps finished results."""
 FAST = ("press", "run")

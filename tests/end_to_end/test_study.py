@@ -103,7 +103,7 @@ def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
 
 
 def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Path) -> None:
-    output = finish(["grid", "model", finished, "--out", tmp_path / "best.onnx"])
+    output = finish(["study", "model", finished, "--out", tmp_path / "best.onnx"])
     assert output.returncode == 0, output.stderr
     best = min(numbers(finished), key=lambda row: float(row["rmse_jitter_deg"]))
     assert f"{best['markers']} markers" in output.stdout
@@ -111,16 +111,16 @@ def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Pat
 
 
 def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
-    done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
+    done = finish(["study", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [
         "bound_by_depth.png",
         "bound_by_depth.svg",
     ]
     assert (
-        finish(["grid", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0
+        finish(["study", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0
     )
     assert len((tmp_path / "grid.md").read_text().splitlines()) == 3
-    shown = json.loads(finish(["grid", "compare", finished, finished, "--json"]).stdout)
+    shown = json.loads(finish(["study", "compare", finished, finished, "--json"]).stdout)
     assert [row["rmse_deg_ratio"] for row in shown["designs"]] == [1.0, 1.0]
     assert shown["differences"] == []
 
@@ -199,7 +199,7 @@ def test_a_bit_flipped_in_a_finished_artefact_is_found_and_mended(tiny_study: Pa
     assert numbers(finished) == rows
     reason = limit.with_name(limit.name + ".broken.reason").read_text()
     assert reason.strip()
-    assert json.loads(finish(["store", "check", finished, "--json"]).stdout)["broken"] == []
+    assert json.loads(finish(["study", "store", "check", finished, "--json"]).stdout)["broken"] == []
 
 
 def test_interrupted_it_says_how_to_go_on(tiny_study: Path, tmp_path: Path) -> None:
@@ -224,7 +224,7 @@ def test_a_broken_artefact_is_made_again(tiny_study: Path, finished: Path) -> No
 
 
 def test_the_grid_can_be_asked(finished: Path) -> None:
-    done = finish(["grid", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
+    done = finish(["study", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
     assert done.returncode == 0, done.stderr
     assert [row["markers"] for row in json.loads(done.stdout)] == [19]
 
@@ -245,7 +245,7 @@ def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_
     [["--where", "markers >"], ["--where", "colour == 3"], ["--sort", "colour"], ["--where", "__import__('os')"]],
 )
 def test_a_bad_question_is_bad_input(finished: Path, words: list[str]) -> None:
-    done = finish(["grid", "show", finished, *words])
+    done = finish(["study", "show", finished, *words])
     assert done.returncode == 2
     assert done.stdout == ""
     assert "Traceback" not in done.stderr

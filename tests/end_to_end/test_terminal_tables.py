@@ -23,31 +23,32 @@ CHEAP = {
     "material list": "material list",
     "material show": "material show zaid_2024_ecoflex_00_30",
     "press": "press --cells 4 --depth 0.4",
-    "design": "design --markers 19",
-    "grid show": "grid show small",
-    "grid show, wide": "grid show small --wide",
-    "grid compare": "grid compare small small",
-    "limit": "limit small",
+    "design": "design show --markers 19",
+    "grid show": "study show small",
+    "grid show, wide": "study show small --wide",
+    "grid compare": "study compare small small",
+    "limit": "design bound small",
     "claims": "claims small",
-    "calibrate": f"calibrate {DATA}/board --board chessboard:9x6:25",
-    "find": "find images",
-    "fit": f"fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone --no-figure "
+    "calibrate": f"calibration camera {DATA}/board --board chessboard:9x6:25",
+    "find": "sensor detect images",
+    "fit": f"material fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone --no-figure "
     f"--relaxation {DATA}/rubber/relaxation.csv",
     "verify": "verify --only cook",
 }
 """Verb → its words: those that take less than a second."""
 DEAR = {
     "run": "run {data}/small.yaml --out small --workers 1",
-    "status": "status {data}/small.yaml --out small",
-    "limit": "limit {data}/small.yaml --out small",
-    "grid show": "grid show small",
-    "grid compare": "grid compare small small",
-    "twin": "twin {data}/small.yaml --out small --workers 1",
-    "accept": "accept {data}/recording/poses.csv --model small/twins/H20_T2.h5 --markers 61 --min-depth 1 --no-zero",
-    "learn": "learn {data}/recording --out learnt --estimators ridge",
-    "live": "live --source {data}/recording --model small/twins/H20_T2.h5 --markers 61 --count 4",
+    "status": "study status {data}/small.yaml --out small",
+    "limit": "design bound {data}/small.yaml --out small",
+    "grid show": "study show small",
+    "grid compare": "study compare small small",
+    "twin": "calibration predict {data}/small.yaml --out small --workers 1",
+    "accept": "calibration accept {data}/recording/poses.csv --model small/twins/H20_T2.h5 --markers 61 "
+    "--min-depth 1 --no-zero",
+    "learn": "recording train {data}/recording --out learnt --estimators ridge",
+    "live": "sensor live --source {data}/recording --model small/twins/H20_T2.h5 --markers 61 --count 4",
     "benchmark score": "benchmark score predictions.csv --set set/set",
-    "fit": "fit --uniaxial {data}/rubber/uniaxial.csv --equibiaxial {data}/rubber/equibiaxial.csv "
+    "fit": "material fit --uniaxial {data}/rubber/uniaxial.csv --equibiaxial {data}/rubber/equibiaxial.csv "
     "--planar {data}/rubber/planar.csv --model yeoh --no-figure",
 }
 """Words that differ from those of the inventory, or are none of its own."""

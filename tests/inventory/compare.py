@@ -47,9 +47,12 @@ def renames(kind: str) -> dict[str, str]:
 def compare_names(old: dict[str, list[str]], new: dict[str, list[str]]) -> Iterator[str]:
     """Names that have no place in the new inventory."""
     for kind, names in old.items():
-        table = renames(kind)
+        table, verbs = renames(kind), renames("verb")
         for name in names:
             moved = table.get(name, name)
+            if kind == "flag" and moved:
+                verb, _, flag = moved.rpartition(" ")
+                moved = f"{verbs.get(verb, verb)} {flag}"
             if moved and moved not in new.get(kind, ()):
                 yield f"{kind}: {name} is missing" + (f" ({moved})" if moved != name else "")
 

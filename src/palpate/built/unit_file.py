@@ -19,7 +19,7 @@ from palpate.design import MarkerLayout, Skin
 
 UNIT_VERSION = "3"
 _KIND = "palpate unit"
-_AGAIN = "Make it again with `palpate identify`."
+_AGAIN = "Make it again with `palpate calibration identify`."
 
 
 @dataclass(frozen=True, eq=False)

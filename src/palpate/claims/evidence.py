@@ -143,7 +143,7 @@ class Evidence:
 
 
 def read_built(path: Path) -> dict[Design, Row]:
-    """Columns about built units, by design, from the table that `palpate twin` writes.
+    """Columns about built units, by design, from the table that `palpate calibration predict` writes.
 
     Raises
     ------
@@ -160,7 +160,9 @@ def read_built(path: Path) -> dict[Design, Row]:
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise PalpateError(
-            f"{path} is no table of built units: {error}.", "Run palpate twin again.", code="units-table-unreadable"
+            f"{path} is no table of built units: {error}.",
+            "Run palpate calibration predict again.",
+            code="units-table-unreadable",
         ) from error
     return found
 

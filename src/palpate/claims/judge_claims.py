@@ -37,14 +37,14 @@ ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
 
 
 BUILT = Path("twins", "built.csv")
-"""What `palpate twin` foresees of built units, in its result folder."""
-NO_MESHES = ClaimFinding(Verdict.UNDECIDED, "", "needs the folder of `palpate convergence --out FOLDER`")
+"""What `palpate calibration predict` foresees of built units, in its result folder."""
+NO_MESHES = ClaimFinding(Verdict.UNDECIDED, "", "needs the folder of `palpate design convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
     """Read result folders: the grids, and the tables of convergence studies.
 
-    What `palpate twin` foresaw of built units, under all frictions, stands beside the first grid.
+    What `palpate calibration predict` foresaw of built units, under all frictions, stands beside the first grid.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tup
     grids
         Studies of the paper's designs, one a contact law or way of learning.
     meshes
-        Tables of `palpate convergence`, for C2.
+        Tables of `palpate design convergence`, for C2.
 
     Returns
     -------

@@ -21,7 +21,7 @@ PRINTED_ELEMENTS = 2438
 HALVES = 2
 """A half model has half the elements of the dome."""
 CONVERGENCE = "convergence*.csv"
-"""What `palpate convergence --out` leaves, also where a contact law was added to the name."""
+"""What `palpate design convergence --out` leaves, also where a contact law was added to the name."""
 
 
 def assess_law() -> ClaimFinding:
@@ -42,7 +42,7 @@ def assess_mesh(path: Path) -> ClaimFinding:
     Parameters
     ----------
     path
-        Table that `palpate convergence --out` wrote, of a half model.
+        Table that `palpate design convergence --out` wrote, of a half model.
     """
     meshes = [(HALVES * elements, error) for elements, error in _read_meshes(path)]
     figures = ", ".join(f"{elements:g}: {100 * error:+.1f} %" for elements, error in meshes[:-1])
@@ -67,7 +67,7 @@ def _read_meshes(path: Path) -> list[tuple[float, float]]:
             meshes = sorted((float(row["elements"]), float(row["stress_error"])) for row in csv.DictReader(file))
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(
-            f"{path} is no table of `palpate convergence`: {error}.",
+            f"{path} is no table of `palpate design convergence`: {error}.",
             "Make it again.",
             code="convergence-table-unreadable",
         ) from error

@@ -1,4 +1,4 @@
-"""`palpate accept`: whether a built unit reads recorded presses of known angles within its tolerances."""
+"""`palpate calibration accept`: whether a built unit reads recorded presses of known angles within its tolerances."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
-_READINGS = "What `palpate live --out` wrote about these images; then none is read."
+_READINGS = "What `palpate sensor live --out` wrote about these images; then none is read."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
 
@@ -125,7 +125,7 @@ def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tu
     if any(name not in model.space.names for name in TILT_SPACE.names):
         raise PalpateError(
             f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
-            "Learn these by palpate learn --targets.",
+            "Learn these by palpate recording train --targets.",
             code="model-outputs-missing",
         )
     found = list(run_sensor(model, _images(folder, known.images)))

@@ -1,4 +1,4 @@
-"""`palpate align`: a drill that is squared to walls by touching them, on a simulated robot."""
+"""`palpate simulation align`: a drill that is squared to walls by touching them, on a simulated robot."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def align(
     if not isinstance(twin, Twin):
         raise PalpateError(
             "A network tells no force for a limit.",
-            "Give the design's twin, see `palpate twin`.",
+            "Give the design's twin, see `palpate calibration predict`.",
             code="network-no-force",
         )
     check_model(twin, Unit(designed))

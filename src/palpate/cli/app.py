@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import docstring_parser
@@ -25,45 +25,146 @@ def _parse_functions(described: Any) -> docstring_parser.Docstring:
 
 cast(Any, docstring_parser).parse_from_object = _parse_functions  # cyclopts looks it up at each call
 
+_VERBS = {
+    "run": ("run:run", "Run a study: presses, data, training and accuracy of every design."),
+    "press": ("press:press", "Solve one press of a skin by a wall or another obstacle."),
+    "search": ("optimise:optimise", "Search the best design that meets requirements."),
+    "benchmark": ("benchmark:app", "The open data set: make it, score predictions, run baselines."),
+    "claims": ("claims:claims", "Compare finished studies with the claims of the paper."),
+    "view": ("view:view", "Look at results in a browser, design and press a dome."),
+    "verify": ("verify:verify", "Solve problems with known answers and compare."),
+    "doctor": ("doctor:doctor", "List what is installed and what is missing."),
+}
+"""Verb → place below `palpate.cli`, and help."""
+_GROUPS = {
+    "design": (
+        "Look at a design, press it, and write the files to build or simulate it.",
+        {
+            "show": ("design:design", "Radius, shape, markers and limits of a design."),
+            "press": _VERBS["press"],
+            "stability": ("stability:stability", "Where a dome has two stable states."),
+            "convergence": ("convergence:convergence", "How much a press depends on its mesh."),
+            "bound": ("limit:limit", "The error that no estimator of a design can be below."),
+            "make": ("make:make", "Write mold, print pattern, enclosure and instructions."),
+            "specimens": ("specimens:specimens", "Write molds of test specimens."),
+            "export": ("export:export", "Write a sensor as an asset of MuJoCo, URDF or USD."),
+            "deck": ("deck:deck", "Write the input file of a press for Abaqus or CalculiX."),
+        },
+    ),
+    "study": (
+        "Run studies and look at their results.",
+        {
+            "run": _VERBS["run"],
+            "status": ("status:status", "Progress of a study."),
+            "store": ("store:app", "Verify or clean the artefacts of a result folder."),
+            "show": ("grid:show", "Show the designs of a result folder, chosen and sorted."),
+            "plot": ("grid:plot", "Draw one metric of a result folder as PNG and SVG."),
+            "compare": ("grid:compare", "Compare the designs of two result folders."),
+            "export": ("grid:export", "Write the table of a result folder as CSV, Parquet or Markdown."),
+            "model": ("grid:model", "Write the estimator of the best design as one ONNX file."),
+        },
+    ),
+    "material": (
+        "Fit materials to test files, and look at the library.",
+        {
+            "list": ("material:list_library", "List the materials of the library."),
+            "show": ("material:show", "Show one material and its validity."),
+            "fit": ("fit:fit", "Fit a material to test files."),
+        },
+    ),
+    "calibration": (
+        "Calibrate a camera and a built unit, and predict the accuracy of built units.",
+        {
+            "camera": ("calibrate:calibrate", "Calibrate the lens of a camera from images of a board."),
+            "inspect": ("inspect:inspect", "Measure the print errors of a unit in its rest image."),
+            "identify": ("identify:identify", "Identify a built unit from calibration presses."),
+            "predict": ("twin:twin", "Build the twins of designs and predict the accuracy of built units."),
+            "accept": ("accept:accept", "Test whether a built unit is within its tolerances."),
+        },
+    ),
+    "sensor": (
+        "Read a built sensor.",
+        {
+            "live": ("sensor:live", "Read poses from the images of a sensor."),
+            "serve": ("serve:serve", "Offer the readings of a sensor to other programs by WebSocket."),
+            "detect": ("sensor:find", "Detect the markers in images."),
+        },
+    ),
+    "recording": (
+        "Train on recordings of any sensor with markers.",
+        {"train": ("learn:learn", "Train estimators on a recording with poses.")},
+    ),
+    "simulation": (
+        "Simulate built units and robots.",
+        {
+            "bench": ("bench:bench", "Simulate built units that deviate from a design, from image to pose."),
+            "align": ("align:align", "Square a tool to walls on a simulated robot."),
+        },
+    ),
+}
+"""Group → help and verbs."""
+OLD_VERBS = {
+    "status": "study status",
+    "store check": "study store check",
+    "store gc": "study store gc",
+    "deck": "design deck",
+    "stability": "design stability",
+    "convergence": "design convergence",
+    "design": "design show",
+    "fit": "material fit",
+    "limit": "design bound",
+    "grid show": "study show",
+    "grid plot": "study plot",
+    "grid compare": "study compare",
+    "grid export": "study export",
+    "grid model": "study model",
+    "twin": "calibration predict",
+    "optimise": "search",
+    "serve": "sensor serve",
+    "make": "design make",
+    "export": "design export",
+    "specimens": "design specimens",
+    "calibrate": "calibration camera",
+    "find": "sensor detect",
+    "live": "sensor live",
+    "inspect": "calibration inspect",
+    "identify": "calibration identify",
+    "learn": "recording train",
+    "bench": "simulation bench",
+    "align": "simulation align",
+    "accept": "calibration accept",
+}
+"""Verbs of version 0.2 → verbs; the old ones are accepted for one version."""
+
+
+def _add_verbs(part: App, verbs: Mapping[str, tuple[str, str]]) -> None:
+    for name, (place, help_text) in verbs.items():
+        part.command(f"palpate.cli.{place}", name=name, help=help_text)
+
+
 app = App(
     name="palpate",
     version=__version__,
-    help="From an idea to a trusted vision-based tactile sensor: design, press, camera, learning, grid.",
+    help="Design, simulate, build and read vision-based tactile sensors.",
     version_flags=["--version"],
     suppress_keyboard_interrupt=False,  # `guarded` answers it
 )
-app.command("palpate.cli.run:run", name="run", help="Run a study: every design through the whole chain.")
-app.command("palpate.cli.status:status", name="status", help="How far a study is.")
-app.command("palpate.cli.store:app", name="store", help="Verify or clean the artefacts of a result folder.")
-app.command("palpate.cli.press:press", name="press", help="Press one dome by a flat wall.")
-app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of a press for Abaqus or CalculiX.")
-app.command("palpate.cli.stability:stability", name="stability", help="Where a dome has two stable states.")
-app.command("palpate.cli.convergence:convergence", name="convergence", help="How much a press depends on its mesh.")
-app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
-app.command("palpate.cli.fit:fit", name="fit", help="Fit a material to the files of a test bench.")
-app.command("palpate.cli.material:app", name="material", help="Look at the library of materials.")
-app.command("palpate.cli.limit:limit", name="limit", help="How good any estimator of a design could be.")
-app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
-app.command("palpate.cli.twin:twin", name="twin", help="Twins of designs, and how good built units will be.")
-app.command("palpate.cli.optimise:optimise", name="optimise", help="Requirements in, the best design out.")
-app.command("palpate.cli.view:view", name="view", help="Look at results in a browser, design and press a dome.")
-app.command("palpate.cli.serve:serve", name="serve", help="Readings of a sensor for other programs, by websocket.")
-app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")
-app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")
-app.command("palpate.cli.export:export", name="export", help="A sensor as an asset of MuJoCo, URDF or USD.")
-app.command("palpate.cli.specimens:specimens", name="specimens", help="Write molds of test specimens.")
-app.command("palpate.cli.calibrate:calibrate", name="calibrate", help="The lens of a camera from images of a board.")
-app.command("palpate.cli.sensor:find", name="find", help="Find the dots in a folder of images.")
-app.command("palpate.cli.sensor:live", name="live", help="From images of a sensor to the pose of the wall.")
-app.command("palpate.cli.inspect:inspect", name="inspect", help="Print errors of a built dome from its rest image.")
-app.command("palpate.cli.identify:identify", name="identify", help="What a built unit is, from known presses.")
-app.command("palpate.cli.learn:learn", name="learn", help="Learn to read a sensor from a recording with poses.")
-app.command("palpate.cli.bench:bench", name="bench", help="Built units that deviate, played from image to pose.")
-app.command("palpate.cli.benchmark:app", name="benchmark", help="An open set, its judge, its baselines.")
-app.command("palpate.cli.align:align", name="align", help="Square a tool to walls on a simulated robot.")
-app.command("palpate.cli.accept:accept", name="accept", help="Whether a built unit is within its tolerances.")
-app.command("palpate.cli.verify:verify", name="verify", help="Solve problems with known answers and compare.")
-app.command("palpate.cli.doctor:doctor", name="doctor", help="Say what is installed and what is missing.")
+_add_verbs(app, _VERBS)
+for _name, (_help, _verbs) in _GROUPS.items():
+    _group = App(name=_name, help=_help)
+    _add_verbs(_group, _verbs)
+    app.command(_group)
+
+
+def current_words(words: list[str]) -> list[str]:
+    """Return words with the current verb in the place of an old one, which is named on standard error."""
+    for count in (2, 1):
+        old = " ".join(words[:count])
+        inside = old in _GROUPS and words[1:2] in ([], ["--help"], ["-h"], *([verb] for verb in _GROUPS[old][1]))
+        if old in OLD_VERBS and not inside:
+            print(f"palpate {old} is palpate {OLD_VERBS[old]} now; the old name ends with 0.4.", file=sys.stderr)
+            return [*OLD_VERBS[old].split(), *words[count:]]
+    return words
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -74,5 +175,5 @@ def main(arguments: Sequence[str] | None = None) -> None:
     arguments
         Words after `palpate`; without them, those of the process.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = current_words(list(sys.argv[1:] if arguments is None else arguments))
     sys.exit(guarded(lambda: app(words, exit_on_error=False, print_error=False, result_action="return_value")))

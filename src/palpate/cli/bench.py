@@ -1,4 +1,4 @@
-"""`palpate bench`: built units, pressed, photographed and read, with the truth known; and their error budget."""
+"""`palpate simulation bench`: simulated units that deviate from a design, and their error budget."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def bench(
 
 
 def _model(flags: BenchFlags) -> Path:
-    """What reads, as `palpate live` finds it; a bench presses anyway, so a twin that is not there is made first."""
+    """The model that reads, as `palpate sensor live` finds it; a missing twin is made first."""
     from palpate.study import export_twins, run_twins, single_design_study
 
     try:

@@ -1,4 +1,4 @@
-"""`palpate calibrate`: the lens of a camera from images of a board, or the board to print."""
+"""`palpate calibration camera`: the lens of a camera from images of a board, or the board to print."""
 
 from __future__ import annotations
 

@@ -13,7 +13,10 @@ from palpate.cli.output import Output
 if TYPE_CHECKING:
     from palpate.claims import ClaimAnswer
 
-_FOLDERS = "Result folders of studies of the paper's designs, of `palpate twin`, and of `palpate convergence --out`."
+_FOLDERS = (
+    "Result folders of studies of the paper's designs, of `palpate calibration predict`, and of "
+    "`palpate design convergence --out`."
+)
 
 
 def claims(

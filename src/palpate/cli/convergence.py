@@ -1,4 +1,4 @@
-"""`palpate convergence`: one press on finer and finer meshes, as the paper's Fig. 9."""
+"""`palpate design convergence`: one press on finer and finer meshes, as the paper's Fig. 9."""
 
 from __future__ import annotations
 

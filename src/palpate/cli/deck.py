@@ -1,4 +1,4 @@
-"""`palpate deck`: the input file of a press for Abaqus or CalculiX."""
+"""`palpate design deck`: the input file of a press for Abaqus or CalculiX."""
 
 from __future__ import annotations
 

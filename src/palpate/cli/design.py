@@ -1,4 +1,4 @@
-"""`palpate design`: radius, shape, marker positions and limits of one design."""
+"""`palpate design show`: radius, shape, marker positions and limits of one design."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate export`: a sensor as an asset of a simulator."""
+"""`palpate design export`: a sensor as an asset of a simulator."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from palpate.study import MaterialSpec
 
 _TO = "Language: MuJoCo's mjcf, urdf with what Gazebo reads of contacts, or usd with UsdPhysics."
 _OUT = "New folder for the asset."
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
+_LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
 
 
 @Parameter(name="*")

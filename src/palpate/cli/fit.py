@@ -1,4 +1,4 @@
-"""`palpate fit`: from the files of a test bench to a material, with its limits."""
+"""`palpate material fit`: from the files of a test bench to a material, with its limits."""
 
 from __future__ import annotations
 
@@ -192,7 +192,9 @@ def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags
     """Read and prepare the samples of files, each with its test or none."""
     if not files:
         raise PalpateError(
-            "There are no files.", "Give the CSV files of a test: palpate fit tension_*.csv.", code="argument-missing"
+            "There are no files.",
+            "Give the CSV files of a test: palpate material fit tension_*.csv.",
+            code="argument-missing",
         )
     return [
         prepare_sample(sample, flags.prepare)

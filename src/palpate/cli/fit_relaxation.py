@@ -1,4 +1,4 @@
-"""The part of `palpate fit` that reads relaxation tests, and says what was found."""
+"""The part of `palpate material fit` that reads relaxation tests, and says what was found."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate grid`: show, plot, export and compare specification grids of finished studies."""
+"""`palpate study`: show, plot, export and compare specification grids of finished studies."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
 from palpate.cli.output import JsonOutput, Output
 from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.grid import Comparison, SpecificationGrid
-
-app = App(name="grid", help="Look at a specification grid.")
 
 Directory = Annotated[Path, Parameter(help="Result folder of a study, with its grid.")]
 Where = Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")]
@@ -23,7 +21,6 @@ Sort = Annotated[
 ]
 
 
-@app.command
 def show(directory: Directory, *, where: Where = None, sort: Sort = None, output: Output = Output()) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
     from palpate.grid import grid_report
@@ -32,7 +29,6 @@ def show(directory: Directory, *, where: Where = None, sort: Sort = None, output
     output.show(rows, grid_report(rows, title=str(directory), file=str(directory / "grid.csv")))
 
 
-@app.command
 def plot(
     directory: Directory,
     *,
@@ -55,7 +51,6 @@ def plot(
     output.show({"files": files}, *files)
 
 
-@app.command
 def export(
     directory: Directory,
     *,
@@ -70,7 +65,6 @@ def export(
     print(f"{', '.join(map(str, export_grid(to, grid)))}: {len(grid.designs)} designs")
 
 
-@app.command
 def model(
     directory: Directory,
     *,
@@ -84,7 +78,6 @@ def model(
     print(f"{out}: {copy_model(directory, _choose(directory, where, sort), out)}")
 
 
-@app.command
 def compare(
     first: Directory,
     second: Directory,

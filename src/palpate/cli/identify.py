@@ -1,4 +1,4 @@
-"""`palpate identify`: what a built unit is, from presses whose poses a robot says."""
+"""`palpate calibration identify`: what a built unit is, from presses whose poses a robot says."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _TRUTH = (
     "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
     "lie beside it, press 'rest' is untouched."
 )
-_OUT = "Unit file (.json) for `palpate live` and `palpate accept`."
+_OUT = "Unit file (.json) for `palpate sensor live` and `palpate calibration accept`."
 _REPORT = "Folder for a report with pictures: what was learnt, and which press would teach most."
 _TILT = "Standard deviation of the robot's tilts, degrees."
 _DEPTH = "Standard deviation of the robot's depths, mm."

@@ -1,4 +1,4 @@
-"""`palpate inspect`: the print errors of a built dome, from images of it at rest."""
+"""`palpate calibration inspect`: the print errors of a built dome, from images of it at rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate learn`: from a recording of any sensor with dots, and its table of poses, to a model that reads it."""
+"""`palpate recording train`: train estimators on a recording of any sensor with markers and its poses."""
 
 from __future__ import annotations
 

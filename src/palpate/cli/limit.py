@@ -1,4 +1,4 @@
-"""`palpate limit`: how good any estimator of a design could be, without training one."""
+"""`palpate design bound`: how good any estimator of a design could be, without training one."""
 
 from __future__ import annotations
 

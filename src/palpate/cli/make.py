@@ -1,4 +1,4 @@
-"""`palpate make`: a fabrication pack for one design."""
+"""`palpate design make`: a fabrication pack for one design."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from palpate.fabricate import FabricationPack, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
+_LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
 _WINDOW = "Window that a filled skin stands on, as THICKNESS,INDEX,GEL_INDEX; without it, none."
 
 

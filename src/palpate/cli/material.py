@@ -6,13 +6,11 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
 from palpate.cli.output import JsonOutput, Output
 from palpate.core.report import Column, Report
 from palpate.material import Material, find_stable_ranges, get_material, list_materials
-
-app = App(name="material", help="Look at the library of materials.")
 
 _COLUMNS = (
     Column("name"),
@@ -25,7 +23,6 @@ _COLUMNS = (
 _NAME = "Name in the library, material file (.yaml), or law and constants (yeoh:C10,C20,C30 in MPa)."
 
 
-@app.command(name="list")
 def list_library(*, output: Output = Output()) -> None:
     """List the materials of the library."""
     facts = [describe_material(get_material(name)) for name in list_materials()]
@@ -41,7 +38,6 @@ def list_library(*, output: Output = Output()) -> None:
     output.show(facts, Report("materials", _COLUMNS, rows))
 
 
-@app.command
 def show(name: Annotated[str, Parameter(help=_NAME)], *, output: JsonOutput = JsonOutput()) -> None:
     """Show a material: constants, moduli, range, stability, source and licence."""
     facts = describe_material(get_material(name))

@@ -1,4 +1,4 @@
-"""`palpate optimise`: from requirements to the designs that meet them best."""
+"""`palpate search`: from requirements to the designs that meet them best."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate find` and `palpate live`: dots in images, and poses from images."""
+"""`palpate sensor detect` and `palpate sensor live`: dots in images, and poses from images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate serve`: readings of a sensor for other programs, over a websocket and HTTP."""
+"""`palpate sensor serve`: readings of a sensor for other programs, over a websocket and HTTP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate specimens`: molds of the test specimens from which a material is fitted."""
+"""`palpate design specimens`: molds of the test specimens from which a material is fitted."""
 
 from __future__ import annotations
 

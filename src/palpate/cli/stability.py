@@ -1,4 +1,4 @@
-"""`palpate stability`: the flat and the inverted state of a dome, by depth and tilt."""
+"""`palpate design stability`: the flat and the inverted state of a dome, by depth and tilt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate status`: how far a study is."""
+"""`palpate study status`: how far a study is."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def status(
 ) -> None:
     """Say how far a study is: what is made, at work, broken or failed, and the time that is left.
 
-    Files are counted, not opened; `palpate store check` reads them. The time is from expected costs.
+    Files are counted, not opened; `palpate study store check` reads them. The time is from expected costs.
     """
     from palpate.study import find_status, read_study
 

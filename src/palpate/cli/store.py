@@ -1,4 +1,4 @@
-"""`palpate store`: verify the artefacts of a result folder, and remove what nobody needs."""
+"""`palpate study store`: verify the artefacts of a result folder, and remove what nobody needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`palpate twin`: the twins of a study's designs, and how good built units of them will be."""
+"""`palpate calibration predict`: the twins of a study's designs, and how good built units of them will be."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
 _KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
-_TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate bench`."
+_TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate simulation bench`."
 _COLUMNS = (
     Column("height_mm"),
     Column("thickness_mm"),

@@ -20,18 +20,18 @@ from palpate.study import MaterialSpec
 if TYPE_CHECKING:
     from palpate.sensor import Unit
 
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
+_LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
 
 _WINDOW = "Window and gel that the camera looks through, as THICKNESS,INDEX,GEL_INDEX; without it, air."
-_UNIT = "What `palpate identify` wrote about this unit; a twin then reads on its robot's scale."
+_UNIT = "What `palpate calibration identify` wrote about this unit; a twin then reads on its robot's scale."
 _SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8."
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
 MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
 MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
 _MODEL = (
-    "What reads: the design's twin (.h5), a trained network (.onnx), or what `palpate learn` made of a recording "
-    "(model.h5); without it, the most accurate twin of this design and material in results/*/twins."
+    "Model that reads: the twin of the design (.h5), a trained network (.onnx), or model.h5 of "
+    "`palpate recording train`; without it, the most accurate twin of this design and material in results/*/twins."
 )
 
 
@@ -128,7 +128,8 @@ class ModelFlags:
             material = "" if self.material == MaterialSpec() else f" of {self.material.name}"
             raise PalpateError(
                 f"There is no twin of {skin.name}{material} in {RESULTS}/*/twins.",
-                f"Make it once, in some 3 minutes of one core, or give --model: palpate twin {self.words(design)}",
+                "Make it once, in some 3 minutes of one core, or give --model: palpate calibration predict "
+                f"{self.words(design)}",
                 code="twin-missing",
             )
         print(f"Reads by the twin {found}.", file=sys.stderr)

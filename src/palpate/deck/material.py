@@ -72,7 +72,7 @@ def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[f
     if line is None:
         raise PalpateError(
             f"The law {law.name} has no counterpart in Abaqus and CalculiX.",
-            "Fit another to its curve and write that: yeoh, ogden or arruda-boyce (`palpate fit`).",
+            "Fit another to its curve and write that: yeoh, ogden or arruda-boyce (`palpate material fit`).",
             code="law-not-in-deck",
         )
     return line.parameter, [*line.constants, d1, *[no_term] * (line.volumetric - 1)]

@@ -207,7 +207,7 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
         f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
         f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
-        f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate inspect` tells from an image.",
+        f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate calibration inspect` tells from an image.",
         "No bubble above 0.5 mm; inner surface matt and even.",
     ]
 

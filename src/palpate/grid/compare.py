@@ -95,7 +95,7 @@ def compare_grids(
         if not cells and (first.designs or second.designs):
             raise PalpateError(
                 f"Neither grid has a column '{metric}'.",
-                "Choose a metric of `palpate grid show`.",
+                "Choose a metric of `palpate study show`.",
                 code="column-unknown",
             )
         if any(isinstance(cell, str) for cell in cells):

@@ -62,12 +62,14 @@ def read_material(path: Path) -> Material:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
         raise PalpateError(
-            f"{path} is not a text file.", "Give a YAML file that `palpate fit -o` wrote.", code="file-not-text"
+            f"{path} is not a text file.",
+            "Give a YAML file that `palpate material fit -o` wrote.",
+            code="file-not-text",
         ) from None
     except OSError as error:
         raise PalpateError(
             f"The material file {path} cannot be read: {error.strerror}.",
-            "Give a file that `palpate fit -o` wrote.",
+            "Give a file that `palpate material fit -o` wrote.",
             code="file-unreadable",
         ) from None
     return parse_material(text, str(path))
@@ -95,7 +97,7 @@ def parse_material(text: str, name: str) -> Material:
     if not isinstance(content, dict) or not {"name", "law", "constants"} <= set(content):
         raise PalpateError(
             f"{name} is no material file.",
-            "It needs name, law and constants; see `palpate fit -o`.",
+            "It needs name, law and constants; see `palpate material fit -o`.",
             code="material-file-malformed",
         )
     unknown = [str(key) for key in content if key not in _KEYS]

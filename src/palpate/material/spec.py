@@ -105,7 +105,7 @@ class Weighting(StrEnum):
 class FitSpec(Spec):
     """How a model is fitted."""
 
-    model: str = parameter("yeoh", unit="", meaning="model; see `palpate fit --help`")
+    model: str = parameter("yeoh", unit="", meaning="model; see `palpate material fit --help`")
     weighting: Weighting = parameter(
         Weighting.UNIFORM,
         unit="",

@@ -42,7 +42,7 @@ def design_study(spec: RequirementsSpec, name: str, design: Design, material: st
 
 
 def winner_study(front: Front, winner: DesignCandidate) -> str:
-    """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
+    """Study of the winner alone as YAML, from which `palpate run` and `palpate design make` go on."""
     spec = front.spec
     study = _study_data(spec, f"{spec.name}-winner", design_of(spec, winner), winner.trial.finest.material)
     text = io.StringIO()

@@ -27,7 +27,7 @@ from palpate.optimise.write_front import FRONT, describe_entry
 Row = Mapping[str, Any]
 _COMPLETE = 1
 """State of a trial in the journal that was told what it gave."""
-_AGAIN = "Run `palpate optimise` again with this folder: it goes on where it was."
+_AGAIN = "Run `palpate search` again with this folder: it goes on where it was."
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ def read_search(folder: Path) -> SearchFolder:
     """
     if not is_search(folder):
         raise PalpateError(
-            f"{folder} holds no search.", "Give the folder of `palpate optimise`.", code="search-missing"
+            f"{folder} holds no search.", "Give the folder of `palpate search`.", code="search-missing"
         )
     try:
         asked = json.loads((folder / ASKED).read_text("utf-8"))

@@ -20,13 +20,13 @@ from palpate.twin import read_twin
 class SensorLaunchSpec(Spec):
     """A sensor that reads by a twin, and where its images come from."""
 
-    twin: Path = parameter(Path(), unit="", meaning="file of the design's twin, of palpate twin")
+    twin: Path = parameter(Path(), unit="", meaning="file of the design's twin, of palpate calibration predict")
     source: str = parameter("0", unit="", meaning="number of a camera, a video, or a folder of images")
     markers: int = parameter(169, unit="1", meaning="number of markers of the design", ge=1)
     layout: Path | None = parameter(None, unit="", meaning="CSV of a free layout, in the place of markers")
     mark: bool = parameter(True, unit="", meaning="whether the orientation mark is printed")
-    lens: Path | None = parameter(None, unit="", meaning="YAML file of palpate calibrate")
-    unit: Path | None = parameter(None, unit="", meaning="what palpate identify wrote about this unit")
+    lens: Path | None = parameter(None, unit="", meaning="YAML file of palpate calibration camera")
+    unit: Path | None = parameter(None, unit="", meaning="what palpate calibration identify wrote about this unit")
     rest_images: int = parameter(1, unit="1", meaning="images of the untouched dome at the start", ge=1, le=1000)
 
     @field_validator("markers")

@@ -294,7 +294,7 @@ def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
     if is_recorded_model(path):
         raise PalpateError(
             f"{path.name} was learnt from a recording and knows no design.",
-            "Use it by palpate live or palpate accept.",
+            "Use it by palpate sensor live or palpate accept.",
             code="model-no-design",
         )
     return read_twin(path)
@@ -305,7 +305,7 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
     if not found.is_file():
         raise PalpateError(
             f"{folder} has no twin of {skin.name}.",
-            "Make it: palpate twin STUDY --out FOLDER, or give a file.",
+            "Make it: palpate calibration predict STUDY --out FOLDER, or give a file.",
             code="twin-missing",
         )
     return found

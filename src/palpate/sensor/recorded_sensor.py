@@ -16,7 +16,7 @@ from palpate.sensor.spec import SensorSpec
 
 
 class RecordedSensor:
-    """Reads images by a model of `palpate learn`; each by itself, in any order.
+    """Reads images by a model of `palpate recording train`; each by itself, in any order.
 
     Attributes
     ----------

@@ -4,9 +4,9 @@
     000.png,rest,,,
     001.png,1,5.0,0.0,0.8
 
-`image` is a file's name, or the number that `palpate live` gave to the image; rows whose press is ``rest`` show the
-untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows it. A
-column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
+`image` is a file's name, or the number that `palpate sensor live` gave to the image; rows whose press is ``rest``
+show the untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows
+it. A column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def read_ground_truth(path: Path) -> GroundTruth:
 
 
 def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray]:
-    """Read what `palpate live --out` wrote about the images of a truth.
+    """Read what `palpate sensor live --out` wrote about the images of a truth.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     if missing:
         raise PalpateError(
             f"{len(missing)} images of the truth have no reading in {path.name}, the first is {missing[0]}.",
-            "Number the images as palpate live does: from 1, images at rest not counted.",
+            "Number the images as palpate sensor live does: from 1, images at rest not counted.",
             code="readings-missing",
         )
     chosen = [rows[name] for name in truth.images]
@@ -109,7 +109,7 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     except (KeyError, ValueError, TypeError) as error:
         raise PalpateError(
             f"{path.name} holds no readings: {error}.",
-            "Give what palpate live --out wrote.",
+            "Give what palpate sensor live --out wrote.",
             code="readings-unreadable",
         ) from error
     return poses, np.array([bool(row.get("flags")) for row in chosen])
@@ -149,5 +149,5 @@ def _read_any(path: Path) -> list[dict[str, Any]]:
             return list(csv.DictReader(file))
     except (OSError, ValueError, csv.Error) as error:
         raise PalpateError(
-            f"{path} cannot be read: {error}.", "Give what palpate live --out wrote.", code="file-unreadable"
+            f"{path} cannot be read: {error}.", "Give what palpate sensor live --out wrote.", code="file-unreadable"
         ) from error

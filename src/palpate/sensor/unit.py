@@ -22,7 +22,7 @@ class Unit:
     lens
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
     identified
-        Its parameters from calibration presses (`palpate identify`).
+        Its parameters from calibration presses (`palpate calibration identify`).
     tolerance
         How far it may be from its design.
     """

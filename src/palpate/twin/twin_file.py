@@ -19,8 +19,8 @@ from palpate.twin.twin import FORCES, Twin
 
 TWIN_VERSION = "4"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
-_KIND = "palpate twin"
-_AGAIN = "Make it again with `palpate twin`."
+_KIND = "palpate calibration predict"
+_AGAIN = "Make it again with `palpate calibration predict`."
 _INVERTED = "inverted"
 """Group of the other branch."""
 _PARTS = 3

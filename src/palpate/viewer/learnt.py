@@ -1,4 +1,4 @@
-"""What `palpate learn` left in a folder: a model, and the data and pictures of its report."""
+"""What `palpate recording train` left in a folder: a model, and the data and pictures of its report."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PICTURES = {
 
 @dataclass(frozen=True, eq=False)
 class TrainedSensor:
-    """A folder of `palpate learn`.
+    """A folder of `palpate recording train`.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ def is_trained_sensor(folder: Path) -> bool:
 
 
 def read_trained_sensor(folder: Path) -> TrainedSensor:
-    """Read what `palpate learn` left.
+    """Read what `palpate recording train` left.
 
     Raises
     ------

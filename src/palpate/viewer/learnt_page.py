@@ -15,7 +15,7 @@ class TrainedPage:
     Parameters
     ----------
     sensor
-        The folder of `palpate learn`.
+        The folder of `palpate recording train`.
     request
         Of the page.
     """

@@ -121,7 +121,7 @@ class TrainedOpening(LiveOpening):
     Parameters
     ----------
     sensor
-        The folder of `palpate learn`.
+        The folder of `palpate recording train`.
     """
 
     def __init__(self, sensor: TrainedSensor) -> None:

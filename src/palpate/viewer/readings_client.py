@@ -16,7 +16,7 @@ def follow_readings(link: str) -> Iterator[dict[str, Any]]:
     Parameters
     ----------
     link
-        What `palpate serve` printed, with its token.
+        What `palpate sensor serve` printed, with its token.
 
     Raises
     ------
@@ -48,6 +48,6 @@ def follow_readings(link: str) -> Iterator[dict[str, Any]]:
     except (OSError, InvalidHandshake) as error:
         raise PalpateError(
             f"Nothing answers at {place.netloc}: {error}.",
-            "Start palpate serve, and take its link.",
+            "Start palpate sensor serve, and take its link.",
             code="server-silent",
         ) from None

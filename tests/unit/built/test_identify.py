@@ -595,22 +595,24 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
         return int(left.value.code or 0)
 
     written = ["--out", str(tmp_path / "unit.json"), "--report", str(tmp_path / "report")]
-    assert run("identify", str(tmp_path / "known.csv"), *written) == 0
+    assert run("calibration", "identify", str(tmp_path / "known.csv"), *written) == 0
     assert "seating_x_deg" in capsys.readouterr().out
     page = (tmp_path / "report" / "identification.md").read_text()
     assert "| seating_x_deg |" in page
     assert (tmp_path / "report" / "identification.png").stat().st_size > 10_000
     unit = ["--unit", str(tmp_path / "unit.json")]
-    assert run("accept", str(tmp_path / "judged.csv"), "--rmse", "0.1", "--max-error", "0.2", *unit) == 0
-    assert run("bench", "--budget", "--out", str(tmp_path / "bench"), "--depth", "4") == 0
+    assert (
+        run("calibration", "accept", str(tmp_path / "judged.csv"), "--rmse", "0.1", "--max-error", "0.2", *unit) == 0
+    )
+    assert run("simulation", "bench", "--budget", "--out", str(tmp_path / "bench"), "--depth", "4") == 0
     assert "seating, tilt" in (tmp_path / "bench" / "budget.csv").read_text()
     capsys.readouterr()
-    assert run("identify", str(tmp_path / "swapped.csv")) == 2
+    assert run("calibration", "identify", str(tmp_path / "swapped.csv")) == 2
     codes = ("calibration-press-misfit", "press-pose-far-off", "unit-far-off-design")
     check_refusal(capsys.readouterr().err, codes)
-    assert run("identify", str(tmp_path / "known.csv"), "--robot-tilt", "0") == 2
+    assert run("calibration", "identify", str(tmp_path / "known.csv"), "--robot-tilt", "0") == 2
     design = ["--markers", "37"]
-    assert run("accept", str(tmp_path / "judged.csv"), *unit) == 2
+    assert run("calibration", "accept", str(tmp_path / "judged.csv"), *unit) == 2
     check_refusal(capsys.readouterr().err, "unit-design-differs", "H20 T2", "37")
 
 

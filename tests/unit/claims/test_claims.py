@@ -119,7 +119,7 @@ def test_built_units_stand_beside_and_do_not_decide(claim):
 
 
 def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
-    """From the table that `palpate twin` writes, in a folder without a grid; a broken one is refused."""
+    """From the table of `palpate calibration predict`, in a folder without a grid; a broken one is refused."""
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
@@ -165,7 +165,7 @@ def test_one_missing_design_of_48_is_named():
     answers = assess_claims([grid(keep=lambda h, t, m: (h, t, m) != (10, 3, 91))])
     needs = {answer.claim.name: answer.finding.why for answer in answers if answer.finding.verdict == OPEN}
     mesh = needs.pop("C2")
-    check_values(mesh, "palpate convergence")
+    check_values(mesh, "palpate design convergence")
     assert set(needs) == {"C6", "C7", "C8", "C9", "C10", "C11", "C12"}
     for missing in needs.values():
         check_values(missing, "H10 T3", 91)

@@ -10,9 +10,9 @@ from palpate.cli.app import app
 
 
 def list_commands(part: App = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, App]]:
-    """Name of every command as it is typed, and its app."""
+    """Name of every command as it is typed, and its app; `run` and `press` once, at the top."""
     for name in part:
-        if name.startswith("-"):
+        if name.startswith("-") or (words and name in app):
             continue
         inner = part[name]
         if inner.default_command is None:

@@ -54,17 +54,19 @@ SOLVE = (
 
 ROWS = {
     "run": Row("--study first --out new", ("--study",), ("--out",), ("--workers 0", "--timeout 0", "--cluster here")),
-    "status": Row("--study first --out {results}", ("--study", "--out")),
-    "store check": Row("--folder {spare}", ("--folder",)),
-    "store gc": Row("{study} --folder {spare}", ("--folder", "STUDIES")),
+    "study status": Row("--study first --out {results}", ("--study", "--out")),
+    "study store check": Row("--folder {spare}", ("--folder",)),
+    "study store gc": Row("{study} --folder {spare}", ("--folder", "STUDIES")),
     "press": Row("--cells 4", ("--points",), ("--export",), (*SOLVE, "--solver calculix --unload", "--branch up")),
-    "deck": Row("--output new.inp --cells 4", (), ("--output",), (*SOLVE[1:], "--dialect x", "--element shells")),
-    "stability": Row("--cells 4", (), (), (*SOLVE[1:], "--tilts 50", "--tilts -1", "--tilts x")),
-    "convergence": Row(
+    "design deck": Row(
+        "--output new.inp --cells 4", (), ("--output",), (*SOLVE[1:], "--dialect x", "--element shells")
+    ),
+    "design stability": Row("--cells 4", (), (), (*SOLVE[1:], "--tilts 50", "--tilts -1", "--tilts x")),
+    "design convergence": Row(
         "--out new", (), ("--out",), (*SOLVE[1:], "--meshes 8", "--meshes 2 8", "--meshes x", "--markers 8")
     ),
-    "design": Row("", ("--layout",), (), ("--markers 8", "--rings 20 10", "--rings 10 --layout {text}")),
-    "fit": Row(
+    "design show": Row("", ("--layout",), (), ("--markers 8", "--rings 20 10", "--rings 10 --layout {text}")),
+    "material fit": Row(
         FIT,
         TESTS,
         ("--output", "--figure"),
@@ -85,8 +87,8 @@ ROWS = {
         (),
         ("--name cheese", "--name yeoh:1", "--name yeoh:nan,1,1", "--name yeoh:inf,1,1"),
     ),
-    "limit": Row("--source first --out new", ("--source",), ("--out",), ("--workers 0",)),
-    "twin": Row(
+    "design bound": Row("--source first --out new", ("--source",), ("--out",), ("--workers 0",)),
+    "calibration predict": Row(
         "--source first --out new",
         ("--source", "--layout"),
         ("--out",),
@@ -99,17 +101,17 @@ ROWS = {
             "--material cheese",
         ),
     ),
-    "grid show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
-    "grid plot": Row(
+    "study show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
+    "study plot": Row(
         "--directory {results} --out new", ("--directory",), ("--out",), ("--kind pie", "--metric x", "--where x>1")
     ),
-    "grid export": Row(
+    "study export": Row(
         "--directory {results} --to new.csv", ("--directory",), ("--to",), ("--to a.txt", "--where x>1")
     ),
-    "grid model": Row(
+    "study model": Row(
         "--directory {results} --out new.onnx", ("--directory",), ("--out",), ("--where markers>999", "--sort x")
     ),
-    "grid compare": Row(
+    "study compare": Row(
         "--first {results} --second {results}", ("--first", "--second"), (), ("--metric x", "--metric shape")
     ),
     "view": Row(
@@ -119,34 +121,34 @@ ROWS = {
         ("--token short", "--port 70000", "--port -1", "--host no.where"),
         {"--results": ("folder",)},  # its page says what to do
     ),
-    "optimise": Row(
+    "search": Row(
         "--requirements {wanted} --out new",
         ("--requirements",),
         ("--out",),
         ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck", "--validate maybe"),
     ),
     "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
-    "make": Row(
+    "design make": Row(
         "--out new",
         ("--layout", "--lens"),
         ("--out",),
         ("--markers 8", "--camera x", "--mapping x", "--material cheese"),
     ),
-    "export": Row(
+    "design export": Row(
         "--to mjcf --out new --cells 4",
         ("--lens",),
         ("--out",),
         ("--to sdf", "--depth 0.5", "--material cheese", "--contact sticky", "--density 1", "--skin x"),
     ),
-    "specimens": Row("--out new", (), ("--out",), ("--count 0",)),
-    "calibrate": Row(
+    "design specimens": Row("--out new", (), ("--out",), ("--count 0",)),
+    "calibration camera": Row(
         "--folder {photos} --board chessboard:9x6:25",
         ("--folder",),
         ("--out", "--print-board"),
         ("--board x", "--lens x"),
     ),
-    "find": Row("--folder {images}", ("--folder",), (), ("--polarity x", "--method x")),
-    "live": Row(
+    "sensor detect": Row("--folder {images}", ("--folder",), (), ("--polarity x", "--method x")),
+    "sensor live": Row(
         f"--model {{model}} --source {{images}} {BUILT}",
         ("--model", "--source", "--layout", "--lens", "--unit", "--press-image"),
         ("--out",),
@@ -160,19 +162,19 @@ ROWS = {
             "--material cheese",
         ),
     ),
-    "serve": Row(
+    "sensor serve": Row(
         f"--model {{model}} --source {{images}} {BUILT} --port 0",
         ("--model", "--source", "--layout", "--lens", "--unit"),
         (),
         ("--token short", "--port 70000", "--host no.where", "--rest-images 99", "--markers 91"),
     ),
-    "inspect": Row(
+    "calibration inspect": Row(
         f"--image {{image}} {BUILT}",
         ("--image", "--layout", "--lens"),
         ("--out", "--picture"),
         ("--out a.txt", "--picture a.txt"),
     ),
-    "bench": Row(
+    "simulation bench": Row(
         f"--model {{model}} --out new {BUILT} --units 1",
         ("--model", "--layout"),
         ("--out",),
@@ -208,13 +210,13 @@ ROWS = {
         ("--out",),
         ("--only luck", "--workers 0", "--timeout 5"),
     ),
-    "identify": Row(
+    "calibration identify": Row(
         f"--truth {{truth}} --model {{twin}} {BUILT}",
         ("--truth", "--model", "--layout", "--lens", "--unit"),
         ("--out", "--report"),
         ("--height 10", "--robot-tilt 0", "--robot-depth 9", "--robot-force 0"),
     ),
-    "learn": Row(
+    "recording train": Row(
         "--recording {recording} --out new --estimators ridge",
         ("--recording", "--rest", "--from"),
         ("--out",),
@@ -231,7 +233,7 @@ ROWS = {
             "--from {twin}",
         ),
     ),
-    "align": Row(
+    "simulation align": Row(
         f"--model {{twin}} --out new {BUILT} --walls 1",
         ("--model", "--layout"),
         ("--out",),
@@ -245,7 +247,7 @@ ROWS = {
             "--level 2",
         ),
     ),
-    "accept": Row(
+    "calibration accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --min-depth 0",
         ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
         ("--out",),

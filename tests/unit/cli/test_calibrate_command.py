@@ -11,7 +11,7 @@ PHOTOS = Path(__file__).parents[1] / "camera" / "data" / "chessboard_opencv"
 
 def run(*words):
     with pytest.raises(SystemExit) as left:
-        main(["calibrate", *words])
+        main(["calibration", "camera", *words])
     return left.value.code
 
 

@@ -5,9 +5,11 @@ import time
 from pathlib import Path
 
 import pytest
+from command_table import list_commands
 
 from errors import check_refusal, check_values
 from palpate.cli import main
+from palpate.cli.app import OLD_VERBS, current_words
 from palpate.cli.border import guarded
 
 
@@ -19,7 +21,7 @@ def call(*words: str) -> int:
 
 
 def test_design_gives_radius_shape_markers_and_findings(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("design", "--height", "30", "--thickness", "2", "--markers", "37", "--json") == 0
+    assert call("design", "show", "--height", "30", "--thickness", "2", "--markers", "37", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown["radius_mm"] == pytest.approx(65 / 3)
     assert shown["shape"] == "spherical cap"
@@ -28,7 +30,7 @@ def test_design_gives_radius_shape_markers_and_findings(capsys: pytest.CaptureFi
 
 
 def test_design_takes_rings(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("design", "--rings", "10", "25", "45", "--json") == 0
+    assert call("design", "show", "--rings", "10", "25", "45", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown["markers"] == 37
     assert shown["positions_mm"][-1][2] is None
@@ -36,7 +38,7 @@ def test_design_takes_rings(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("design", "--markers", "7") == 0
+    assert call("design", "show", "--markers", "7") == 0
     shown = capsys.readouterr().out
     check_values(shown, "hemisphere", "20 mm")
     assert "17.861" in shown
@@ -61,11 +63,11 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("run", "second"), ("file-unreadable", "second", "first, flat_pad")),
         (("run", "first", "--workers", "0"), ("option-out-of-bounds", "--workers", 0)),
         (("run",), ("usage", "--study")),
-        (("grid", "show", "nowhere"), ("grid-missing", "nowhere")),
-        (("grid", "plot", "nowhere"), ("grid-missing", "nowhere")),
-        (("grid", "plot", "nowhere", "--kind", "pie"), ("usage", "--kind", "pie")),
-        (("grid", "export", "nowhere"), ("usage", "--to")),
-        (("grid", "compare", "nowhere", "nowhere"), ("grid-missing", "nowhere")),
+        (("study", "show", "nowhere"), ("grid-missing", "nowhere")),
+        (("study", "plot", "nowhere"), ("grid-missing", "nowhere")),
+        (("study", "plot", "nowhere", "--kind", "pie"), ("usage", "--kind", "pie")),
+        (("study", "export", "nowhere"), ("usage", "--to")),
+        (("study", "compare", "nowhere", "nowhere"), ("grid-missing", "nowhere")),
         (("limit", "nowhere.yaml"), ("file-unreadable", "nowhere.yaml", "first, flat_pad")),
         (("limit", "first", "--workers", "0"), ("option-out-of-bounds", "--workers", 0)),
     ],
@@ -204,3 +206,16 @@ def test_help_names_units_defaults_and_bounds(capsys: pytest.CaptureFixture[str]
     shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert "(mm; >= 2, <= 60). [default: 20.0]" in shown
     assert "(deg; >= 0, <= 30). [default: 0.0]" in shown
+
+
+@pytest.mark.parametrize("old", OLD_VERBS)
+def test_an_old_verb_is_the_new_one_with_a_note(old: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert current_words([*old.split(), "--json"]) == [*OLD_VERBS[old].split(), "--json"]
+    check_values(capsys.readouterr().err, f"palpate {old}", f"palpate {OLD_VERBS[old]}")
+    assert OLD_VERBS[old] in dict(list_commands())
+
+
+def test_a_group_of_the_same_name_as_an_old_verb_is_a_group(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (["design"], ["design", "--help"], ["design", "press", "--tilt", "3"], ["run", "first"]):
+        assert current_words(words) == words
+    assert not capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""`palpate deck` and the solver and export of `palpate press`."""
+"""`palpate design deck` and the solver and export of `palpate press`."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,12 @@ def call(*words: str | Path) -> int:
 )
 def test_deck_writes_the_file_it_is_asked_for(words: tuple[str, ...], kind: str, tmp_path: Path) -> None:
     path = tmp_path / "press.inp"
-    assert call("deck", *words, "--height", "20", "--thickness", "3", "--tilt", "5", "--cells", "5", "-o", path) == 0
+    assert (
+        call(
+            "design", "deck", *words, "--height", "20", "--thickness", "3", "--tilt", "5", "--cells", "5", "-o", path
+        )
+        == 0
+    )
     text = path.read_text()
     assert f"*ELEMENT, TYPE={kind}" in text
     assert "height 20 mm, base radius 20 mm, thickness 3 mm" in text
@@ -47,13 +52,13 @@ def test_deck_writes_the_file_it_is_asked_for(words: tuple[str, ...], kind: str,
 def test_bad_input_is_refused_and_nothing_written(
     words: tuple[str, ...], says: tuple[object, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert call("deck", *words, "--cells", "5", "-o", tmp_path / "press.inp") == 2
+    assert call("design", "deck", *words, "--cells", "5", "-o", tmp_path / "press.inp") == 2
     check_refusal(capsys.readouterr().err, *says)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_missing_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("deck", "--cells", "5", "-o", tmp_path / "no" / "press.inp") == 2
+    assert call("design", "deck", "--cells", "5", "-o", tmp_path / "no" / "press.inp") == 2
     check_refusal(capsys.readouterr().err, "folder-missing", tmp_path / "no")
 
 

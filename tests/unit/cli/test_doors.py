@@ -23,7 +23,14 @@ HEAVY = (
     ("viewer.guard", "Guard", "__init__"),
 )
 """What computes or serves: module, class, method."""
-SLOW = ("doctor", "make", "specimens", "calibrate", "identify", "align")
+SLOW = (
+    "doctor",
+    "design make",
+    "design specimens",
+    "calibration camera",
+    "calibration identify",
+    "simulation align",
+)
 """Commands that take seconds where everything is right; their own tests call them."""
 LONGEST_S = 10.0
 """Longest time of a refusal; most take a tenth of a second."""
@@ -162,7 +169,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed
 
 
 def ending_of(name: str, flag: str) -> str:
-    if (name, flag) in (("accept", "--out"), ("press", "--export")):
+    if (name, flag) in (("calibration accept", "--out"), ("press", "--export")):
         return "new"
     return {"--figure": "a.png", "--picture": "a.png", "--markdown": "a.md", "--print-board": "a.pdf"}.get(
         flag, Path(split(ROWS[name].words).get(flag, ["a.csv"])[0]).name

@@ -1,4 +1,4 @@
-"""`palpate fit` and `palpate material`."""
+"""`palpate material fit` and `palpate material`."""
 
 import json
 from pathlib import Path
@@ -23,7 +23,7 @@ def call(*words: str | Path) -> int:
 
 
 def run_fit(capsys: pytest.CaptureFixture[str], *words: str | Path) -> dict:
-    assert call("fit", *words, "--json") == 0
+    assert call("material", "fit", *words, "--json") == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -50,7 +50,9 @@ def test_ten_files_of_a_bench_give_the_material_its_limits_and_the_picture(
     bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, figure = tmp_path / "mine.yaml", tmp_path / "fit.png"
-    assert call("fit", *sorted(bench.glob("*.csv")), "--model", "yeoh", "-o", out, "--figure", figure) == 0
+    assert (
+        call("material", "fit", *sorted(bench.glob("*.csv")), "--model", "yeoh", "-o", out, "--figure", figure) == 0
+    )
     shown = capsys.readouterr().out
     for text in (
         "tension_5.csv",
@@ -82,7 +84,7 @@ def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixt
 
 
 def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone") == 0
+    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone") == 0
     shown = capsys.readouterr().out
     assert "-3.6" in shown
     check_values(shown, "Drucker", 11.68, "--stable")
@@ -101,7 +103,7 @@ def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFix
 
 def test_an_unstable_material_is_written_with_its_caution(tmp_path: Path) -> None:
     out = tmp_path / "soft.yaml"
-    assert call("fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
+    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
     check_values(read_material(out).caution, 11.68)
 
 
@@ -140,7 +142,7 @@ def test_what_cannot_be_done_is_refused_with_2(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert call("fit", *words, *(() if "--alone" in words or not words else ("--alone",))) == 2
+    assert call("material", "fit", *words, *(() if "--alone" in words or not words else ("--alone",))) == 2
     shown = capsys.readouterr()
     check_refusal(shown.err, *says)
     assert "Traceback" not in shown.err

@@ -17,14 +17,14 @@ from command_table import list_commands, list_flags
 
 COMMANDS = {name: command.default_command for name, command in list_commands()}
 UNKNOWN = [
-    ("twin", "--timeout"),
-    ("twin", "--cluster"),
+    ("calibration predict", "--timeout"),
+    ("calibration predict", "--cluster"),
     ("benchmark make", "--timeout"),
     ("benchmark baselines", "--cluster"),
-    ("optimise", "--timeout"),
-    ("inspect", "--unit"),
-    ("stability", "--obstacle"),
-    ("convergence", "--cells"),
+    ("search", "--timeout"),
+    ("calibration inspect", "--unit"),
+    ("design stability", "--obstacle"),
+    ("design convergence", "--cells"),
 ]
 
 

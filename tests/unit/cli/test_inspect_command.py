@@ -32,7 +32,7 @@ def image(tmp_path):
 
 def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_path, capsys):
     table, picture = tmp_path / "errors.csv", tmp_path / "errors.svg"
-    words = ["inspect", str(image), "--markers", "37", "--out", str(table), "--picture", str(picture)]
+    words = ["calibration", "inspect", str(image), "--markers", "37", "--out", str(table), "--picture", str(picture)]
     assert run(*words, "--json") == 1
     shown = json.loads(capsys.readouterr().out)
     assert not shown["passed"]
@@ -60,5 +60,5 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
     ],
 )
 def test_inspect_refuses_what_cannot_be_inspected(words, shown, image, capsys):
-    assert run("inspect", *(str(image) if word == "IMAGE" else word for word in words)) == 2
+    assert run("calibration", "inspect", *(str(image) if word == "IMAGE" else word for word in words)) == 2
     check_refusal(capsys.readouterr().err, *shown)

@@ -76,16 +76,16 @@ def model(tmp_path_factory):
 
 
 def test_find_counts_the_dots_of_every_image(recording, capsys):
-    assert run("find", str(recording), "--json") == 0
+    assert run("sensor", "detect", str(recording), "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert [row["dots"] for row in shown] == [38, 38, 38, None]
     assert shown[3]["reason"]
-    assert run("find", str(recording)) == 0
+    assert run("sensor", "detect", str(recording)) == 0
     assert "dark" in capsys.readouterr().out
 
 
 def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_path, capsys):
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(recording), "--markers", "37"]
     assert run(*words, "--json", "--out", str(tmp_path / "readings.csv")) == 0
     shown = json.loads(capsys.readouterr().out)
     assert [row["depth_mm"] for row in shown[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
@@ -108,7 +108,17 @@ def test_live_tells_the_force_that_a_network_knows(recording, model, tmp_path, c
     )
     head = ForceHead(still, np.full(3, 0.01), np.full(3, 0.02), 0.9, {})
     add_forces(model, head, tmp_path / "f.onnx")
-    words = ["live", "--model", str(tmp_path / "f.onnx"), "--source", str(recording), "--markers", "37", "--json"]
+    words = [
+        "sensor",
+        "live",
+        "--model",
+        str(tmp_path / "f.onnx"),
+        "--source",
+        str(recording),
+        "--markers",
+        "37",
+        "--json",
+    ]
     assert run(*words) == 0
     row = json.loads(capsys.readouterr().out)[0]
     assert row["depth_mm"] == pytest.approx(1.0, abs=0.1)
@@ -134,21 +144,35 @@ def test_live_tells_the_force_that_a_network_knows(recording, model, tmp_path, c
     ],
 )
 def test_live_refuses_what_does_not_fit(recording, model, words, says, capsys):
-    assert run("live", "--model", str(model), "--source", str(recording), *words) == 2
+    assert run("sensor", "live", "--model", str(model), "--source", str(recording), *words) == 2
     check_refusal(capsys.readouterr().err, *says)
 
 
 @pytest.mark.parametrize("count", ["3", "9"])
 def test_live_refuses_to_spend_every_image_on_rest(recording, model, count, capsys):
     (recording / "3.png").unlink()
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--rest-images", count]
+    words = [
+        "sensor",
+        "live",
+        "--model",
+        str(model),
+        "--source",
+        str(recording),
+        "--markers",
+        "37",
+        "--rest-images",
+        count,
+    ]
     assert run(*words) == 2
     check_refusal(capsys.readouterr().err, "rest-images-leave-none", count)
 
 
 def test_live_refuses_a_file_that_is_no_model(recording, capsys):
     (recording / "m.onnx").write_text("no model")
-    assert run("live", "--model", str(recording / "m.onnx"), "--source", str(recording), "--markers", "37") == 2
+    assert (
+        run("sensor", "live", "--model", str(recording / "m.onnx"), "--source", str(recording), "--markers", "37")
+        == 2
+    )
     check_refusal(capsys.readouterr().err, "model-unreadable", "m.onnx")
 
 
@@ -159,7 +183,7 @@ def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, 
         writer.write(cv2.imread(str(recording / f"{name}.png")))
     writer.release()
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    words = ["live", "--model", str(model), "--source", str(path), "--markers", "37", "--json"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(path), "--markers", "37", "--json"]
     assert run(*words) == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown[0]["depth_mm"] == pytest.approx(1.0, abs=0.2)
@@ -170,7 +194,7 @@ def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, 
 
 
 def test_live_plays_a_simulated_sensor_until_asked_to_stop(model, capsys):
-    words = ["live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
+    words = ["sensor", "live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
     assert run(*words, "--rest-images", "3", "--count", "30", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert not shown[2]["touching"]
@@ -178,7 +202,7 @@ def test_live_plays_a_simulated_sensor_until_asked_to_stop(model, capsys):
 
 
 def test_live_says_what_to_do_without_a_camera(model, capsys):
-    assert run("live", "--model", str(model), "--source", "987", "--markers", "37") == 2
+    assert run("sensor", "live", "--model", str(model), "--source", "987", "--markers", "37") == 2
     check_refusal(capsys.readouterr().err, "source-not-opened", 987, "synthetic")
 
 
@@ -193,7 +217,7 @@ def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, ca
             camera, flat_marker_outlines(points, normals, LAYOUT.diameter), RenderSpec(noise=1.0, blur_px=0.6)
         )
         cv2.imwrite(str((recording if name != "press" else recording.parent) / f"{name}.png"), image)
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
     assert run(*words) == 2
     check_refusal(capsys.readouterr().err, "orientation-mark-unseen")
     known = ["--press-image", str(recording.parent / "press.png"), "--press-pose", "7.7", "2.1", "4"]
@@ -221,7 +245,7 @@ def test_hostile_images_in_a_recording_are_flagged_and_fill_no_memory(recording,
     cv2.imwrite(str(recording / "5.png"), np.zeros((1, 1), np.uint8))
     cv2.imwrite(str(recording / "6.png"), np.zeros((260, 346), np.uint8))
     (recording / "7.png").write_bytes((recording / "1.png").read_bytes())
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
     tracemalloc.start()  # knows the arrays of numpy; what Pillow decodes it would not, so the size is looked at first
     try:
         assert run(*words) == 0
@@ -233,21 +257,21 @@ def test_hostile_images_in_a_recording_are_flagged_and_fill_no_memory(recording,
     assert "20000 × 20000 px" in shown[3]["reason"]
     assert "1 × 1 px" in shown[4]["reason"]
     assert shown[6]["depth_mm"] == pytest.approx(1.0, abs=0.1)
-    assert run("find", str(recording), "--json") == 0
+    assert run("sensor", "detect", str(recording), "--json") == 0
     found = json.loads(capsys.readouterr().out)
     assert [row["dots"] for row in found] == [38, 38, 38, None, None, None, None, 38]
 
 
 def test_a_recording_that_begins_all_black_is_refused(recording, model, capsys):
     cv2.imwrite(str(recording / "0.png"), np.zeros((260, 346), np.uint8))
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(recording), "--markers", "37"]
     assert run(*words) == 2
     check_refusal(capsys.readouterr().err, "markers-not-found", 0)
 
 
 @pytest.mark.parametrize("design", [("--height", "10"), ("--height", "30"), ("--base-radius", "26")])
 def test_a_recording_of_another_design_is_refused(recording, model, design, capsys):
-    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
+    words = ["sensor", "live", "--model", str(model), "--source", str(recording), "--markers", "37"]
     assert run(*words, *design) == 2
     misfits = ("layout-misfit", "layout-misfit-rings", "layout-misfit-scale")
     unnamed = ("markers-not-assigned", "assignment-doubtful", "orientation-mark-unseen")
@@ -266,7 +290,7 @@ def test_a_camera_that_is_unplugged_mid_run_ends_with_a_flagged_reading(
         release=lambda: released.append(True),
     )
     monkeypatch.setattr(cv2, "VideoCapture", lambda _: camera)
-    words = ["live", "--model", str(model), "--source", "0", "--markers", "37", "--json"]
+    words = ["sensor", "live", "--model", str(model), "--source", "0", "--markers", "37", "--json"]
     assert run(*words, "--out", str(tmp_path / "out.csv")) == 0
     shown = json.loads(capsys.readouterr().out)
     assert [row["depth_mm"] is None for row in shown] == [False, False, False, True]

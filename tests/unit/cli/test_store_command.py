@@ -33,34 +33,36 @@ def names(out: Path) -> list[str]:
 
 
 def test_store_check_leaves_with_one_where_something_is_broken(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, shown, _ = run(capsys, "store", "check", out, "--json")
+    code, shown, _ = run(capsys, "study", "store", "check", out, "--json")
     assert (code, json.loads(shown)["broken"]) == (0, [])
     broken = next((out / "store").rglob("*.h5"))
     broken.write_text("contenT")
-    code, shown, _ = run(capsys, "store", "check", out, "--json")
+    code, shown, _ = run(capsys, "study", "store", "check", out, "--json")
     assert code == 1
     assert [each["path"] for each in json.loads(shown)["broken"]] == [str(broken)]
 
 
 def test_store_gc_says_first_and_removes_then(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = names(out)
-    code, shown, _ = run(capsys, "store", "gc", out, "first", "--dry-run")
+    code, shown, _ = run(capsys, "study", "store", "gc", out, "first", "--dry-run")
     assert (code, names(out)) == (0, before)
     check_values(shown, 2)
-    code, shown, _ = run(capsys, "store", "gc", out, "first", "--json")
+    code, shown, _ = run(capsys, "study", "store", "gc", out, "first", "--json")
     assert code == 0
     assert len(json.loads(shown)["removed"]) == 2
     assert names(out) == [f"{plan_study(read_study('first')).tasks()[0].recipe.key}.h5"]
 
 
 def test_store_gc_without_a_study_removes_nothing(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, output = run(capsys, "store", "gc", out)
+    code, _, output = run(capsys, "study", "store", "gc", out)
     assert code == 2
     check_refusal(output, "argument-missing")
     assert len(names(out)) == 2
 
 
-@pytest.mark.parametrize("words", [["store", "check"], ["store", "gc"], ["status", "first", "--out"]])
+@pytest.mark.parametrize(
+    "words", [["study", "store", "check"], ["study", "store", "gc"], ["status", "first", "--out"]]
+)
 def test_a_folder_without_artefacts_is_bad_input(
     tmp_path: Path, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -70,12 +72,12 @@ def test_a_folder_without_artefacts_is_bad_input(
 
 
 def test_status_says_how_much_is_made(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, shown, _ = run(capsys, "status", "first", "--out", out, "--json")
+    code, shown, _ = run(capsys, "study", "status", "first", "--out", out, "--json")
     assert code == 0
     output = json.loads(shown)
     assert (output["made"], output["of"]) == (1, 48)
     assert output["kinds"]["press"]["made"] == 1
-    code, shown, _ = run(capsys, "status", "first", "--out", out)
+    code, shown, _ = run(capsys, "study", "status", "first", "--out", out)
     assert "press" in shown
 
 

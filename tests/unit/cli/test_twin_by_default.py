@@ -66,7 +66,7 @@ def test_without_a_twin_the_command_that_makes_it_is_said_and_nothing_is_compute
     assert run(command, *words, *design) == 2
     said = capsys.readouterr().err
     check_refusal(said, "twin-missing", "ellipsoid 0.8 H20 T1.5", "yeoh:1,1,1", "results/*/twins")
-    made = shlex.split(said.split("palpate twin ")[1].removesuffix(" [twin-missing]\n"))
+    made = shlex.split(said.split("palpate calibration predict ")[1].removesuffix(" [twin-missing]\n"))
     assert sorted(made) == sorted([*design, "--height", "20"])
     assert not (Path("results") / "ellipsoid_0.8_H20_T1.5_yeoh_1_1_1").exists()
 
@@ -98,7 +98,7 @@ def test_a_twin_that_is_passed_over_is_named(house, capsys) -> None:
     broken = twin_path(Path("results") / "broken", SKIN)
     broken.parent.mkdir(parents=True)
     broken.write_text("no twin")
-    words = ["live", "--source", house["images"], "--markers", "37"]
+    words = ["sensor", "live", "--source", house["images"], "--markers", "37"]
     assert run(*words) == 0
     assert str(broken) in capsys.readouterr().err
 
@@ -114,7 +114,7 @@ def test_a_bench_makes_the_twin_that_is_missing(monkeypatch, capsys) -> None:
 
     monkeypatch.setattr(palpate.study, "run_twins", run_twins)
     with pytest.raises((SystemExit, KeyboardInterrupt)):
-        main(["bench", "--markers", "37", "--out", "new"])
+        main(["simulation", "bench", "--markers", "37", "--out", "new"])
     check_values(capsys.readouterr().err, "H20 T2")
     study, folder = asked[0]
     assert folder == Path("results") / "H20_T2"
@@ -132,5 +132,5 @@ def test_a_design_is_a_study_of_its_own() -> None:
 
 
 def test_a_study_and_flags_of_a_design_contradict_each_other(capsys) -> None:
-    assert run("twin", "first", "--height", "10") == 2
+    assert run("calibration", "predict", "first", "--height", "10") == 2
     check_refusal(capsys.readouterr().err, "options-exclusive", "first")

@@ -145,7 +145,7 @@ def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once
     strict = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.16, 0.01, 0.02))
     assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
     assert Front(SPEC, TRIED).extremes == ()
-    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate search wanted.yaml")
     check_values(page, "0.310°")
     (told,) = (line for line in page.splitlines() if line.startswith("* fewest markers"))
     check_values(told, 1, "H18 T2", 19, "1.5 mm")
@@ -161,7 +161,7 @@ def test_what_cannot_be_met_is_told_with_what_stands_in_the_way() -> None:
 
 def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Path) -> None:
     front = Front(SPEC, TRIED)
-    write_front(tmp_path, front, "palpate optimise wanted.yaml")
+    write_front(tmp_path, front, "palpate search wanted.yaml")
     assert {file.name for file in tmp_path.iterdir()} == {
         *("report.md", "front.csv", "tried.csv", "front.json", "search.svg", "front.svg", "winner.yaml", "winner.svg")
     }
@@ -169,7 +169,7 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     (dome,) = study.designs.skins()
     assert (dome.height, study.designs.markers[0].count, study.camera.distance) == (18.0, 37, 44.0)
     assert winner_study(front, front.winner) == (tmp_path / "winner.yaml").read_text()
-    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate search wanted.yaml")
     check_values(page, 4, 2)
 
 
@@ -204,7 +204,7 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     front = Front(
         SPEC, (TRIED[0], finalist), search_baselines=SearchBaselines((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0]))
     )
-    write_front(tmp_path, front, "palpate optimise wanted.yaml")
+    write_front(tmp_path, front, "palpate search wanted.yaml")
     page = (tmp_path / "report.md").read_text()
     for name, *values_told in (
         ("search", 2, "H18 T2", 37, "0.1500°"),

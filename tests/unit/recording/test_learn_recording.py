@@ -292,7 +292,7 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
     write_estimator(tmp_path / "simulated.onnx", estimator)
     words = ["--from", str(tmp_path / "simulated.onnx"), "--estimators", "ridge"]
     with pytest.raises(SystemExit) as left:
-        main(["learn", str(drawn[0]), "--out", str(tmp_path / "out"), *words])
+        main(["recording", "train", str(drawn[0]), "--out", str(tmp_path / "out"), *words])
     assert left.value.code == 0
     assert "adapted-dots-network" in capsys.readouterr().out
 
@@ -323,7 +323,7 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
 ) -> None:
     out = tmp_path / "out"
     with pytest.raises(SystemExit) as left:
-        main(["learn", str(drawn[0]), "--out", str(out), "--estimators", "ridge"])
+        main(["recording", "train", str(drawn[0]), "--out", str(out), "--estimators", "ridge"])
     assert left.value.code == 0
     assert {"model.h5", "report.md", "report.json", "correspondence.png", "errors.png", "accept.md"} <= {
         path.name for path in out.iterdir()
@@ -341,7 +341,16 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
     (drawn[0] / "images" / "truth.csv").write_text("\n".join(rows) + "\n")
     words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--min-depth", "0"]
     with pytest.raises(SystemExit) as left:
-        main(["accept", str(drawn[0] / "images" / "truth.csv"), "--model", str(out / "model.h5"), *words])
+        main(
+            [
+                "calibration",
+                "accept",
+                str(drawn[0] / "images" / "truth.csv"),
+                "--model",
+                str(out / "model.h5"),
+                *words,
+            ]
+        )
     assert left.value.code == 0
 
 

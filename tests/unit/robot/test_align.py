@@ -244,6 +244,7 @@ def test_the_command_prints_touches_and_writes_them(
 
     write_twin(tmp_path / "twin.h5", twin)
     words = [
+        "simulation",
         "align",
         "--model",
         str(tmp_path / "twin.h5"),

@@ -168,7 +168,7 @@ def run(*words):
 
 
 def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
-    words = ["accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
+    words = ["calibration", "accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
     words += ["--min-depth", "2", "--depth-rmse", "0.3"]
     assert run(*words, "--out", tmp_path / "r", "--name", "U1", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
@@ -181,8 +181,8 @@ def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
 
 def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, capsys):
     words = ["--model", recording / "m.onnx", "--readings", tmp_path / "r.csv"]
-    assert run("accept", recording / "truth.csv", *words) == 2
+    assert run("calibration", "accept", recording / "truth.csv", *words) == 2
     check_refusal(capsys.readouterr().err, "options-exclusive", "--model", "--readings")
     write_truth(tmp_path / "t.csv", [["1.png", "1", 1, 2, 3]])
-    assert run("accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
+    assert run("calibration", "accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
     check_refusal(capsys.readouterr().err, "rest-image-missing")

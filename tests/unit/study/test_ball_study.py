@@ -77,12 +77,12 @@ def test_verbs_that_read_a_grid_read_one_of_offsets(words: str, ball: Path, tmp_
 
 
 def test_the_model_of_the_least_error_is_taken_without_a_column_being_named(ball: Path, tmp_path: Path) -> None:
-    assert run("grid", "model", ball, "-o", tmp_path / "model.onnx") == 0
+    assert run("study", "model", ball, "-o", tmp_path / "model.onnx") == 0
     assert (tmp_path / "model.onnx").stat().st_size > 0
 
 
 def test_bounds_are_listed_in_mm(ball: Path, capsys) -> None:
-    assert run("limit", ball, "--json") == 0
+    assert run("design", "bound", ball, "--json") == 0
     (design,) = json.loads(capsys.readouterr().out)["designs"]
     assert design["bound_mm"] == read_grid(ball).designs[0]["bound_mm"]
     assert {"least_squares_mm", "pitman_mm", "floor_mm"} <= set(design["by_depth"][0])
@@ -124,5 +124,5 @@ def test_a_twin_of_a_ball_is_refused_before_a_press(tmp_path: Path, capsys) -> N
     with refused("twin-needs-wall", "ball 8 mm"):
         plan_twin(study, study.designs.skins()[0])
     (tmp_path / "study.yaml").write_text(json.dumps(study_of(BALL)))
-    assert run("twin", tmp_path / "study.yaml", "--out", tmp_path / "twins") == 2
+    assert run("calibration", "predict", tmp_path / "study.yaml", "--out", tmp_path / "twins") == 2
     check_refusal(capsys.readouterr().err, "twin-needs-wall", "ball 8 mm")

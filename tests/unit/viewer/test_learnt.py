@@ -23,11 +23,11 @@ from palpate.viewer.pages import build_app
 
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of palpate learn, with the recording below it."""
+    """A folder of palpate recording train, with the recording below it."""
     folder = tmp_path_factory.mktemp("learnt")
     draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
     with pytest.raises(SystemExit) as left:
-        main(["learn", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"])
+        main(["recording", "train", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"])
     assert left.value.code == 0
     return folder
 
