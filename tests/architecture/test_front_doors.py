@@ -128,7 +128,7 @@ FRONT_DOORS = {
         "run_sensor",
         "score_readings",
     },
-    "bench": {"VirtualBench", "Deviation", "ToleranceSpec", "VirtualBenchSpec", "run_bench", "run_budget"},
+    "simulation": {"VirtualBench", "Deviation", "ToleranceSpec", "VirtualBenchSpec", "run_bench", "run_budget"},
     "deck": {"DeckSpec", "deck_text", "solve_press_calculix", "write_deck"},
     "optimise": {"RequirementsSpec", "optimise_design", "read_requirements", "write_front"},
     "claims": {"assess_claims", "read_evidence", "write_claims"},

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from palpate.cli.output import JsonOutput
 from palpate.cli.press import PressFlags
 from palpate.deck import DeckElement, DeckSpec, Dialect, write_deck
 
@@ -19,8 +20,18 @@ def deck(
     dialect: Annotated[Dialect, Parameter(help="Program that reads the deck.")] = Dialect.ABAQUS,
     element: Annotated[DeckElement, Parameter(help=_ELEMENT)] = DeckElement.SOLID,
     flags: PressFlags = PressFlags(),
+    json: JsonOutput = JsonOutput(),
 ) -> None:
     """Write the complete input file of a press in mm, N and MPa."""
     mesh, material, wall = flags.problem()
     write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
-    print(f"{output}: {mesh.skin.name} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")
+    facts = {
+        "file": str(output),
+        "skin": mesh.skin.name,
+        "element": element,
+        "dialect": dialect,
+        "wall": wall.model_dump(mode="json"),
+        "material": material.key_data(),
+    }
+    size_mb = output.stat().st_size / 1e6
+    json.show(facts, f"{output}: {mesh.skin.name} of {element} elements for {dialect}, {size_mb:.1f} MB")

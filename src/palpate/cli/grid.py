@@ -57,12 +57,14 @@ def export(
     to: Annotated[Path, Parameter(help="File that ends in .csv, .parquet or .md.")],
     where: Where = None,
     sort: Sort = None,
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write a grid for other programs: CSV, Parquet or Markdown."""
     from palpate.grid import export_grid
 
     grid = _choose(directory, where, sort)
-    print(f"{', '.join(map(str, export_grid(to, grid)))}: {len(grid.designs)} designs")
+    files = [str(path) for path in export_grid(to, grid)]
+    output.show({"files": files, "designs": len(grid.designs)}, f"{', '.join(files)}: {len(grid.designs)} designs")
 
 
 def model(
@@ -71,11 +73,13 @@ def model(
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="File to write, e.g. best.onnx.")],
     where: Where = None,
     sort: Sort = "rmse_jitter_deg",
+    output: JsonOutput = JsonOutput(),
 ) -> None:
     """Take the trained estimator of the best design, or of the first that is chosen, as an ONNX file."""
     from palpate.grid import copy_model
 
-    print(f"{out}: {copy_model(directory, _choose(directory, where, sort), out)}")
+    design = copy_model(directory, _choose(directory, where, sort), out)
+    output.show({"file": str(out), "design": design}, f"{out}: {design}")
 
 
 def compare(
