@@ -19,7 +19,7 @@ TERMS = {
     "conformal": "learn/interval.py",
     "assignment": "markers/name_markers.py",
     "out of distribution": "learn/interval.py",
-    "reprojection residual": "sensor/register.py",
+    "reprojection residual": "markers/register.py",
 }
 
 

@@ -1,4 +1,4 @@
-"""Markers: from images to dots, their numbers and their paths through a press."""
+"""Vision: markers in images, their assignment, their motion, and the pose of the camera."""
 
 from palpate.core import lazy_front
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, provenance
 from palpate.learn import ErrorSummary
-from palpate.recording.correspond import marker_descriptor
+from palpate.markers import marker_descriptor
 from palpate.recording.mix import EnsembleCandidate, press_quantile_of, select_ensemble
 from palpate.recording.model import EnsembleWeights, RecordedModel
 from palpate.recording.part import EnsembleMember

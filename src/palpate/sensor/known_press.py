@@ -13,9 +13,8 @@ from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import Design
 from palpate.fea import WallSpec, solve_press
-from palpate.markers import MarkerAssignment, PressFit, disambiguate_by_press
+from palpate.markers import MarkerAssignment, PressFit, disambiguate_by_press, register_dome
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor.register import register_dome
 from palpate.sensor.unit import Unit
 
 _CELLS = 10

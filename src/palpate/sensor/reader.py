@@ -24,12 +24,10 @@ from palpate.core import FloatArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
-from palpate.markers import MarkerAssignment, TrackedMarkers
+from palpate.markers import MarkerAssignment, PrintDistortion, Registration, TrackedMarkers
 from palpate.recording import is_recorded_model
 from palpate.relaxation import Relaxation
-from palpate.sensor.print_law import PrintDistortion
 from palpate.sensor.reading import Flag
-from palpate.sensor.register import Registration
 from palpate.sensor.rest_drift import DriftTracker, RestDrift, RestState
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit

@@ -21,12 +21,14 @@ from palpate.markers import (
     MarkerAssignment,
     MarkerPattern,
     MotionModel,
+    Registration,
     TrackedMarkers,
     Tracker,
     TrackState,
     assign_markers,
     build_pattern,
     prepare_detector,
+    register_dome,
 )
 from palpate.recording import RecordedModel
 from palpate.sensor.fading_force import ForceRelaxation
@@ -42,7 +44,6 @@ from palpate.sensor.reader import (
 )
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
-from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.rest_drift import RestDrift
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
@@ -215,7 +216,7 @@ def analyse_rest(
     reference_press
         A press that tells the numbers where the mark does not.
     refine_lens
-        Whether focal length and centre are fitted as well (`palpate.sensor.register`).
+        Whether focal length and centre are fitted as well (`palpate.markers.register`).
 
     Raises
     ------

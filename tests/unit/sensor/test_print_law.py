@@ -8,8 +8,8 @@ import pytest
 
 from palpate.core import generator
 from palpate.design import Design
-from palpate.markers import assign_markers
-from palpate.sensor import Unit, draw_inspection, inspect_unit, register_dome
+from palpate.markers import assign_markers, register_dome
+from palpate.sensor import Unit, draw_inspection, inspect_unit
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "markers"))
 from bent_prints import bent, design_of, draw, judge

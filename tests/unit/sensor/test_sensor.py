@@ -20,14 +20,13 @@ from palpate.design import (
     place_orientation_mark,
 )
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
-from palpate.markers import DetectSpec, assign_markers, build_pattern
+from palpate.markers import DetectSpec, assign_markers, build_pattern, register_dome
 from palpate.sensor import (
     Flag,
     SensorSpec,
     Unit,
     describe_reading,
     open_sensor,
-    register_dome,
     run_sensor,
     write_readings,
 )

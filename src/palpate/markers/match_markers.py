@@ -3,10 +3,10 @@
 A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field
 is fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
 serves, an assignment is grown from some dots in the middle, each taken for every dot of the image that it could be
-(`palpate.recording.grow`). On a regular pattern a whole row may be missed by one: then a row of dots is left over on
-one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment is
-believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly as
-well. Else the image counts as failed, with the reason.
+(`palpate.markers.grow_assignment`). On a regular pattern a whole row may be missed by one: then a row of dots is left
+over on one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment
+is believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly
+as well. Else the image counts as failed, with the reason.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.recording.grow import assignment_residuals, grow_assignment
-from palpate.recording.layout import ObservedLayout
-from palpate.recording.motions import MotionPrior
+from palpate.markers.grow_assignment import assignment_residuals, grow_assignment
+from palpate.markers.motion_prior import MotionPrior
+from palpate.markers.observed_layout import ObservedLayout
 
 GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""
@@ -95,7 +95,7 @@ class Correspondence:
         return self.agreement - 2.0 * self.rough
 
 
-def marker_descriptor(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
+def marker_descriptor(dots_px: FloatArray, shape: tuple[float, float]) -> FloatArray:
     """Where dots are (GRID²,), smoothed and of length one: images that are alike have it alike."""
     cells = np.zeros((GRID + 1, GRID + 1))
     if len(dots_px):

@@ -1,18 +1,18 @@
-"""All images of a recording by the numbers of one layout: reference, correspondence, and what became of each."""
+"""Assignment of all images of a recording to one layout: reference image, correspondences, faults."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
 from palpate.core.run import Progress
-from palpate.recording.correspond import Correspondence, MarkerMatcher, marker_descriptor
-from palpate.recording.layout import LEAST_DOTS, ObservedLayout, number_markers
-from palpate.recording.motions import fit_motion_prior
-from palpate.recording.sight import Detections
+from palpate.markers.match_markers import Correspondence, MarkerMatcher, marker_descriptor
+from palpate.markers.motion_prior import fit_motion_prior
+from palpate.markers.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
 
 _REPORTED = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
@@ -39,11 +39,11 @@ class AssignedMarkers:
     found
         (n, m) whether a dot was assigned.
     agreement, rough
-        (n,) see `palpate.recording.correspond.Correspondence`.
+        (n,) see `palpate.markers.match_markers.Correspondence`.
     faults
         (n,) why an image's correspondence is not believed; empty for those that are.
     motion
-        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.recording.motions`; empty without.
+        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.markers.motion_prior`; empty without.
     usual
         (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
     """
@@ -69,21 +69,21 @@ class AssignedMarkers:
         return dict(Counter(self.faults.tolist()))
 
 
-def choose_reference(sight: Detections, count: int) -> int:
+def choose_reference(blobs: Sequence[FloatArray], count: int) -> int:
     """The image whose dots give the layout: the first at rest, else the most central one.
 
     The most central image has as many dots as most images, and looks most like the mean of where dots are.
 
     Parameters
     ----------
-    sight
-        What is seen; images at rest come after `count` others.
+    blobs
+        (n, 2) centres of each image, px; images at rest come after `count` others.
     count
         Number of images of presses.
     """
-    if len(sight.dots) > count and len(sight.dots[count]) >= LEAST_DOTS:
+    if len(blobs) > count and len(blobs[count]) >= LEAST_DOTS:
         return count
-    numbers = np.array([len(dots) for dots in sight.dots[:count]])
+    numbers = np.array([len(each) for each in blobs[:count]])
     usual = float(np.median(numbers))
     if usual < LEAST_DOTS:
         raise PalpateError(
@@ -91,41 +91,39 @@ def choose_reference(sight: Detections, count: int) -> int:
             "Learn from pictures alone: --estimators picture.",
             code="markers-few",
         )
-    shape = (sight.pictures.shape[1], sight.pictures.shape[2])
-    most = np.max([dots.max(axis=0) for dots in sight.dots[:count] if len(dots)], axis=0)
-    scale = np.array(shape[::-1]) / np.maximum(most + 1.0, 1.0)
-    seen = np.array([marker_descriptor(dots * scale, shape) for dots in sight.dots[:count]])
+    width, height = np.max([each.max(axis=0) for each in blobs[:count] if len(each)], axis=0) + 1.0
+    seen = np.array([marker_descriptor(each, (height, width)) for each in blobs[:count]])
     likeness = seen @ seen[numbers > 0].mean(axis=0)
     return int(np.argmax(np.where(numbers >= np.quantile(numbers, 0.7), likeness, -1.0)))
 
 
 def assign_images(
-    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, progress: Progress
+    blobs: Sequence[FloatArray], reference: int, shape: tuple[int, int], smooth: bool, progress: Progress
 ) -> AssignedMarkers:
     """Find the correspondence of every image; images that fail are tried again when all others are known.
 
     Parameters
     ----------
-    sight, reference
-        What is seen, and the image that gives the layout.
+    blobs, reference
+        (n, 2) centres of each image, px, and the image that gives the layout.
     shape
         Height and width of the images, px.
     smooth
-        See `palpate.recording.correspond.MarkerMatcher`.
+        See `palpate.markers.match_markers.MarkerMatcher`.
     progress
         Receives the number of images done.
     """
-    layout = number_markers(sight.dots[reference])
+    layout = number_markers(blobs[reference])
     correspondent = MarkerMatcher(layout, shape, smooth=smooth)
     if smooth:
-        _learn_motions(sight, correspondent, progress)
-    total, what = len(sight.dots), "correspondence"
+        _learn_motions(blobs, correspondent, progress)
+    total, what = len(blobs), "correspondence"
     progress.plan(total)
     progress.begin(what, total)
     found: list[Correspondence] = []
-    for number, dots in enumerate(sight.dots):
-        found.append(correspondent.find(dots))
-        correspondent.remember(dots, found[-1])
+    for number, seen in enumerate(blobs):
+        found.append(correspondent.find(seen))
+        correspondent.remember(seen, found[-1])
         if (number + 1) % _REPORTED == 0:
             rejected = sum(not one.accepted for one in found)
             progress.advance(what, number + 1, f"{number + 1} of {total} images, {rejected} rejected")
@@ -142,17 +140,17 @@ def assign_images(
     )
 
 
-def _learn_motions(sight: Detections, correspondent: MarkerMatcher, progress: Progress) -> None:
+def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, progress: Progress) -> None:
     """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
-    some = np.unique(np.linspace(0, len(sight.dots) - 1, min(_PILOT, len(sight.dots))).astype(int))
-    some = some[[len(sight.dots[number]) >= LEAST_DOTS for number in some]]
+    some = np.unique(np.linspace(0, len(blobs) - 1, min(_PILOT, len(blobs))).astype(int))
+    some = some[[len(blobs[number]) >= LEAST_DOTS for number in some]]
     found = []
     for number in some:
-        found.append(correspondent.find(sight.dots[number]))
-        correspondent.remember(sight.dots[number], found[-1])
+        found.append(correspondent.find(blobs[number]))
+        correspondent.remember(blobs[number], found[-1])
     if np.mean([one.confident for one in found]) >= _PLAIN:
         return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
-    seen = np.array([marker_descriptor(sight.dots[number], correspondent.shape) for number in some])
+    seen = np.array([marker_descriptor(blobs[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
     for share in _TEACH:
         order = np.argsort([-one.score for one in found])
@@ -165,7 +163,7 @@ def _learn_motions(sight: Detections, correspondent: MarkerMatcher, progress: Pr
         for k, number in enumerate(some):
             alike = taught[np.argsort(-(seen[taught] @ seen[k]))[:_ALIKE]]
             guesses = [found[k].moved_px, *(found[other].moved_px for other in alike if other != k)]
-            tries = [correspondent.refine(sight.dots[number], guess) for guess in guesses]
+            tries = [correspondent.refine(blobs[number], guess) for guess in guesses]
             found[k] = max(tries, key=lambda one: one.score)
         best = [found[k] for k in taught]
         correspondent.usual = (

@@ -10,9 +10,7 @@ from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from errors import refused
 from palpate.core.run import Progress
-from palpate.markers import prepare_detector
-from palpate.recording import MarkerMatcher, MatchFault, assign_images, number_markers
-from palpate.recording.sight import Detections
+from palpate.markers import MarkerMatcher, MatchFault, assign_images, number_markers, prepare_detector
 
 STILL = np.zeros((4, 2))
 SHAPE = (420, 420)
@@ -136,10 +134,7 @@ def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most
         alone = places[~fused & (rng.random(len(places)) > 0.02)]
         dots.append(np.vstack([alone, 0.5 * (places + places[apart.argmin(axis=1)])[fused][::2]]))
     count = len(dots)
-    sight = Detections(
-        np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
-    )
-    found = assign_images(sight, count, SHAPE, True, Progress())
+    found = assign_images((*dots, rest), count, SHAPE, True, Progress())
     own = np.argmin(np.linalg.norm(found.layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
     off = [np.linalg.norm(found.layout.rest_px + found.moved_px[k] - drawn[k][0][own], axis=1) for k in range(count)]
     wrong = (np.array(off) > 8) & found.found[:count]
@@ -155,10 +150,7 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
     rest, heads = heads_of(sensor, 120)
     dots = [rng.permutation(places + rng.normal(0, 0.1, places.shape)) for places in heads]
     count = len(dots)
-    sight = Detections(
-        np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
-    )
-    found = assign_images(sight, count, SHAPE, True, Progress())
+    found = assign_images((*dots, rest), count, SHAPE, True, Progress())
     assert not len(found.motion)
     assert found.good[:count].all()
     own = np.argmin(np.linalg.norm(found.layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
