@@ -11,7 +11,7 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
 from palpate.core.run import Progress
 from palpate.markers.match_markers import Correspondence, MarkerMatcher, marker_descriptor
-from palpate.markers.motion_prior import fit_motion_prior
+from palpate.markers.motion import fit_motion_model
 from palpate.markers.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
 
 _REPORTED = 500
@@ -20,6 +20,8 @@ _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 many that look alike lead to another."""
 
 
+_NOISE = 0.02
+"""Noise of a marker's place, over the spacing, at least."""
 _PLAIN = 0.9
 """Share of images that are sure by a smooth field alone, from which nothing else is learnt."""
 
@@ -43,7 +45,7 @@ class AssignedMarkers:
     faults
         (n,) why an image's correspondence is not believed; empty for those that are.
     motion
-        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.markers.motion_prior`; empty without.
+        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.markers.MotionModel`; empty without.
     usual
         (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
     """
@@ -157,7 +159,9 @@ def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, pr
         taught = order[: max(int(share * len(found)), sum(one.confident for one in found))]
         if len(taught) < _LEAST_TAUGHT:
             return
-        correspondent.motions = fit_motion_prior([found[k].moved_px for k in taught], spacing)
+        correspondent.motions = fit_motion_model(
+            correspondent.layout.rest_px, [found[k].moved_px for k in taught], _NOISE * spacing
+        )
         correspondent.fields = [found[k].moved_px for k in taught]
         correspondent.seen = list(seen[taught])
         for k, number in enumerate(some):

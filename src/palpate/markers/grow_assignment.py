@@ -8,9 +8,41 @@ long as it changes slowly from dot to dot.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, IntArray, kernel
+
+
+def mutual_nearest(places: FloatArray, blobs: cKDTree, reach: FloatArray) -> IntArray:
+    """(m,) number of the blob that is nearest to a place (m, 2) whose nearest it is in turn; -1 beyond reach (m,)."""
+    far, blob = blobs.query(places)
+    _, back = cKDTree(places).query(blobs.data)
+    return np.where((back[blob] == np.arange(len(places))) & (far < reach), blob, -1)
+
+
+def grow_largest(
+    starts: Iterable[tuple[FloatArray, IntArray]], near: IntArray, blobs: FloatArray, tolerance: float, least: float
+) -> list[IntArray]:
+    """Different assignments (m,) grown from starts, the largest first.
+
+    Parameters
+    ----------
+    starts
+        (m, 2) places at rest, px, and (m,) assignments to begin with.
+    near, blobs, tolerance
+        See `grow_assignment`.
+    least
+        Share of the markers that an assignment must have.
+    """
+    grown: dict[bytes, IntArray] = {}
+    for rest, start in starts:
+        match = grow_assignment(rest, near, blobs, start, tolerance)
+        if (match >= 0).sum() >= least * len(rest):
+            grown.setdefault(match.tobytes(), match)
+    return sorted(grown.values(), key=lambda match: -int((match >= 0).sum()))
 
 
 @kernel

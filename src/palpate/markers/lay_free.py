@@ -1,12 +1,14 @@
-"""A free layout found among dots by its neighbourhoods: a patch that fits, grown marker by marker.
+"""Fit of a free layout among blobs: patches of neighbouring markers that fit, grown over neighbours.
 
-A few neighbouring markers are laid over every dot, turned and scaled; from where they find most dots, the naming
-grows outwards. Every marker is forecast by a smooth map of the named ones about it, so the print may be bent as a
-whole as long as it is smooth. What a second place would name as well makes a naming doubtful.
+A few neighbouring markers are laid over every blob, turned and scaled; from those that cover most blobs, the
+assignment grows (`palpate.markers.grow_assignment`). A smooth map is then fitted to it and markers are assigned by the
+map, so the print may be bent as a whole as long as it is smooth. If another place explains as many markers, the
+assignment is doubtful.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +17,11 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, IntArray
+from palpate.markers.grow_assignment import grow_largest, mutual_nearest
 from palpate.markers.laid import PatternFit
+from palpate.markers.motion import interpolate_motion
+from palpate.markers.observed_layout import ObservedLayout
 from palpate.markers.pattern import MarkerPattern
 from palpate.markers.warp import fit_warp
 
@@ -26,13 +31,11 @@ _PATCHES = 3
 _SCALES = (0.8, 0.9, 1.0, 1.1, 1.25)
 _ANGLE_STEP_DEG = 4.0
 _TRIES = 12
-_NEIGHBOURS = 14
-_ROUNDS = 24
+_ROUNDS = 8
+_STEP, _LEAST_GROWN = 0.4, 0.4
 _REACH, _PRINT_REACH = 0.3, 0.22
 """How far from its forecast a dot may lie while the naming grows and at last, over the distance of two neighbours."""
 _STRAY, _LEAST_REACH_PX = 4.5, 0.7
-_NEAR = 2.2
-"""Markers this much farther than the nearest ones are forecast, over the distance of two neighbours."""
 _ROUGH = 0.12
 _STRANGE, _STRANGE_SHARE = 5, 0.03
 """Dots within the print and a spacing beside it that are of no marker: so many, and more for each that is."""
@@ -40,7 +43,6 @@ _CHANCE = 1e-8
 _RIVAL = 0.94
 _LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
 """Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
-_FULL = 0.9
 
 
 class _Grown(NamedTuple):
@@ -61,9 +63,14 @@ def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit
     grown: list[_Grown] = []
     for mirror in (False,) if pattern.mirrored.any() else (False, True):
         template = pattern.expected_px * [1.0, -1.0 if mirror else 1.0]
-        growth = _Growth(template, blobs_px, pattern.spacing_px)
-        for anchor in _anchors(template):
-            grown += [growth.grow(*start, mirror) for start in growth.starts(anchor)]
+        placements = _Placements(template, blobs_px)
+        starts = (start for anchor in _anchors(template) for start in placements.lay(anchor))
+        grown += [
+            placements.fit(blob, mirror)
+            for blob in grow_largest(starts, placements.near, blobs_px, _STEP, _LEAST_GROWN)
+        ]
+    if not grown:
+        return None
     grown.sort(key=lambda each: (-each.named, each.residual))
     best = grown[0]
     rivals = [each.named for each in grown[1:] if not _same(each, best, pattern)]
@@ -83,96 +90,68 @@ def _anchors(template: FloatArray) -> list[int]:
     return chosen
 
 
-class _Growth:
-    """Namings of one template among one set of dots."""
+class _Placements:
+    """Assignments of one template (m, 2) among blobs (n, 2), each grown from a patch laid over some of them."""
 
-    def __init__(self, template: FloatArray, blobs: FloatArray, spacing: float) -> None:
-        self.template, self.blobs, self.spacing = template, blobs, spacing
-        self.tree, self.own = cKDTree(blobs), cKDTree(template)
-        self.room = self.own.query(template, 2)[0][:, 1]
-        self.pitch = float(np.median(self.room))
+    def __init__(self, template: FloatArray, blobs: FloatArray) -> None:
+        self.template, self.blobs = template, blobs
+        self.near = ObservedLayout(template).neighbours
+        self.own, self.tree = cKDTree(template), cKDTree(blobs)
+        room = self.own.query(template, 2)[0][:, 1]
+        self.pitch = float(np.median(room))
+        self.step = np.minimum(room, self.pitch)
         margin = int(np.ceil(4 * self.pitch)) + 4
         self.origin = np.floor(blobs.min(axis=0)) - margin
         grid = np.ones(np.ceil(np.ptp(blobs, axis=0)).astype(int)[::-1] + 2 * margin + 2, bool)
         cells = np.rint(blobs - self.origin).astype(int)
         grid[cells[:, 1], cells[:, 0]] = False
-        self.near = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * self.pitch)) ** 2)
+        self.likely = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * self.pitch)) ** 2)
 
-    def starts(self, anchor: int) -> list[tuple[NDArray[np.intp], FloatArray]]:
-        """Patches about a marker laid where they find most dots: their markers, and their places."""
+    def lay(self, anchor: int) -> Iterator[tuple[FloatArray, IntArray]]:
+        """Template (m, 2) laid so that a patch about a marker covers most blobs, and those of the patch (m,)."""
         patch = self.own.query(self.template[anchor], min(_PATCH, len(self.template)))[1]
-        shape = self.template[patch] - self.template[anchor]
         angle = np.radians(np.arange(0.0, 360.0, _ANGLE_STEP_DEG))
         turn = np.stack(
             [np.stack([np.cos(angle), np.sin(angle)], -1), np.stack([-np.sin(angle), np.cos(angle)], -1)], 1
         )
-        laid = (np.array(_SCALES)[:, None, None, None] * (shape @ turn)[None]).reshape(-1, len(patch), 2)
+        moves = (np.array(_SCALES)[:, None, None, None] * turn[None]).reshape(-1, 2, 2)
+        laid = (self.template[patch] - self.template[anchor]) @ moves
         score = np.empty((len(laid), len(self.blobs)))
-        limit = np.array(self.near.shape)[::-1] - 1
+        limit = np.array(self.likely.shape)[::-1] - 1
         for number, blob in enumerate(self.blobs):
             cell = np.clip(np.rint(laid + (blob - self.origin)).astype(int), 0, limit)
-            score[:, number] = self.near[cell[..., 1], cell[..., 0]].sum(axis=1)
+            score[:, number] = self.likely[cell[..., 1], cell[..., 0]].sum(axis=1)
         best = score.argmax(axis=0)
         first = np.argsort(-score.max(axis=0), kind="stable")[:_TRIES]
-        return [(patch, laid[best[number]] + self.blobs[number]) for number in first]
+        for number in first:
+            whole = (self.template - self.template[anchor]) @ moves[best[number]] + self.blobs[number]
+            start = np.full(len(whole), -1)
+            start[patch] = mutual_nearest(whole[patch], self.tree, np.full(len(patch), _REACH * self.pitch))
+            yield whole, start
 
-    def grow(self, patch: NDArray[np.intp], laid: FloatArray, mirror: bool) -> _Grown:
-        """Name outwards from a patch until nothing changes."""
-        places = np.full(self.template.shape, np.inf)
-        places[patch] = laid
-        blob, before = self._nearest(places, np.full(len(places), _REACH * self.pitch)), np.empty(0, int)
+    def fit(self, blob: IntArray, mirror: bool) -> _Grown:
+        """Fit a smooth map to an assignment (m,) and assign by it until nothing changes."""
+        places, before = self.template, np.empty(0, int)
         for _ in range(_ROUNDS):
             if (blob >= 0).sum() < 4 or np.array_equal(blob, before):
                 break
-            before = blob
-            places = self._forecast(blob)
-            blob = self._nearest(places, _REACH * np.minimum(self.room, self.pitch))
+            before, places = blob, self._predict(blob)
+            blob = mutual_nearest(places, self.tree, _REACH * self.step)
         if (blob >= 0).sum() < 4:
-            return _Grown(blob, np.where(np.isfinite(places), places, 0.0), np.inf, mirror)
+            return _Grown(blob, places, np.inf, mirror)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)
         spread = 1.4826 / 1.1774 * float(np.median(left[blob >= 0]))
-        most = _PRINT_REACH * np.minimum(self.room, self.pitch)
-        places = np.where(np.isfinite(places), places, self._forecast(blob, every=True))
-        blob = self._nearest(places, np.minimum(max(_STRAY * spread, _LEAST_REACH_PX), most))
+        reach = np.minimum(max(_STRAY * spread, _LEAST_REACH_PX), _PRINT_REACH * self.step)
+        blob = mutual_nearest(places, self.tree, reach)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)[blob >= 0]
         return _Grown(blob, places, float(np.sqrt(np.mean(left**2) / 2.0)) if len(left) else np.inf, mirror)
 
-    def _forecast(self, blob: NDArray[np.intp], every: bool = False) -> FloatArray:
-        """(m, 2) each marker by a smooth map of the named ones about it, itself left out; infinite where far."""
-        named = np.flatnonzero(blob >= 0)
-        points, pixels = self.template[named], self.blobs[blob[named]]
-        count = min(_NEIGHBOURS + 1, len(named))
-        distance, near = cKDTree(points).query(self.template, count)
-        own = near == np.searchsorted(named, np.arange(len(blob)))[:, None]
-        own &= (blob >= 0)[:, None]
-        size = np.maximum(distance[:, min(3, count - 1)], self.pitch)[:, None]
-        weight = np.where(own, 0.0, np.exp(-((distance / size) ** 2) / 2.0) + 1e-3)
-        terms = next(terms for terms, least in ((10, 30), (6, 12), (3, 0)) if len(named) >= least)
+    def _predict(self, blob: IntArray) -> FloatArray:
+        """(m, 2) each marker by a smooth map of the assigned ones about it, itself left out."""
+        points, pixels = self.template[blob >= 0], self.blobs[blob[blob >= 0]]
+        terms = next(terms for terms, least in ((10, 30), (6, 12), (3, 0)) if len(points) >= least)
         whole = fit_warp(points, pixels, terms, self.template)
-        left = pixels - whole(points)  # what the neighbours have in common beside the map of all
-        x = (points[near] - self.template[:, None]) / size[..., None]
-        u, v = x[..., 0], x[..., 1]
-        design = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
-        weighted = design * weight[..., None]
-        ridge = np.diag([1e-6, 0.01, 0.01, 0.1, 0.1, 0.1])
-        solved = np.linalg.solve(
-            np.swapaxes(weighted, 1, 2) @ design + ridge, np.swapaxes(weighted, 1, 2) @ left[near]
-        )
-        places = whole(self.template) + solved[:, 0]
-        second = distance[:, min(2, count - 1)]
-        return places if every else np.where((second < _NEAR * self.pitch)[:, None], places, np.inf)
-
-    def _nearest(self, places: FloatArray, reach: FloatArray) -> NDArray[np.intp]:
-        """(m,) nearest dot of each place within reach, where the place is also the nearest of the dot."""
-        known = np.isfinite(places).all(axis=1)
-        blob = np.full(len(places), -1)
-        if not known.any():
-            return blob
-        distance, dot = self.tree.query(places[known])
-        back = np.flatnonzero(known)[cKDTree(places[known]).query(self.blobs)[1]]
-        good = (distance < reach[known]) & (back[dot] == np.flatnonzero(known))
-        blob[known] = np.where(good, dot, -1)
-        return blob
+        return whole(self.template) + interpolate_motion(points, pixels - whole(points), self.template)
 
 
 def _same(one: _Grown, other: _Grown, pattern: MarkerPattern) -> bool:

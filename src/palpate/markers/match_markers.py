@@ -20,8 +20,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.markers.grow_assignment import assignment_residuals, grow_assignment
-from palpate.markers.motion_prior import MotionPrior
+from palpate.markers.grow_assignment import assignment_residuals, grow_assignment, grow_largest, mutual_nearest
+from palpate.markers.motion import MotionModel
 from palpate.markers.observed_layout import ObservedLayout
 
 GRID = 20
@@ -138,18 +138,25 @@ class MarkerMatcher:
     seen: list[FloatArray] = field(default_factory=list)
     fields: list[FloatArray] = field(default_factory=list)
     smooth: bool = True
-    motions: MotionPrior | None = None
+    motions: MotionModel | None = None
     usual: tuple[float, float] = (_SURE, _CALM)
 
     def to_arrays(self) -> tuple[FloatArray, FloatArray]:
         """Motions (1 + k, 2m), empty where there are none, and (3,) what is usual and their noise, for a file."""
         known = self.motions
-        motion = np.zeros((0, 0)) if known is None else np.vstack([known.mean, known.directions.T])
+        motion = (
+            np.zeros((0, 0))
+            if known is None or known.modes_px is None
+            else np.concatenate([known.mean_px[None], known.modes_px]).reshape(-1, 2 * len(self.layout))
+        )
         return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
 
     def with_arrays(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
         """This, with what `to_arrays` gave."""
-        known = MotionPrior(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
+        known = None
+        if len(motion):
+            mean, *modes = motion.reshape(len(motion), -1, 2)
+            known = MotionModel(self.layout.rest_px, np.array(modes), mean, float(usual[2]))
         return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
     def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
@@ -204,21 +211,13 @@ class MarkerMatcher:
         while len(starts) < _STARTS:  # the next is as far from the others as it can be within the inner part
             away = np.linalg.norm(layout.rest_px[:, None] - layout.rest_px[starts], axis=-1).min(axis=1)
             starts.append(int(np.argmax(np.where(full & (far < 0.65 * far.max()), away, -1.0))))
-        grown: dict[bytes, IntArray] = {}
         tree = cKDTree(dots_px)
-        sizes: list[tuple[int, bytes]] = []
-        for start in starts:
-            reach = _REACH * layout.spacing_px[start]
-            for other in tree.query_ball_point(layout.rest_px[start], reach):
-                seed = np.where(np.arange(len(layout)) == start, other, -1)
-                match = grow_assignment(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
-                key = match.tobytes()
-                size = int((match >= 0).sum())
-                if key not in grown and size >= 0.3 * len(layout):
-                    grown[key] = match
-                    sizes.append((size, key))
-        best = sorted(sizes, key=lambda item: -item[0])[:_ALIKE]
-        return [grown[key] for _, key in best]
+        seeds = (
+            (layout.rest_px, np.where(np.arange(len(layout)) == start, other, -1))
+            for start in starts
+            for other in tree.query_ball_point(layout.rest_px[start], _REACH * layout.spacing_px[start])
+        )
+        return grow_largest(seeds, layout.neighbours, dots_px, _STEP, 0.3)[:_ALIKE]
 
     def _field(self, dots_px: FloatArray, match: IntArray) -> tuple[FloatArray, FloatArray]:
         """Smooth displacement (m, 2) of an assignment, and distances (m,) from it, NaN where there is no dot."""
@@ -241,7 +240,7 @@ class MarkerMatcher:
         tree = cKDTree(dots_px)
         for turn in range(_TURNS):
             reach = _WIDE + (_NEAR - _WIDE) * min(turn / 3, 1.0)
-            match = _mutual(layout.rest_px + smooth, dots_px, tree, reach)
+            match = _match(layout.rest_px + smooth, tree, reach)
             if (match >= 0).sum() < max(6, 0.2 * len(layout)):
                 break
             smooth, _ = self._field(dots_px, match)
@@ -249,7 +248,7 @@ class MarkerMatcher:
                 break
             previous = match.tobytes()
         else:
-            match = _mutual(layout.rest_px + smooth, dots_px, tree, _NEAR)
+            match = _match(layout.rest_px + smooth, tree, _NEAR)
         if self.motions is not None:
             return self._evaluate(dots_px, match, smooth)
         return self._evaluate(dots_px, *self._mend(dots_px, match, smooth))
@@ -324,11 +323,7 @@ def _largest(match: IntArray, near: IntArray) -> IntArray:
     return np.where(there & (part == np.argmax(sizes)), match, -1)
 
 
-def _mutual(places: FloatArray, dots_px: FloatArray, tree: cKDTree, reach: float) -> IntArray:
-    """(m,) dots that are nearest to a place whose nearest they are in turn, -1 where none is within reach."""
-    around = cKDTree(places)
-    far, match = tree.query(places)
-    _, back = around.query(dots_px)
-    spacing = around.query(places, min(4, len(places)))[0][:, 1:].mean(axis=1)
-    good = (back[match] == np.arange(len(places))) & (far < reach * spacing)
-    return np.where(good, match, -1)
+def _match(places: FloatArray, tree: cKDTree, reach: float) -> IntArray:
+    """(m,) blobs at places, within a reach over the distance to the nearest three places."""
+    spacing = cKDTree(places).query(places, min(4, len(places)))[0][:, 1:].mean(axis=1)
+    return mutual_nearest(places, tree, reach * spacing)

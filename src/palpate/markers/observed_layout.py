@@ -21,8 +21,6 @@ LEAST_DOTS = 6
 """Least number of dots of a layout."""
 _LONGEST = 1.7
 """An edge to a neighbour is at most so much longer than the median of the dot's shortest three."""
-_ENDS = 1e-3
-"""Share of an eigenvalue that a constant field is given, so that it costs nothing."""
 
 
 @dataclass(frozen=True, eq=False)
