@@ -1,7 +1,6 @@
 """Vision: markers in images, their assignment, their motion, and the pose of the camera."""
 
 from palpate.markers.assign_images import AssignedMarkers, assign_images, choose_reference
-from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector, prepare_detector
 from palpate.markers.match_markers import Correspondence, MarkerMatcher, MatchFault, marker_descriptor
 from palpate.markers.motion import MotionModel, fit_motion_model
@@ -12,9 +11,9 @@ from palpate.markers.pattern import MarkerPattern, build_pattern
 from palpate.markers.print_distortion import PrintDistortion
 from palpate.markers.register import Registration, register_dome
 from palpate.markers.rings import Rings, find_rings
+from palpate.markers.segment import Blobs
 from palpate.markers.spec import DetectSpec
-from palpate.markers.tracker import Tracker, TrackState, find_markers
-from palpate.markers.tracks import TrackedMarkers, Tracks
+from palpate.markers.tracker import TrackedMarkers, Tracker, Tracks, TrackState, find_markers
 
 __all__ = [
     "AssignedMarkers",

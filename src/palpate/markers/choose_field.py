@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
 from palpate.markers.opencv import blur
-from palpate.markers.segment import Segments, heights, measure_noise, segment
+from palpate.markers.segment import Blobs, Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 
 Image = NDArray[np.float32]
@@ -36,6 +36,23 @@ _ORDERED = 2.5
 """Standard deviations by which dots must be more in order than chance and the cleanest field to be preferred."""
 _ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
 """What a dot must have to count for the order: ratio of axes, fullness, and the size that is tried, to e^±0.5."""
+
+_IN_ORDER, _ABOVE_CHANCE = 0.25, 5.0
+"""Share of dots half way between two neighbours, and standard deviations of that above chance, of a field in order.
+
+The public images that show dots have 0.32 and 6.0 or more, one excepted whose dots are alike; grain has up to 0.2."""
+_DISTINCT = 30.0
+"""Least contrast over the noise of a pixel times the diameter, px: a faint weave has less, faint printed dots 44."""
+_AT_BORDER, _NOT_LONG = 0.25, 0.59
+"""Greatest share of dots cut by the image's border, and least median ratio of axes: a weave runs on beyond the image,
+and its pieces are long; public images have at most 0.08 and at least 0.69."""
+_ONE_WAY = 0.7
+"""How far the arms between neighbours may point one way."""
+_DISC = 0.95
+"""Median ratio of axes above which dots are discs, and no threads, whatever way they run."""
+_EQUAL, _FEWEST, _OVAL = 0.06, 8, 0.75
+"""Greatest spread of the contrast of dots that are alike, of what they are at least, and their median ratio of axes:
+up to seven lamps about a dome are as alike as print."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +170,47 @@ def is_midpoint(points: FloatArray) -> BoolArray:
     """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
     if len(points) < 3:
         return np.zeros(len(points), bool)
+    return np.asarray((_arms(points)[1] < _HALF_WAY / 2.0).any(axis=(1, 2)))
+
+
+def _arms(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n, k, 2) arms to the nearest neighbours, and (n, k, k) length of the sum of two arms over their lengths."""
     distance, number = cKDTree(points).query(points, min(_NEIGHBOURS + 1, len(points)))
     arms, length = points[number[:, 1:]] - points[:, None], distance[:, 1:]
-    miss = np.linalg.norm(arms[:, :, None] + arms[:, None], axis=-1)
-    return np.asarray((miss < _HALF_WAY * (length[:, :, None] + length[:, None]) / 2.0).any(axis=(1, 2)))
+    lengths = np.maximum(length[:, :, None] + length[:, None], 1e-9)
+    return arms, np.linalg.norm(arms[:, :, None] + arms[:, None], axis=-1) / lengths
+
+
+def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
+    """Whether blobs look printed.
+
+    Parameters
+    ----------
+    blobs
+        Those of an image.
+    field
+        What was chosen to find them.
+    """
+    count = len(blobs)
+    if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
+        return False
+    clear = float(np.median(blobs.contrast)) / blobs.noise * float(np.median(blobs.diameter_px)) > _DISTINCT
+    share = float(is_midpoint(blobs.positions_px).mean())
+    above = (share - AT_RANDOM) * np.sqrt(count / (AT_RANDOM * (1.0 - AT_RANDOM)))
+    in_order = share > _IN_ORDER and above > _ABOVE_CHANCE
+    alike = _spread(np.log(np.maximum(blobs.contrast, 1e-9))) < _EQUAL and field.roundness > _OVAL
+    one_way = field.roundness < _DISC and _in_one_direction(blobs.positions_px) > _ONE_WAY
+    return bool(clear and not one_way and (in_order or alike))
+
+
+def _in_one_direction(points: FloatArray) -> float:
+    """How far the straightest arms of all dots point one way: 1 for a weave's threads, near 0 for grids and rings."""
+    arms, miss = _arms(points)
+    best = miss.reshape(len(points), -1).argmin(axis=1) // arms.shape[1]
+    arm = arms[np.arange(len(points)), best]
+    return float(np.abs(np.mean(np.exp(2j * np.arctan2(arm[:, 1], arm[:, 0])))))
+
+
+def _spread(values: FloatArray) -> float:
+    """Standard deviation by the median of the distances from the median."""
+    return float(1.4826 * np.median(np.abs(values - np.median(values))))

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.blobs import Blobs
 from palpate.markers.centre import fit_centres
-from palpate.markers.choose_field import choose_dots, choose_field
-from palpate.markers.grey import to_grey
+from palpate.markers.choose_field import choose_dots, choose_field, is_printed
+from palpate.markers.neighbours import largest_group
 from palpate.markers.opencv import fill_hull, grow, simple_blobs
-from palpate.markers.printed import is_printed
-from palpate.markers.segment import Segments, heights, measure_noise, segment
+from palpate.markers.segment import Blobs, Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 from palpate.markers.split import split_merged
 
@@ -29,6 +27,11 @@ _GAP = 2.6
 """Step between dots of one field that is always allowed, over the median distance of nearest neighbours."""
 _CLEAR = 40.0
 """Contrast of a blob's sum over its noise at which half of its elongation is believed."""
+
+
+_LUMA = np.array([0.114, 0.587, 0.299], np.float32)
+"""Weights of blue, green and red (ITU-R BT.601), in OpenCV's order."""
+_SMALLEST_PX = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,6 +172,57 @@ def prepare_detector(
     return found
 
 
+def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
+    """Grey levels of an image.
+
+    Parameters
+    ----------
+    image
+        (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any number type; colours in the order blue, green, red.
+    largest_mpx
+        Largest image that is taken, in millions of pixels.
+
+    Returns
+    -------
+    ndarray
+        (h, w) in the levels of the image.
+
+    Raises
+    ------
+    PalpateError
+        If it is no image, is smaller than 8 px, larger than allowed, or holds what is not a number.
+    """
+    image = np.asarray(image)
+    colours = image.shape[2] if image.ndim == 3 else 1
+    if image.ndim not in (2, 3) or colours not in (1, 3, 4) or image.dtype.kind not in "buif":
+        raise PalpateError(
+            f"An array of shape {image.shape} and type {image.dtype} is not an image.",
+            "Give (h, w).",
+            code="image-shape-wrong",
+        )
+    height, width = image.shape[:2]
+    if min(height, width) < _SMALLEST_PX:
+        raise PalpateError(
+            f"The image has {width} × {height} px.",
+            f"Give one of at least {_SMALLEST_PX} px a side.",
+            code="image-too-small",
+        )
+    if height * width > largest_mpx * 1e6:
+        raise PalpateError(
+            f"The image has {width} × {height} px, more than {largest_mpx:g} million.",
+            "Shrink it, or raise largest_mpx.",
+            code="image-too-large",
+        )
+    if image.ndim == 3:
+        image = image[..., 0] if colours == 1 else image[..., :3].astype(np.float32) @ _LUMA
+    grey = np.ascontiguousarray(image, np.float32)
+    if image.dtype.kind == "f" and not np.isfinite(grey).all():
+        raise PalpateError(
+            "The image holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
+        )
+    return grey
+
+
 def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:
     """(n,) whether points lie in a mask."""
     column = np.clip(np.rint(points_px[:, 0]).astype(int), 0, mask.shape[1] - 1)
@@ -214,8 +268,6 @@ def _determinant(spread: FloatArray) -> FloatArray:
 
 def _find_mask(blobs: Blobs, shape: tuple[int, int], gap: float) -> BoolArray | None:
     """Where the largest group of neighbouring dots is, and one spacing more."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     if len(blobs) < 4:
@@ -223,9 +275,7 @@ def _find_mask(blobs: Blobs, shape: tuple[int, int], gap: float) -> BoolArray | 
     tree = cKDTree(blobs.positions_px)
     spacing = float(np.median(tree.query(blobs.positions_px, 2)[0][:, 1]))
     pairs = tree.query_pairs(gap * spacing, output_type="ndarray")
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(blobs), len(blobs)))
-    _, group = connected_components(graph, directed=False)
-    largest = group == np.bincount(group).argmax()
+    largest = largest_group(pairs, np.ones(len(blobs), bool))
     if largest.sum() < 4:
         return None
     return grow(fill_hull(blobs.positions_px[largest], shape), int(np.ceil(1.5 * spacing)))

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, IntArray, kernel
+from palpate.core import BoolArray, FloatArray, IntArray, kernel
 
 
 def mutual_nearest(places: FloatArray, blobs: cKDTree, reach: FloatArray) -> IntArray:
@@ -21,6 +21,27 @@ def mutual_nearest(places: FloatArray, blobs: cKDTree, reach: FloatArray) -> Int
     far, blob = blobs.query(places)
     _, back = cKDTree(places).query(blobs.data)
     return np.where((back[blob] == np.arange(len(places))) & (far < reach), blob, -1)
+
+
+def spread_starts(places: FloatArray, usable: BoolArray, inner: float, count: int) -> list[int]:
+    """Numbers of places to grow from: the most central of those that are usable, then the farthest from the chosen.
+
+    Parameters
+    ----------
+    places, usable
+        (m, 2) px, and (m,) which may be chosen.
+    inner
+        Largest distance of a chosen place from the middle, over that of the farthest place.
+    count
+        Number of places, if enough are usable.
+    """
+    far = np.linalg.norm(places - places.mean(axis=0), axis=1)
+    usable = usable & (far <= inner * far.max())
+    chosen = [int(np.argmin(np.where(usable, far, np.inf)))]
+    while len(chosen) < min(count, int(usable.sum())):
+        apart = np.linalg.norm(places[:, None] - places[chosen], axis=-1).min(axis=1)
+        chosen.append(int(np.argmax(np.where(usable, apart, -1.0))))
+    return chosen
 
 
 def grow_largest(

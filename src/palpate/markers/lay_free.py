@@ -1,14 +1,15 @@
 """Fit of a free layout among blobs: patches of neighbouring markers that fit, grown over neighbours.
 
 A few neighbouring markers are laid over every blob, turned and scaled; from those that cover most blobs, the
-assignment grows (`palpate.markers.grow_assignment`). A smooth map is then fitted to it and markers are assigned by the
-map, so the print may be bent as a whole as long as it is smooth. If another place explains as many markers, the
+assignment grows (`palpate.markers.grow_assignment`). A smooth map is then fitted to it and markers are assigned by
+the map, so the print may be bent as a whole as long as it is smooth. If another place explains as many markers, the
 assignment is doubtful.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,16 +19,14 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
 from palpate.core import FloatArray, IntArray
-from palpate.markers.grow_assignment import grow_largest, mutual_nearest
-from palpate.markers.laid import PatternFit
+from palpate.markers.grow_assignment import grow_largest, mutual_nearest, spread_starts
 from palpate.markers.motion import interpolate_motion
 from palpate.markers.observed_layout import ObservedLayout
-from palpate.markers.pattern import MarkerPattern
-from palpate.markers.warp import fit_warp
+from palpate.markers.pattern import MarkerPattern, PatternFit
 
 _PATCH = 11
 """Markers of a patch."""
-_PATCHES = 3
+_PATCHES, _INNER = 3, 0.75
 _SCALES = (0.8, 0.9, 1.0, 1.1, 1.25)
 _ANGLE_STEP_DEG = 4.0
 _TRIES = 12
@@ -43,6 +42,10 @@ _CHANCE = 1e-8
 _RIVAL = 0.94
 _LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
 """Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
+
+_POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+_LEAST_FREE = 6
+"""Dots more than unknowns from which on the residuals tell the spread."""
 
 
 class _Grown(NamedTuple):
@@ -64,7 +67,8 @@ def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit
     for mirror in (False,) if pattern.mirrored.any() else (False, True):
         template = pattern.expected_px * [1.0, -1.0 if mirror else 1.0]
         placements = _Placements(template, blobs_px)
-        starts = (start for anchor in _anchors(template) for start in placements.lay(anchor))
+        anchors = spread_starts(template, np.ones(len(template), bool), _INNER, _PATCHES)
+        starts = (start for anchor in anchors for start in placements.lay(anchor))
         grown += [
             placements.fit(blob, mirror)
             for blob in grow_largest(starts, placements.near, blobs_px, _STEP, _LEAST_GROWN)
@@ -77,17 +81,6 @@ def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit
     marks, axes = _marks(best, blobs_px, pattern)
     doubt = _doubt(best, blobs_px, pattern.spacing_px, max(rivals, default=0))
     return PatternFit(best.blob, best.places, best.residual, best.mirror, marks, axes, doubt)
-
-
-def _anchors(template: FloatArray) -> list[int]:
-    """Markers in whose surroundings a naming may begin: the middle, and others far from each other."""
-    far = np.linalg.norm(template - template.mean(axis=0), axis=1)
-    chosen = [int(np.argmin(far))]
-    inner = far <= 0.75 * far.max()
-    while len(chosen) < min(_PATCHES, int(inner.sum())):
-        apart = np.linalg.norm(template[:, None] - template[chosen][None], axis=-1).min(axis=1)
-        chosen.append(int(np.argmax(np.where(inner, apart, -1.0))))
-    return chosen
 
 
 class _Placements:
@@ -194,3 +187,70 @@ def _marks(best: _Grown, blobs: FloatArray, pattern: MarkerPattern) -> tuple[Flo
     sd = np.maximum(warp.deviation_px(pattern.marks_px * flip), _LEAST_MARK_PX)
     sd = np.minimum(sd, _MOST_MARK * pattern.spacing_px)
     return marks, sd[:, None, None] * np.eye(2)
+
+
+@dataclass(frozen=True, eq=False)
+class Warp:
+    """Polynomial in the pattern's plane, fitted by least squares.
+
+    Attributes
+    ----------
+    middle, size
+        Origin (2,) and unit of the polynomial's variables, px of the pattern.
+    weights
+        (k, 2) factors of the terms, px of the image.
+    inverse
+        (k, k) inverse of the normal equations.
+    spread_px
+        Standard deviation of a coordinate of a dot about the map; infinite where too few dots tell it.
+    """
+
+    middle: FloatArray
+    size: float
+    weights: FloatArray
+    inverse: FloatArray
+    spread_px: float
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Pixels (n, 2) of points (n, 2) of the pattern."""
+        moved: FloatArray = self._terms(points) @ self.weights
+        return moved
+
+    def deviation_px(self, points: FloatArray) -> FloatArray:
+        """(n,) standard deviation of a coordinate of one more dot at points (n, 2) of the pattern.
+
+        It is s √(1 + aᵀ (AᵀA)⁻¹ a) with a the terms there: beyond the outermost dots the map itself is less sure.
+        """
+        terms = self._terms(points)
+        return np.asarray(self.spread_px * np.sqrt(1.0 + np.einsum("ni,ij,nj->n", terms, self.inverse, terms)))
+
+    def _terms(self, points: FloatArray) -> FloatArray:
+        return _terms((points - self.middle) / self.size, len(self.weights))
+
+
+def fit_warp(points: FloatArray, pixels: FloatArray, terms: int, whole: FloatArray) -> Warp:
+    """Fit the map.
+
+    Parameters
+    ----------
+    points, pixels
+        (n, 2) dots in the pattern's plane and in the image, px.
+    terms
+        Terms of the polynomial: 3 affine, 6 of second order, 10 of third.
+    whole
+        (m, 2) all points of the pattern, which give origin and unit.
+    """
+    middle, size = whole.mean(axis=0), float(np.ptp(whole, axis=0).max()) / 2.0
+    design = _terms((points - middle) / size, terms)
+    inverse = np.asarray(np.linalg.pinv(design.T @ design), float)
+    weights = np.asarray(inverse @ (design.T @ pixels), float)
+    free = len(points) - terms
+    left = pixels - design @ weights
+    # a false dot taken for a marker must not widen what is believed: the median forgives it
+    spread = 1.4826 * float(np.median(np.abs(left))) * np.sqrt(len(points) / free) if free >= _LEAST_FREE else np.inf
+    return Warp(middle, size, weights, inverse, spread)
+
+
+def _terms(points: FloatArray, count: int) -> FloatArray:
+    x, y = points[:, 0], points[:, 1]
+    return np.stack([np.ones(len(points)), *(x**a * y**b for a, b in _POWERS[: count - 1])], axis=-1)

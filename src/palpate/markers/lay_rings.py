@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.markers.laid import PatternFit
 from palpate.markers.name_rings import RingFinder, mark_turns
-from palpate.markers.pattern import MarkerPattern
+from palpate.markers.pattern import MarkerPattern, PatternFit
 from palpate.markers.ring_law import TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
 from palpate.markers.rings import Rings, ring_harmonics
 

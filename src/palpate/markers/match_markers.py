@@ -15,13 +15,18 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.markers.grow_assignment import assignment_residuals, grow_assignment, grow_largest, mutual_nearest
+from palpate.markers.grow_assignment import (
+    assignment_residuals,
+    grow_assignment,
+    grow_largest,
+    mutual_nearest,
+    spread_starts,
+)
 from palpate.markers.motion import MotionModel
+from palpate.markers.neighbours import largest_group
 from palpate.markers.observed_layout import ObservedLayout
 
 GRID = 20
@@ -43,7 +48,7 @@ _LESS = 0.08
 """How much less than in images that are sure may agree in one that is believed."""
 _REACH = 4.5
 """Displacement up to which a start is tried, over the spacing."""
-_STARTS, _ALIKE, _KEPT = 5, 4, 400
+_STARTS, _INNER, _ALIKE, _KEPT = 5, 0.65, 4, 400
 
 
 class MatchFault(StrEnum):
@@ -205,12 +210,8 @@ class MarkerMatcher:
     def _grown(self, dots_px: FloatArray) -> list[IntArray]:
         """The largest assignments that grow from a few dots of the layout."""
         layout = self.layout
-        far = np.linalg.norm(layout.rest_px - layout.rest_px.mean(axis=0), axis=1)
-        full = (layout.neighbours >= 0).sum(axis=1) >= min(6, (layout.neighbours >= 0).sum(axis=1).max())
-        starts = [int(np.argmin(far + 1e9 * ~full))]
-        while len(starts) < _STARTS:  # the next is as far from the others as it can be within the inner part
-            away = np.linalg.norm(layout.rest_px[:, None] - layout.rest_px[starts], axis=-1).min(axis=1)
-            starts.append(int(np.argmax(np.where(full & (far < 0.65 * far.max()), away, -1.0))))
+        many = (layout.neighbours >= 0).sum(axis=1)
+        starts = spread_starts(layout.rest_px, many >= min(6, many.max()), _INNER, _STARTS)
         tree = cKDTree(dots_px)
         seeds = (
             (layout.rest_px, np.where(np.arange(len(layout)) == start, other, -1))
@@ -314,13 +315,9 @@ class MarkerMatcher:
 
 def _largest(match: IntArray, near: IntArray) -> IntArray:
     """The largest part of an assignment whose dots are neighbours."""
+    pairs = np.column_stack([np.repeat(np.arange(len(near)), near.shape[1]), near.ravel()])
     there = match >= 0
-    left, right = np.repeat(np.arange(len(near)), near.shape[1]), near.ravel()
-    edge = (right >= 0) & there[left] & there[right]
-    graph = coo_array((np.ones(edge.sum()), (left[edge], right[edge])), shape=(len(near),) * 2)
-    _, part = connected_components(graph, directed=False)
-    sizes = np.bincount(part[there], minlength=part.max() + 1)
-    return np.where(there & (part == np.argmax(sizes)), match, -1)
+    return np.where(largest_group(pairs[(pairs[:, 1] >= 0) & there[pairs].all(axis=1)], there), match, -1)
 
 
 def _match(places: FloatArray, tree: cKDTree, reach: float) -> IntArray:

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.laid import PatternFit
 from palpate.markers.lay_free import fit_free_pattern
 from palpate.markers.lay_rings import fit_ring_pattern
-from palpate.markers.pattern import MarkerPattern
+from palpate.markers.pattern import MarkerPattern, PatternFit
 
 _CHANCE = 5e-3
 """Chance that another symmetry is the right one, above which the mark is not believed."""

@@ -1,10 +1,20 @@
-"""Compiled searches among a few hundred points, where a tree costs more than it saves."""
+"""Neighbours among a few hundred points; compiled searches, for which a tree costs more than it saves."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray, kernel
+from palpate.core import BoolArray, FloatArray, IntArray, kernel
+
+
+def largest_group(pairs: IntArray, wanted: BoolArray) -> BoolArray:
+    """(m,) the largest group of points that pairs (k, 2) connect, by the number of wanted points (m,) in it."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(wanted), len(wanted)))
+    _, group = connected_components(graph, directed=False)
+    return np.asarray(wanted & (group == np.bincount(group[wanted]).argmax()))
 
 
 @kernel

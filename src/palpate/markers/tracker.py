@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, PalpateError
-from palpate.markers.blobs import Blobs
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.markers.detector import Detector
 from palpate.markers.motion import MotionModel
 from palpate.markers.name_markers import MarkerAssignment
 from palpate.markers.neighbours import agree, nearest, nearest_distance
-from palpate.markers.tracks import TrackedMarkers, Tracks
+from palpate.markers.segment import Blobs
 
 _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""
@@ -37,6 +36,50 @@ _ALONE_PX = 50.0
 _LEAST_ROOM_PX = 2.0
 _ROUNDS = 3
 _NEIGHBOURS = 7
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedMarkers:
+    """All markers in one image.
+
+    Attributes
+    ----------
+    positions_px
+        (m, 2) column and row; where no dot was found, the estimate of the motion model.
+    found
+        (m,) whether a dot was found; the others are estimates.
+    blob
+        (m,) number of the dot, -1 where none was found.
+    jumped
+        Whether the markers moved further than the prediction allows: a snap, a lost image or another sensor.
+    """
+
+    positions_px: FloatArray
+    found: BoolArray
+    blob: NDArray[np.intp]
+    jumped: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """Every marker through a sequence of images.
+
+    Attributes
+    ----------
+    positions_px
+        (n, m, 2) column and row of every marker in every image.
+    found
+        (n, m) whether a dot was found; the others are estimates of the motion model.
+    jumped
+        (n,) whether the markers jumped (see `TrackedMarkers`).
+    """
+
+    positions_px: FloatArray
+    found: BoolArray
+    jumped: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.positions_px)
 
 
 @dataclass(frozen=True, eq=False)
