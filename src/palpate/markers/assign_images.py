@@ -15,6 +15,7 @@ from palpate.markers.motion import fit_motion_model
 from palpate.markers.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
 
 _REPORTED = 500
+"""Images between two reports of progress."""
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
 many that look alike lead to another."""

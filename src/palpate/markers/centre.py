@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, kernel
 
 _UNKNOWNS = 6
+"""Centre, contrast, ground, size and blur."""
 _ROOM = 4096
 """Pixels of the largest window; a larger dot is thinned out to it."""
-_ROOT_TWO_PI = 2.5066282746310002
 
 
 @kernel
@@ -144,7 +144,7 @@ def _gather(
                 continue
             inside = (1.0 - q) * radius
             exponential = np.exp(-0.5 * (inside / blur) ** 2)
-            bell = exponential / (_ROOT_TWO_PI * blur)
+            bell = exponential / (2.5066282746310002 * blur)  # √2π
             along = radius * bell / max(q, 1e-6)
             rows[0, count] = along * (sxx * x + sxy * y)
             rows[1, count] = along * (sxy * x + syy * y)

@@ -21,6 +21,7 @@ from palpate.markers.spec import DetectSpec
 
 Image = NDArray[np.float32]
 _SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
+"""Diameters that are tried; a field is found at diameters within a third of its own."""
 _CLEAN, _MANY, _LEAST = 0.45, 12, 6
 """Share of all blobs' area in dots that agree, and their number, from which a field is believed; least number.
 
@@ -174,7 +175,7 @@ def is_midpoint(points: FloatArray) -> BoolArray:
 
 
 def _arms(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(n, k, 2) arms to the nearest neighbours, and (n, k, k) length of the sum of two arms over their lengths."""
+    """(n, k, 2) arms to neighbours, and (n, k, k) length of the sum of two arms over their lengths."""
     distance, number = cKDTree(points).query(points, min(_NEIGHBOURS + 1, len(points)))
     arms, length = points[number[:, 1:]] - points[:, None], distance[:, 1:]
     lengths = np.maximum(length[:, :, None] + length[:, None], 1e-9)

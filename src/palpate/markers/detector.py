@@ -19,8 +19,8 @@ from palpate.markers.spec import DetectSpec
 from palpate.markers.split import split_merged
 
 Image = NDArray[np.float32]
-_ROUNDS = (1, 1)
-_ROUNDS_TO_MEASURE = (8, 0)
+_ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
+"""Steps of a fit with size and blur free, and held: in each image, and once to measure the blur."""
 _EDGE_PX = 0.8
 """Blur of an edge to begin with: a pixel's own width and a lens in focus."""
 _GAP = 2.6
@@ -32,6 +32,7 @@ _CLEAR = 40.0
 _LUMA = np.array([0.114, 0.587, 0.299], np.float32)
 """Weights of blue, green and red (ITU-R BT.601), in OpenCV's order."""
 _SMALLEST_PX = 8
+"""Smallest side of an image."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Growing an assignment: from one dot to its neighbours, as far as the layout's neighbourhoods go on.
+"""Growth of an assignment from one marker to its neighbours, of designs and of unknown layouts.
 
 Every assigned dot carries a local linear map of its surroundings, fitted to the neighbours that are assigned and held
 near the map of the dot by which it was reached. A neighbour is looked for where the maps of all assigned dots about
@@ -17,21 +17,21 @@ from palpate.core import BoolArray, FloatArray, IntArray, kernel
 
 
 def mutual_nearest(places: FloatArray, blobs: cKDTree, reach: FloatArray) -> IntArray:
-    """(m,) number of the blob that is nearest to a place (m, 2) whose nearest it is in turn; -1 beyond reach (m,)."""
+    """(m,) blobs that places (m, 2) are mutual nearest neighbours of; -1 for none within reach (m,)."""
     far, blob = blobs.query(places)
     _, back = cKDTree(places).query(blobs.data)
     return np.where((back[blob] == np.arange(len(places))) & (far < reach), blob, -1)
 
 
 def spread_starts(places: FloatArray, usable: BoolArray, inner: float, count: int) -> list[int]:
-    """Numbers of places to grow from: the most central of those that are usable, then the farthest from the chosen.
+    """Numbers of places to grow from: the most central usable place, then the most distant ones.
 
     Parameters
     ----------
     places, usable
         (m, 2) px, and (m,) which may be chosen.
     inner
-        Largest distance of a chosen place from the middle, over that of the farthest place.
+        Largest distance of a chosen place from the middle, over that of the outermost place.
     count
         Number of places, if enough are usable.
     """

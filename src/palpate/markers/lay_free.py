@@ -24,22 +24,24 @@ from palpate.markers.motion import interpolate_motion
 from palpate.markers.observed_layout import ObservedLayout
 from palpate.markers.pattern import MarkerPattern, PatternFit
 
-_PATCH = 11
-"""Markers of a patch."""
-_PATCHES, _INNER = 3, 0.75
-_SCALES = (0.8, 0.9, 1.0, 1.1, 1.25)
-_ANGLE_STEP_DEG = 4.0
+_PATCH, _PATCHES, _INNER = 11, 3, 0.75
+"""Markers of a patch, number of patches, and their distance from the middle over the layout's radius."""
+_SCALES, _ANGLE_STEP_DEG = (0.8, 0.9, 1.0, 1.1, 1.25), 4.0
+"""Scales and step of the turns in which a patch is laid."""
 _TRIES = 12
-_ROUNDS = 8
-_STEP, _LEAST_GROWN = 0.4, 0.4
+"""Blobs of each patch from which an assignment is grown."""
+_STEP, _LEAST_GROWN, _ROUNDS = 0.4, 0.4, 8
+"""Reach of a step of the growth, minimum share of the markers for a fit, and largest number of fits."""
 _REACH, _PRINT_REACH = 0.3, 0.22
-"""How far from its forecast a dot may lie while the naming grows and at last, over the distance of two neighbours."""
+"""Largest distance of a blob from its predicted place in the fits and in the last, over the spacing."""
 _STRAY, _LEAST_REACH_PX = 4.5, 0.7
+"""Largest distance in the last fit over the spread of all blobs, and the reach that is always allowed."""
 _ROUGH = 0.12
+"""Largest residual over the spacing."""
 _STRANGE, _STRANGE_SHARE = 5, 0.03
 """Dots within the print and a spacing beside it that are of no marker: so many, and more for each that is."""
-_CHANCE = 1e-8
-_RIVAL = 0.94
+_CHANCE, _RIVAL = 1e-8, 0.94
+"""Probability that random blobs fit as well, and share of the markers at a rival place, at most."""
 _LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
 """Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
 
@@ -84,7 +86,7 @@ def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit
 
 
 class _Placements:
-    """Assignments of one template (m, 2) among blobs (n, 2), each grown from a patch laid over some of them."""
+    """Assignments of one template (m, 2) among blobs (n, 2), grown from patches laid over them."""
 
     def __init__(self, template: FloatArray, blobs: FloatArray) -> None:
         self.template, self.blobs = template, blobs

@@ -33,9 +33,8 @@ GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""
 _NEAR, _WIDE = 0.42, 0.55
 """Greatest distance of an assigned dot from its predicted place in the last and the first turn, over the spacing."""
-_TURNS = 6
-_STIFF = 0.02
-"""Weight of a field's roughness against one dot."""
+_TURNS, _STIFF = 6, 0.02
+"""Largest number of turns, and weight of a field's roughness against one dot."""
 _SURE, _BELIEVED, _APART = 0.97, 0.86, 0.02
 """Agreement from which no other explanation is looked for, from which one is believed, and its lead over others."""
 _CALM, _ROUGH = 0.035, 0.06
@@ -49,6 +48,9 @@ _LESS = 0.08
 _REACH = 4.5
 """Displacement up to which a start is tried, over the spacing."""
 _STARTS, _INNER, _ALIKE, _KEPT = 5, 0.65, 4, 400
+"""Markers from which assignments grow, and their distance from the middle over the layout's radius.
+
+Then the number of assignments, and of similar images, that are refined, and of images that are kept as guesses."""
 
 
 class MatchFault(StrEnum):

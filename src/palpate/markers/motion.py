@@ -16,9 +16,8 @@ import numpy as np
 
 from palpate.core import BoolArray, FloatArray
 
-_NEIGHBOURS = 14
-_QUADRATIC_FROM = 9
-"""Neighbours from which on the smooth motion is a quadratic function of the place at rest, else a linear one."""
+_NEIGHBOURS, _QUADRATIC_FROM = 14, 9
+"""Neighbours to which a smooth motion is fitted, and from which on it is quadratic, else linear."""
 _NOISE_PX = 0.3
 """Expected misfit of a fitted model, px, at least: noise of a blob and what the modes leave out."""
 _MOST, _ROUNDS = 48, 3

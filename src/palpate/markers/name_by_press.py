@@ -19,9 +19,8 @@ _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""
 _REACH = 0.45
 """Distance to the nearest dot that may be the marker's, over the spacing of the markers at rest."""
-_ROUNDS = 3
-_CANDIDATES = 0.8
-"""Share of the markers by which motions are compared at first: the others may be lost or merged."""
+_CANDIDATES, _ROUNDS = 0.8, 3
+"""Share of the markers by which motions are compared at first, as some may be lost; turns of the fit."""
 _STRAY, _STRAY_PX = 4.0, 0.5
 """A dot this many times the median from where the best numbering expects it, and this far, is another's."""
 _APART_PX = 0.12
@@ -31,6 +30,7 @@ _SURE = 0.2
 _EXPLAINED = 0.35
 """Greatest misfit of the best numbering over the motion: above it the press is not the one that was given."""
 _LEAST_MOTION_PX = 1.0
+"""Smallest motion of a press that is compared."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,6 +52,7 @@ _NEIGHBOURS = 0.3
 _LAW_REACH = 0.16
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
 _PASSES = 3
+"""Passes over poor rings."""
 _OUTSIDE, _FAR_PX = 0.35, 20.0
 """Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how
 far from the middle of the dots, px."""

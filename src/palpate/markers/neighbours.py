@@ -8,7 +8,7 @@ from palpate.core import BoolArray, FloatArray, IntArray, kernel
 
 
 def largest_group(pairs: IntArray, wanted: BoolArray) -> BoolArray:
-    """(m,) the largest group of points that pairs (k, 2) connect, by the number of wanted points (m,) in it."""
+    """(m,) wanted points in the largest group of them that pairs (k, 2) connect."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

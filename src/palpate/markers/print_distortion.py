@@ -24,10 +24,10 @@ _SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
 of how its dots slide along it, twice to and fro: a stretched pad takes them along, a sagging dome does not."""
 _POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
 """Of the camera's offset x and y (mm), distance (mm), tilts and roll (degrees)."""
-_DOT_PX = 0.3
-_FORGIVEN = 5.0
-"""Dots this many times `_DOT_PX` off no longer pull with their square."""
+_DOT_PX, _FORGIVEN = 0.3, 5.0
+"""Standard deviation of a printed dot, and residual over it beyond which the loss is linear."""
 _STEP = 1e-5
+"""Step of the finite differences, over the standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,7 @@ from palpate.markers.rings import find_rings
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
+"""Markers that give a pose: twice the three that six numbers need."""
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
 """What refining holds focal length (as a share) and centre to: how far the lens of another copy may be off."""
 _EVEN = 0.05

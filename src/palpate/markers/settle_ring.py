@@ -31,6 +31,7 @@ _PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
 STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _DOT_PX = 0.3
+"""Standard deviation of a printed dot."""
 _FLAT = 0.1
 """Standard deviation of the ratio of a ring's axes."""
 _SMALL, DROP = 60, 3.0

@@ -31,11 +31,10 @@ _SURE, _SURE_SHARE = 0.2, 0.9
 """Predictions need no correction where this share of them has a dot of its own within this share of the spacing."""
 _ROUGH = 0.6
 """Roughness of the motion above which two markers have changed places: they differ by a spacing."""
-_ALONE_PX = 50.0
-"""Room of a marker without neighbours."""
-_LEAST_ROOM_PX = 2.0
-_ROUNDS = 3
-_NEIGHBOURS = 7
+_ALONE_PX, _LEAST_ROOM_PX = 50.0, 2.0
+"""Bounds of the distance to the nearest other marker."""
+_ROUNDS, _NEIGHBOURS = 3, 7
+"""Rounds of the joint correction, and markers that agree on it."""
 
 
 @dataclass(frozen=True, eq=False)
