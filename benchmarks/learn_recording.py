@@ -25,7 +25,6 @@ from drawn_gel import DrawnGel, draw_gel_recording
 from drawn_tactip import DrawnSensor, another_unit, draw_motions, draw_recording
 from palpate.cli.progress import TerminalProgress
 from palpate.core import ArtefactStore
-from palpate.markers import assign_images
 from palpate.recording import (
     RecordingSpec,
     prepare_recording,
@@ -35,6 +34,7 @@ from palpate.recording import (
     train_on_recording,
     write_model,
 )
+from palpate.vision import assign_images
 
 TRUTH = "truth.npz"
 

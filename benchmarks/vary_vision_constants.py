@@ -18,14 +18,14 @@ from types import ModuleType
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "markers"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "vision"))
 from bent_prints import bent, design_of, draw, judge
 from posed_dome import posed_dots, pressed, project
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from palpate.core import PalpateError, generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import (
+from palpate.vision import (
     MarkerMatcher,
     MotionModel,
     Tracker,
@@ -38,24 +38,24 @@ from palpate.markers import (
 
 LEGEND = """\
 Each constant is halved and doubled alone; a tuple as a whole, a whole number stays at least 1. Prints: bent as a
-whole (`tests/unit/markers/bent_prints.py`), 7 to 169 markers. Images: the same through the detector. Free layouts:
+whole (`tests/unit/vision/bent_prints.py`), 7 to 169 markers. Images: the same through the detector. Free layouts:
 rings with jitter, a square grid, a sunflower, in any pose, 10 % missing. Recordings: pins sheared by several
 spacings. Presses: markers of a pressed dome, 10 % missing. A drawing counts as right, refused or wrong; of
 recordings each image. Constants that change nothing here decide in rarer drawings or only limit time."""
 MODULES: dict[str, tuple[str, ...]] = {
-    "name_markers": ("prints",),
-    "lay_rings": ("prints",),
-    "name_rings": ("prints",),
-    "ring_law": ("prints",),
+    "assign_markers": ("prints",),
+    "fit_ring_pattern": ("prints",),
+    "find_rings_by_structure": ("prints",),
+    "ring_model": ("prints",),
     "ring_seeds": ("prints",),
-    "settle_ring": ("prints",),
+    "fit_ring": ("prints",),
     "print_distortion": ("poses",),
     "register": ("poses",),
     "detector": ("images",),
     "choose_field": ("images",),
     "segment": ("images",),
     "split": ("images",),
-    "lay_free": ("free layouts",),
+    "fit_free_pattern": ("free layouts",),
     "observed_layout": ("free layouts", "recordings"),
     "motion": ("free layouts", "presses"),
     "match_markers": ("recordings",),
@@ -234,8 +234,8 @@ def main() -> None:
     lines = ["# Constants of detection and assignment", "", f"    {command}", "", LEGEND, ""]
     lines += ["| constant | value | as it is | half | twice |", "| --- | --- | --- | --- | --- |"]
     for name, scenes in MODULES.items():
-        module, base = import_module(f"palpate.markers.{name}"), count_verdicts(scenes, given.draws)
-        users = [one for key, one in sys.modules.items() if key.startswith("palpate.markers.")]
+        module, base = import_module(f"palpate.vision.{name}"), count_verdicts(scenes, given.draws)
+        users = [one for key, one in sys.modules.items() if key.startswith("palpate.vision.")]
         for constant, value in list(constants(module)):
             cells = []
             for factor in (0.5, 2.0):

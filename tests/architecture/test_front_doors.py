@@ -55,7 +55,7 @@ FRONT_DOORS = {
         "write_board",
         "write_calibration",
     },
-    "markers": {
+    "vision": {
         "Blobs",
         "DetectSpec",
         "Detector",

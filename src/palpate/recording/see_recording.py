@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
 from palpate.core.run import Progress
-from palpate.markers import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
 from palpate.recording.sight import Detections, Preprocessor, choose_preprocessor, preprocess_images
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import PressSplit, find_duplicate_images, split_presses
+from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
 _LEAST_GOOD = 0.25
 """Least share of images with numbered dots for parts that read dots."""

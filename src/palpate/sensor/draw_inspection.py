@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.markers import PrintDistortion
 from palpate.sensor.inspect_unit import Inspection
+from palpate.vision import PrintDistortion
 
 ENLARGED = 20.0
 """Arrows are drawn this many times longer than the errors,"""

@@ -20,7 +20,6 @@ from palpate.design import (
     place_orientation_mark,
 )
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
-from palpate.markers import DetectSpec, assign_markers, build_pattern, register_dome
 from palpate.sensor import (
     Flag,
     SensorSpec,
@@ -31,6 +30,7 @@ from palpate.sensor import (
     write_readings,
 )
 from palpate.sensor.sensor import analyse_rest
+from palpate.vision import DetectSpec, assign_markers, build_pattern, register_dome
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))

@@ -10,8 +10,8 @@ from needs import needs
 from palpate.bench import simulate_sensor
 from palpate.built import Force, PoseFit
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import prepare_detector
 from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_readings
+from palpate.vision import prepare_detector
 
 
 @pytest.fixture(scope="module")

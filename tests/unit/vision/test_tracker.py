@@ -6,7 +6,7 @@ from posed_dome import pressed, project
 from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import (
+from palpate.vision import (
     MotionModel,
     Tracker,
     assign_markers,

@@ -10,7 +10,7 @@ from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from errors import refused
 from palpate.core.run import Progress
-from palpate.markers import MarkerMatcher, MatchFault, assign_images, number_markers, prepare_detector
+from palpate.vision import MarkerMatcher, MatchFault, assign_images, number_markers, prepare_detector
 
 STILL = np.zeros((4, 2))
 SHAPE = (420, 420)

@@ -15,11 +15,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, cKDTree
 
 from palpate.core import BoolArray, FloatArray
-from palpate.markers.pattern import MarkerPattern
-from palpate.markers.ring_law import Profile, RingFit, RingsFit, fit_ring_model
-from palpate.markers.ring_seeds import seed_rings
-from palpate.markers.rings import Rings, ring_harmonics
-from palpate.markers.settle_ring import (
+from palpate.vision.fit_ring import (
     ALONE,
     DROP,
     INSIDE,
@@ -30,6 +26,10 @@ from palpate.markers.settle_ring import (
     STRAY,
     RingFitter,
 )
+from palpate.vision.pattern import MarkerPattern
+from palpate.vision.ring_model import Profile, RingFit, RingsFit, fit_ring_model
+from palpate.vision.ring_seeds import seed_rings
+from palpate.vision.rings import Rings, ring_harmonics
 
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
 """Share of the dots of the innermost ring and its middle that a seed must have, and if none leads to all rings."""

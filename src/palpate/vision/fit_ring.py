@@ -15,8 +15,8 @@ from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
 from palpate.core import BoolArray, FloatArray
-from palpate.markers.ring_law import RingFit
-from palpate.markers.rings import ring_harmonics
+from palpate.vision.ring_model import RingFit
+from palpate.vision.rings import ring_harmonics
 
 _TRIED = 4
 """Radii and shifts of the next ring that are looked at more closely."""

@@ -17,11 +17,11 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.detector import Detector
-from palpate.markers.motion import MotionModel
-from palpate.markers.name_markers import MarkerAssignment
-from palpate.markers.neighbours import agree, nearest, nearest_distance
-from palpate.markers.segment import Blobs
+from palpate.vision.assign_markers import MarkerAssignment
+from palpate.vision.detector import Detector
+from palpate.vision.motion import MotionModel
+from palpate.vision.neighbours import agree, nearest, nearest_distance
+from palpate.vision.segment import Blobs
 
 _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""

@@ -7,7 +7,7 @@ from bent_prints import bent, controls, design_of, draw, judge
 
 from errors import refused
 from palpate.core import generator
-from palpate.markers import assign_markers, prepare_detector
+from palpate.vision import assign_markers, prepare_detector
 
 
 @pytest.mark.parametrize("count", [7, 37, 91, 169])

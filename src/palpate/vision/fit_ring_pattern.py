@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.markers.name_rings import RingFinder, mark_turns
-from palpate.markers.pattern import MarkerPattern, PatternFit
-from palpate.markers.ring_law import TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
-from palpate.markers.rings import Rings, ring_harmonics
+from palpate.vision.find_rings_by_structure import RingFinder, mark_turns
+from palpate.vision.pattern import MarkerPattern, PatternFit
+from palpate.vision.ring_model import TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
+from palpate.vision.rings import Rings, ring_harmonics
 
 _CHANCE = -7.5
 """Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""

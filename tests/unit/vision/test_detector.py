@@ -5,8 +5,8 @@ from drawn_dots import bound, draw_dots, lattice, match, with_noise
 from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import Detector, DetectSpec, prepare_detector
-from palpate.markers.choose_field import is_midpoint
+from palpate.vision import Detector, DetectSpec, prepare_detector
+from palpate.vision.choose_field import is_midpoint
 
 SETTINGS = [(50.0, 5.0), (100.0, 3.0), (100.0, 1.0), (200.0, 2.0)]
 

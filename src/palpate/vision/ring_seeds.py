@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.markers.rings import ring_harmonics
-from palpate.markers.settle_ring import RingFitter
+from palpate.vision.fit_ring import RingFitter
+from palpate.vision.rings import ring_harmonics
 
 _NEAR = 8
 """Neighbours of a dot among which those beside it on the innermost ring are looked for."""

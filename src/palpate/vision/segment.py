@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, kernel
-from palpate.markers.opencv import blur, box, close, components, dilate, local_maxima
+from palpate.vision.opencv import blur, box, close, components, dilate, local_maxima
 
 Image = NDArray[np.float32]
 _NOISE_ROWS = 24

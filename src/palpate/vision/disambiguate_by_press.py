@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError
-from palpate.markers.name_markers import MarkerAssignment
+from palpate.vision.assign_markers import MarkerAssignment
 
 _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""

@@ -5,7 +5,7 @@ from posed_dome import posed_dots, project
 from errors import refused
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import assign_markers, build_pattern
+from palpate.vision import assign_markers, build_pattern
 
 
 def layout(count, height=20.0):

@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from palpate.camera import Camera
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
-from palpate.markers.rings import Rings
+from palpate.vision.rings import Rings
 
 _SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
 """Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, turn, and two

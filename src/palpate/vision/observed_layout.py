@@ -2,7 +2,7 @@
 
 Dots are numbered from the middle outwards, ring by ring of one spacing, and in a ring by their angle. The numbers are
 kept with the places in the model, so that another image at rest, where a dot lies a little elsewhere, does not change
-them: there dots are assigned to the kept ones (`palpate.markers.match_markers`).
+them: there dots are assigned to the kept ones (`palpate.vision.match_markers`).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Fit of a free layout among blobs: patches of neighbouring markers that fit, grown over neighbours.
 
 A few neighbouring markers are laid over every blob, turned and scaled; from those that cover most blobs, the
-assignment grows (`palpate.markers.grow_assignment`). A smooth map is then fitted to it and markers are assigned by
+assignment grows (`palpate.vision.grow_assignment`). A smooth map is then fitted to it and markers are assigned by
 the map, so the print may be bent as a whole as long as it is smooth. If another place explains as many markers, the
 assignment is doubtful.
 """
@@ -19,10 +19,10 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
 from palpate.core import FloatArray, IntArray
-from palpate.markers.grow_assignment import grow_largest, mutual_nearest, spread_starts
-from palpate.markers.motion import interpolate_motion
-from palpate.markers.observed_layout import ObservedLayout
-from palpate.markers.pattern import MarkerPattern, PatternFit
+from palpate.vision.grow_assignment import grow_largest, mutual_nearest, spread_starts
+from palpate.vision.motion import interpolate_motion
+from palpate.vision.observed_layout import ObservedLayout
+from palpate.vision.pattern import MarkerPattern, PatternFit
 
 _PATCH, _PATCHES, _INNER = 11, 3, 0.75
 """Markers of a patch, number of patches, and their distance from the middle over the layout's radius."""

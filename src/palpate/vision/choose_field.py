@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
-from palpate.markers.opencv import blur
-from palpate.markers.segment import Blobs, Segments, heights, measure_noise, segment
-from palpate.markers.spec import DetectSpec
+from palpate.vision.opencv import blur
+from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
+from palpate.vision.spec import DetectSpec
 
 Image = NDArray[np.float32]
 _SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))

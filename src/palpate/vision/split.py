@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray
-from palpate.markers.segment import Segments
+from palpate.vision.segment import Segments
 
 Image = NDArray[np.float32]
 _LEAST_AREA, _LARGEST_AREA = 1.4, 2.6

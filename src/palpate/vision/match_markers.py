@@ -3,7 +3,7 @@
 A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field
 is fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
 serves, an assignment is grown from some dots in the middle, each taken for every dot of the image that it could be
-(`palpate.markers.grow_assignment`). On a regular pattern a whole row may be missed by one: then a row of dots is left
+(`palpate.vision.grow_assignment`). On a regular pattern a whole row may be missed by one: then a row of dots is left
 over on one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment
 is believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly
 as well. Else the image counts as failed, with the reason.
@@ -18,16 +18,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.markers.grow_assignment import (
+from palpate.vision.grow_assignment import (
     assignment_residuals,
     grow_assignment,
     grow_largest,
     mutual_nearest,
     spread_starts,
 )
-from palpate.markers.motion import MotionModel
-from palpate.markers.neighbours import largest_group
-from palpate.markers.observed_layout import ObservedLayout
+from palpate.vision.motion import MotionModel
+from palpate.vision.neighbours import largest_group
+from palpate.vision.observed_layout import ObservedLayout
 
 GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""

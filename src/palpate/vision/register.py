@@ -24,9 +24,9 @@ from scipy.spatial import cKDTree
 from palpate.camera import LENSES, Camera, CameraSpec, build_camera, flat_marker_outlines, project_markers
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
-from palpate.markers.name_markers import MarkerAssignment
-from palpate.markers.print_distortion import PrintDistortion, fit_print_distortion
-from palpate.markers.rings import find_rings
+from palpate.vision.assign_markers import MarkerAssignment
+from palpate.vision.print_distortion import PrintDistortion, fit_print_distortion
+from palpate.vision.rings import find_rings
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6

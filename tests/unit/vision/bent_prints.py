@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import build_pattern
+from palpate.vision import build_pattern
 
 DESIGNS = {
     7: (9.0,),

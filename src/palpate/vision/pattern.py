@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
-from palpate.markers.rings import Rings, find_rings
+from palpate.vision.rings import Rings, find_rings
 
 _SAME = 1e-6
 """Distance over the layout's size at which two markers are at one place."""

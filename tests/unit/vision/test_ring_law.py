@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from palpate.markers.name_rings import turned
-from palpate.markers.ring_law import _RIM, Profile
-from palpate.markers.rings import ring_harmonics
+from palpate.vision.find_rings_by_structure import turned
+from palpate.vision.ring_model import _RIM, Profile
+from palpate.vision.rings import ring_harmonics
 
 
 def test_a_turned_ring_has_the_same_points_at_turned_azimuths() -> None:

@@ -9,7 +9,7 @@ from empty_images import KINDS, draw_empty
 from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import DetectSpec, prepare_detector
+from palpate.vision import DetectSpec, prepare_detector
 
 DOME = build_skin(DomeSpec())
 

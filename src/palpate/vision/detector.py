@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.centre import fit_centres
-from palpate.markers.choose_field import choose_dots, choose_field, is_printed
-from palpate.markers.neighbours import largest_group
-from palpate.markers.opencv import fill_hull, grow, simple_blobs
-from palpate.markers.segment import Blobs, Segments, heights, measure_noise, segment
-from palpate.markers.spec import DetectSpec
-from palpate.markers.split import split_merged
+from palpate.vision.centre import fit_centres
+from palpate.vision.choose_field import choose_dots, choose_field, is_printed
+from palpate.vision.neighbours import largest_group
+from palpate.vision.opencv import fill_hull, grow, simple_blobs
+from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
+from palpate.vision.spec import DetectSpec
+from palpate.vision.split import split_merged
 
 Image = NDArray[np.float32]
 _ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
@@ -133,7 +133,7 @@ def prepare_detector(
 ) -> Detector:
     """Choose polarity, size and mask from an image, where the spec leaves them open.
 
-    `palpate.markers.choose_field` says how.
+    `palpate.vision.choose_field` says how.
 
     Parameters
     ----------

@@ -10,9 +10,9 @@ import numpy as np
 
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
 from palpate.core.run import Progress
-from palpate.markers.match_markers import Correspondence, MarkerMatcher, marker_descriptor
-from palpate.markers.motion import fit_motion_model
-from palpate.markers.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
+from palpate.vision.match_markers import Correspondence, MarkerMatcher, marker_descriptor
+from palpate.vision.motion import fit_motion_model
+from palpate.vision.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
 
 _REPORTED = 500
 """Images between two reports of progress."""
@@ -42,11 +42,11 @@ class AssignedMarkers:
     found
         (n, m) whether a dot was assigned.
     agreement, rough
-        (n,) see `palpate.markers.match_markers.Correspondence`.
+        (n,) see `palpate.vision.match_markers.Correspondence`.
     faults
         (n,) why an image's correspondence is not believed; empty for those that are.
     motion
-        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.markers.MotionModel`; empty without.
+        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.vision.MotionModel`; empty without.
     usual
         (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
     """
@@ -112,7 +112,7 @@ def assign_images(
     shape
         Height and width of the images, px.
     smooth
-        See `palpate.markers.match_markers.MarkerMatcher`.
+        See `palpate.vision.match_markers.MarkerMatcher`.
     progress
         Receives the number of images done.
     """

@@ -1,7 +1,8 @@
 """Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
 
 1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
-   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.lay_free`).
+   (`palpate.vision.find_rings_by_structure`); free layouts by their neighbourhoods
+   (`palpate.vision.fit_free_pattern`).
 2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
    other, or what dots strewn at random would show.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
@@ -16,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.markers.lay_free import fit_free_pattern
-from palpate.markers.lay_rings import fit_ring_pattern
-from palpate.markers.pattern import MarkerPattern, PatternFit
+from palpate.vision.fit_free_pattern import fit_free_pattern
+from palpate.vision.fit_ring_pattern import fit_ring_pattern
+from palpate.vision.pattern import MarkerPattern, PatternFit
 
 _CHANCE = 5e-3
 """Chance that another symmetry is the right one, above which the mark is not believed."""
