@@ -21,8 +21,8 @@ from palpate.built.noise import noise_by_diameter
 from palpate.camera import CameraSpec, project_markers, render
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import DetectSpec, prepare_detector
 from palpate.simulation import DEGRADED, Deviation, SimulatedUnit
+from palpate.vision import DetectSpec, prepare_detector
 
 DIAMETERS_MM, DISTANCES_MM = (0.8, 1.0, 1.3, 1.6, 2.0, 2.5), (30.0, 38.0, 48.0, 54.0)
 MOVED_MM = 0.3

@@ -121,7 +121,7 @@ def _read_failures(path: Path) -> object:
 
 def _find_dots(path: Path) -> object:
     from palpate.camera import read_image
-    from palpate.markers import prepare_detector
+    from palpate.vision import prepare_detector
 
     image = read_image(path)
     return prepare_detector(image).find(image)

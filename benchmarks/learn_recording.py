@@ -27,7 +27,6 @@ from palpate.cli.progress import TerminalProgress
 from palpate.core import ArtefactStore
 from palpate.recording import (
     RecordingSpec,
-    assign_images,
     prepare_recording,
     read_pretrained,
     read_recording,
@@ -35,6 +34,7 @@ from palpate.recording import (
     train_on_recording,
     write_model,
 )
+from palpate.vision import assign_images
 
 TRUTH = "truth.npz"
 
@@ -61,7 +61,7 @@ def assign(folder: Path) -> dict[str, object]:
     seen = prepare_recording(read_recording(folder, most=100_000), spec, store, progress)
     assert seen.assigned is not None
     found: dict[str, object] = {"seconds": time.monotonic() - begin}
-    naive = assign_images(seen.sight, seen.assigned.reference, seen.eye.shape, False, progress)
+    naive = assign_images(seen.sight.dots, seen.assigned.reference, seen.eye.shape, False, progress)
     for name, one in (("smooth field", seen.assigned), ("identity", naive)):
         rest, count = one.layout.rest_px, len(truth["heads"])
         start = truth["rest"] if one.reference >= count else truth["heads"][one.reference]

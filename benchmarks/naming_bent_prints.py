@@ -15,12 +15,11 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "markers"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "vision"))
 from bent_prints import DESIGNS, bent, controls, design_of, draw, judge
 
 from palpate.core import PalpateError, generator
-from palpate.markers import assign_markers, prepare_detector
-from palpate.sensor import register_dome
+from palpate.vision import assign_markers, prepare_detector, register_dome
 
 COUNTS = (7, 37, 91, 169)
 SCALES = (1.0, 1.6)

@@ -5,7 +5,7 @@ import numpy as np
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.markers import assign_markers, build_pattern, prepare_detector
+from palpate.vision import assign_markers, build_pattern, prepare_detector
 
 
 def main() -> float:

@@ -17,9 +17,9 @@ TERMS = {
     "snap-through": "mechanics/continuation.py",
     "domain randomisation": "dataset/vary.py",
     "conformal": "learn/interval.py",
-    "assignment": "markers/name_markers.py",
+    "assignment": "vision/assign_markers.py",
     "out of distribution": "learn/interval.py",
-    "reprojection residual": "sensor/register.py",
+    "reprojection residual": "vision/register.py",
 }
 
 

@@ -4,7 +4,8 @@
 
 The table has the columns kind, old, new and where. A row is applied if the new name is defined in its place and the
 old one is not; flags, keys and columns are looked up in their tables of old names. Rows of `changed_rows.csv` have
-another new name, or none, for the reason given there. Modules, subpackages and verbs are renamed when they are moved.
+another new name, or none, for the reason given there. Modules, subpackages and verbs are renamed when they are moved;
+a module that has its new name is applied.
 Prints every row that is not applied, and the four counts; ends with 1 if a row is skipped.
 """
 
@@ -41,10 +42,16 @@ def classify(rows: list[Row]) -> Iterator[tuple[str, Row, str]]:
         if other:
             done = applied(row | {"new": other["new"]}, names) if other["new"] else gone(row, names)
             yield "changed" if done else "skipped", row, f"{other['new'] or '(none)'}: {other['reason']}"
-        elif row["kind"] in DEFERRED:
+        elif row["kind"] in DEFERRED and not moved(row):
             yield "deferred", row, f"{row['kind']}, renamed when it is moved"
         else:
-            yield "applied" if applied(row, names) else "skipped", row, ""
+            yield "applied" if row["kind"] in DEFERRED or applied(row, names) else "skipped", row, ""
+
+
+def moved(row: Row) -> bool:
+    """Whether a module has its new name, in whatever subpackage."""
+    found = (ROOT / "src").rglob(f"{row['new']}.py")
+    return row["kind"] == "module" and not (ROOT / row["where"]).exists() and any(found)
 
 
 def applied(row: Row, names: dict[str, str]) -> bool:

@@ -10,10 +10,10 @@ from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.fea import EndReason, WallSpec, solve_press
 from palpate.learn import TrainingSpec, train
-from palpate.markers import assign_markers, build_pattern, prepare_detector
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import TWIN_DERIVATIVES, read_twin
+from palpate.vision import assign_markers, build_pattern, prepare_detector
 from small_chain import DOME, MATERIAL, TILTS, solve, write_small_twin
 
 pytestmark = pytest.mark.speed

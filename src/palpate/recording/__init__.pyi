@@ -1,14 +1,11 @@
 """Recordings: images of any sensor with dots, and poses beside them, to a model that reads it."""
 
 from palpate.recording.adapt import PretrainedModel, read_pretrained
-from palpate.recording.assign import assign_images
 from palpate.recording.columns import ColumnMapping, PoseColumn
 from palpate.recording.conclude import EstimatorScore
-from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
 from palpate.recording.course import TrainerSpec
 from palpate.recording.curve import CurvePoint
 from palpate.recording.images import ImageSet
-from palpate.recording.layout import ObservedLayout, number_markers
 from palpate.recording.learn_recording import RecordingResult, train_on_recording
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import PoseReading, RecordedModel, is_recorded_model, read_model, write_model
@@ -23,13 +20,9 @@ from palpate.recording.train_part import train_image_network
 __all__ = [
     "READERS",
     "ColumnMapping",
-    "Correspondence",
     "CurvePoint",
     "EstimatorScore",
     "ImageSet",
-    "MarkerMatcher",
-    "MatchFault",
-    "ObservedLayout",
     "PoseColumn",
     "PoseReading",
     "PreparedRecording",
@@ -42,10 +35,8 @@ __all__ = [
     "RecordingTable",
     "TrainerSpec",
     "TrainingSet",
-    "assign_images",
     "draw_recording_report",
     "is_recorded_model",
-    "number_markers",
     "prepare_recording",
     "read_model",
     "read_pretrained",

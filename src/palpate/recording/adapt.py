@@ -1,7 +1,7 @@
 """From few presses: a network on dots that was trained elsewhere, adapted to this unit.
 
 The other network knows another unit of the same make: another recording, or the design as simulated. Its dots at rest
-are found among this unit's as in any image (`palpate.recording.correspond`), and the map between both rest images,
+are found among this unit's as in any image (`palpate.vision.match_markers`), and the map between both rest images,
 linear, carries displacements over: so camera and print of this unit are taken out. Then the network is trained on,
 slowly and tied to where it began; with very few presses only its outputs are corrected linearly.
 """
@@ -18,15 +18,14 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, PalpateError
 from palpate.core.run import Progress
 from palpate.learn import Estimator, read_estimator
-from palpate.recording.correspond import MarkerMatcher
 from palpate.recording.course import TrainerSpec
 from palpate.recording.curve import PRESSES, CurvePoint
-from palpate.recording.layout import ObservedLayout
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import read_model
 from palpate.recording.part import MarkerNetwork
 from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.train_part import fine_tune_marker_network
+from palpate.vision import MarkerMatcher, ObservedLayout
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
 _COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)

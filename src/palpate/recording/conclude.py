@@ -9,12 +9,12 @@ import numpy as np
 
 from palpate.core import FloatArray, provenance
 from palpate.learn import ErrorSummary
-from palpate.recording.correspond import marker_descriptor
 from palpate.recording.mix import EnsembleCandidate, press_quantile_of, select_ensemble
 from palpate.recording.model import EnsembleWeights, RecordedModel
 from palpate.recording.part import EnsembleMember
 from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.spec import RecordingSpec
+from palpate.vision import marker_descriptor
 
 WHOLE = "all images, by dots or by picture"
 """Row of the model as a whole, where some images are read by one and some by the other."""

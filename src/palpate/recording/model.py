@@ -20,11 +20,9 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
-from palpate.markers import Detector, DetectSpec
-from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
-from palpate.recording.layout import ObservedLayout
 from palpate.recording.part import PARTS, EnsembleMember
 from palpate.recording.sight import Preprocessor
+from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
 _BANK = 200

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
 from palpate.core.run import Progress
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
-from palpate.recording.layout import ObservedLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
 from palpate.recording.sight import Detections, Preprocessor, choose_preprocessor, preprocess_images
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import PressSplit, find_duplicate_images, split_presses
+from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
 _LEAST_GOOD = 0.25
 """Least share of images with numbered dots for parts that read dots."""
@@ -141,7 +140,7 @@ def _assign(
         return None, notes
     if without > 0.02 * count:
         notes.append(f"{without} of {count} images show no dots.")
-    reference = choose_reference(sight, count)
+    reference = choose_reference(sight.dots, count)
     if reference < count:
         notes.append(
             f"No image is at rest; {recording.names[reference]}, the most central one, gives the layout "
@@ -153,7 +152,7 @@ def _assign(
     )
     path = store.find(recipe)
     if path is None:
-        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", progress)
+        found = assign_images(sight.dots, reference, eye.shape, spec.correspondence == "grown", progress)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
         path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
     arrays = read_arrays(path)

@@ -27,9 +27,9 @@ from palpate.core import (
     stage_version,
 )
 from palpate.core.run import Progress
-from palpate.markers import Detector, DetectSpec, prepare_detector
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
+from palpate.vision import Detector, DetectSpec, prepare_detector
 
 CHUNK = 200
 _LOOKED = 7

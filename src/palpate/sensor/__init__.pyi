@@ -9,7 +9,6 @@ from palpate.sensor.known_press import ReferencePress
 from palpate.sensor.reader import check_model, open_model
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import GroundTruth, read_ground_truth, read_readings
-from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
 from palpate.sensor.sensor import Sensor, open_sensor, run_sensor
@@ -31,7 +30,6 @@ __all__ = [
     "InspectionSpec",
     "Reading",
     "ReferencePress",
-    "Registration",
     "Score",
     "Sensor",
     "SensorSpec",
@@ -49,7 +47,6 @@ __all__ = [
     "provenance_line",
     "read_ground_truth",
     "read_readings",
-    "register_dome",
     "run_sensor",
     "score_readings",
     "write_acceptance",

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.sensor.inspect_unit import Inspection
-from palpate.sensor.print_law import PrintDistortion
+from palpate.vision import PrintDistortion
 
 ENLARGED = 20.0
 """Arrows are drawn this many times longer than the errors,"""

@@ -3,7 +3,7 @@
 Each dot, its ellipse's bias taken off, is carried along its ray to the inner surface of the nominal dome and compared
 with its marker there. The camera's pose is fitted to the same dots: a shift, a turn or a tilt of the whole print is
 taken for the camera's, and most of a growth for its distance. What is left is how the dots lie to each other. Where
-the whole print is bent, the law of its rings is fitted with the pose (`palpate.sensor.print_law`).
+the whole print is bent, the law of its rings is fitted with the pose (`palpate.vision.print_distortion`).
 """
 
 from __future__ import annotations
@@ -18,11 +18,9 @@ from numpy.typing import NDArray
 from palpate.camera import Camera, flat_marker_outlines, project_markers
 from palpate.core import FloatArray, Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Skin
-from palpate.markers import DetectSpec
-from palpate.sensor.print_law import PrintDistortion
-from palpate.sensor.register import Registration
 from palpate.sensor.sensor import analyse_rest
 from palpate.sensor.unit import Unit
+from palpate.vision import DetectSpec, PrintDistortion, Registration
 
 
 class InspectionSpec(Spec):

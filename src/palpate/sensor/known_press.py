@@ -13,10 +13,9 @@ from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import Design
 from palpate.fea import WallSpec, solve_press
-from palpate.markers import MarkerAssignment, PressFit, disambiguate_by_press
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor.register import register_dome
 from palpate.sensor.unit import Unit
+from palpate.vision import MarkerAssignment, PressFit, disambiguate_by_press, register_dome
 
 _CELLS = 10
 """A coarse mesh is solved in seconds; friction costs more than it does."""
@@ -88,7 +87,7 @@ def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: Fl
     Raises
     ------
     PalpateError
-        If a numbering cannot be registered, or where `palpate.markers.disambiguate_by_press` fails.
+        If a numbering cannot be registered, or where `palpate.vision.disambiguate_by_press` fails.
     """
     nominal = unit.camera_spec
     choices = (naming, *naming.alternatives)

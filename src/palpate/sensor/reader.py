@@ -24,16 +24,14 @@ from palpate.core import FloatArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
-from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.recording import is_recorded_model
 from palpate.relaxation import Relaxation
-from palpate.sensor.print_law import PrintDistortion
 from palpate.sensor.reading import Flag
-from palpate.sensor.register import Registration
 from palpate.sensor.rest_drift import DriftTracker, RestDrift, RestState
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path, twin_relaxation
+from palpate.vision import MarkerAssignment, PrintDistortion, Registration, TrackedMarkers
 
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""

@@ -8,8 +8,8 @@ from enum import StrEnum
 
 from palpate.built import Force, PoseFit
 from palpate.design import TILT_SPACE, PoseSpace
-from palpate.markers import TrackedMarkers
 from palpate.sensor.rest_drift import RestDrift
+from palpate.vision import TrackedMarkers
 
 
 class Flag(StrEnum):

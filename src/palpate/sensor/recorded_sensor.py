@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.markers import TrackedMarkers
 from palpate.recording import PoseReading, RecordedModel
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import SensorSpec
+from palpate.vision import TrackedMarkers
 
 
 class RecordedSensor:

@@ -15,19 +15,6 @@ from palpate.built import FitState, PoseFitter
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
-from palpate.markers import (
-    Detector,
-    DetectSpec,
-    MarkerAssignment,
-    MarkerPattern,
-    MotionModel,
-    TrackedMarkers,
-    Tracker,
-    TrackState,
-    assign_markers,
-    build_pattern,
-    prepare_detector,
-)
 from palpate.recording import RecordedModel
 from palpate.sensor.fading_force import ForceRelaxation
 from palpate.sensor.known_press import ReferencePress, disambiguate
@@ -42,10 +29,24 @@ from palpate.sensor.reader import (
 )
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
-from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.rest_drift import RestDrift
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
+from palpate.vision import (
+    Detector,
+    DetectSpec,
+    MarkerAssignment,
+    MarkerPattern,
+    MotionModel,
+    Registration,
+    TrackedMarkers,
+    Tracker,
+    TrackState,
+    assign_markers,
+    build_pattern,
+    prepare_detector,
+    register_dome,
+)
 
 _FOUND, _DIRT = (0.8, 1.5), 10
 """Least and greatest number of dots, over the design's, with which a size that the design gives is believed; and how
@@ -215,7 +216,7 @@ def analyse_rest(
     reference_press
         A press that tells the numbers where the mark does not.
     refine_lens
-        Whether focal length and centre are fitted as well (`palpate.sensor.register`).
+        Whether focal length and centre are fitted as well (`palpate.vision.register`).
 
     Raises
     ------

@@ -22,9 +22,9 @@ from palpate.benchmark.set_files import digest
 from palpate.camera import build_camera
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec
-from palpate.markers import prepare_detector
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.vision import prepare_detector
 from presses import solve_press
 
 TINY = PRESETS["tiny"]

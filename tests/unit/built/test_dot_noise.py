@@ -7,8 +7,8 @@ from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, noise_by_d
 from palpate.camera import CameraSpec, build_camera, project_markers, render
 from palpate.core import generator
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.markers import DetectSpec, prepare_detector
 from palpate.simulation import DEGRADED, Deviation, SimulatedUnit
+from palpate.vision import DetectSpec, prepare_detector
 
 SKIN = build_skin(DomeSpec())
 

@@ -9,13 +9,13 @@ from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, build_u
 from palpate.camera import CameraSpec, RenderSpec, build_camera, marker_outlines, project_markers
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec
-from palpate.markers import MotionModel, Tracker
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor
 from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.twin import TWIN_DERIVATIVES, Twin, read_twin, write_twin
+from palpate.vision import MotionModel, Tracker
 from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")

@@ -17,8 +17,7 @@ from palpate.camera import (
 )
 from palpate.cli.unit import UnitFlags
 from palpate.design import ConeSpec, Dome, MarkerSpec, place_markers
-from palpate.markers import MarkerAssignment
-from palpate.sensor.register import register_dome
+from palpate.vision import MarkerAssignment, register_dome
 
 LEANING = {"distance": 24.0, "offset_x": 1.5, "offset_y": -2.0, "tilt_x_deg": 4.0, "tilt_y_deg": -5.0, "roll_deg": 30}
 PAD = CameraSpec(**LEANING, distortion=(-0.2, 0.05, 1e-3, -2e-3, 0.0), window=WindowSpec(thickness=2.0))

@@ -8,7 +8,6 @@ import pytest
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import Design, DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec
-from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -16,6 +15,7 @@ from palpate.sensor import Flag, SensorSpec, Unit
 from palpate.sensor.reader import PoseEstimate, TwinEstimator
 from palpate.sensor.rest_drift import RestDrift
 from palpate.twin import TWIN_DERIVATIVES, Twin
+from palpate.vision import MarkerAssignment, TrackedMarkers
 from presses import build_twin, solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))

@@ -20,18 +20,17 @@ from palpate.design import (
     place_orientation_mark,
 )
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
-from palpate.markers import DetectSpec, assign_markers, build_pattern
 from palpate.sensor import (
     Flag,
     SensorSpec,
     Unit,
     describe_reading,
     open_sensor,
-    register_dome,
     run_sensor,
     write_readings,
 )
 from palpate.sensor.sensor import analyse_rest
+from palpate.vision import DetectSpec, assign_markers, build_pattern, register_dome
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))

@@ -10,7 +10,6 @@ from palpate.built import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -18,6 +17,7 @@ from palpate.sensor import Flag, Sensor, SensorSpec, Unit
 from palpate.sensor.creep_filter import FRAME_S
 from palpate.sensor.reader import PoseEstimate, ReaderState, TwinEstimator
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+from palpate.vision import MarkerAssignment, TrackedMarkers
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))

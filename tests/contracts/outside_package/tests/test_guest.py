@@ -13,11 +13,9 @@ from palpate_guest.wheel import WheelSpec
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark, skin_from_data
 from palpate.fea import WallSpec, obstacle_from_data, solve_press
-from palpate.markers import assign_markers, build_pattern
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.recording import read_recording
-from palpate.sensor import register_dome
 from palpate.testing import (
     LawSuite,
     LensSuite,
@@ -27,6 +25,7 @@ from palpate.testing import (
     SkinSuite,
     SourceSuite,
 )
+from palpate.vision import assign_markers, build_pattern, register_dome
 
 RUBBER = (0.008, 0.00001, 0.006)
 

@@ -1,0 +1,178 @@
+"""Assignment of all images of a recording to one layout: reference image, correspondences, faults."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
+from palpate.core.run import Progress
+from palpate.vision.match_markers import Correspondence, MarkerMatcher, marker_descriptor
+from palpate.vision.motion import fit_motion_model
+from palpate.vision.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
+
+_REPORTED = 500
+"""Images between two reports of progress."""
+_PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
+"""Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
+many that look alike lead to another."""
+
+
+_NOISE = 0.02
+"""Noise of a marker's place, over the spacing, at least."""
+_PLAIN = 0.9
+"""Share of images that are sure by a smooth field alone, from which nothing else is learnt."""
+
+
+@dataclass(frozen=True, eq=False)
+class AssignedMarkers:
+    """Dots of all images by number.
+
+    Attributes
+    ----------
+    layout
+        Dots at rest.
+    reference
+        Number of the image that the layout was read from.
+    moved_px
+        (n, m, 2) displacement from rest, single precision; smooth where no dot was found.
+    found
+        (n, m) whether a dot was assigned.
+    agreement, rough
+        (n,) see `palpate.vision.match_markers.Correspondence`.
+    faults
+        (n,) why an image's correspondence is not believed; empty for those that are.
+    motion
+        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.vision.MotionModel`; empty without.
+    usual
+        (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
+    """
+
+    layout: ObservedLayout
+    reference: int
+    moved_px: FloatArray
+    found: BoolArray
+    agreement: FloatArray
+    rough: FloatArray
+    faults: TextArray
+    motion: FloatArray
+    usual: FloatArray
+
+    @property
+    def good(self) -> BoolArray:
+        """(n,) whether the correspondence of an image is believed."""
+        return np.asarray(self.faults == "")
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of images by what became of them; empty for those that are believed."""
+        return dict(Counter(self.faults.tolist()))
+
+
+def choose_reference(blobs: Sequence[FloatArray], count: int) -> int:
+    """The image whose dots give the layout: the first at rest, else the most central one.
+
+    The most central image has as many dots as most images, and looks most like the mean of where dots are.
+
+    Parameters
+    ----------
+    blobs
+        (n, 2) centres of each image, px; images at rest come after `count` others.
+    count
+        Number of images of presses.
+    """
+    if len(blobs) > count and len(blobs[count]) >= LEAST_DOTS:
+        return count
+    numbers = np.array([len(each) for each in blobs[:count]])
+    usual = float(np.median(numbers))
+    if usual < LEAST_DOTS:
+        raise PalpateError(
+            f"Half of the images show fewer than {LEAST_DOTS} dots.",
+            "Learn from pictures alone: --estimators picture.",
+            code="markers-few",
+        )
+    width, height = np.max([each.max(axis=0) for each in blobs[:count] if len(each)], axis=0) + 1.0
+    seen = np.array([marker_descriptor(each, (height, width)) for each in blobs[:count]])
+    likeness = seen @ seen[numbers > 0].mean(axis=0)
+    return int(np.argmax(np.where(numbers >= np.quantile(numbers, 0.7), likeness, -1.0)))
+
+
+def assign_images(
+    blobs: Sequence[FloatArray], reference: int, shape: tuple[int, int], smooth: bool, progress: Progress
+) -> AssignedMarkers:
+    """Find the correspondence of every image; images that fail are tried again when all others are known.
+
+    Parameters
+    ----------
+    blobs, reference
+        (n, 2) centres of each image, px, and the image that gives the layout.
+    shape
+        Height and width of the images, px.
+    smooth
+        See `palpate.vision.match_markers.MarkerMatcher`.
+    progress
+        Receives the number of images done.
+    """
+    layout = number_markers(blobs[reference])
+    correspondent = MarkerMatcher(layout, shape, smooth=smooth)
+    if smooth:
+        _learn_motions(blobs, correspondent, progress)
+    total, what = len(blobs), "correspondence"
+    progress.plan(total)
+    progress.begin(what, total)
+    found: list[Correspondence] = []
+    for number, seen in enumerate(blobs):
+        found.append(correspondent.find(seen))
+        correspondent.remember(seen, found[-1])
+        if (number + 1) % _REPORTED == 0:
+            rejected = sum(not one.accepted for one in found)
+            progress.advance(what, number + 1, f"{number + 1} of {total} images, {rejected} rejected")
+    progress.finish(what)
+    return AssignedMarkers(
+        layout,
+        reference,
+        np.array([one.moved_px for one in found], np.float32),
+        np.array([one.found for one in found]),
+        np.array([one.agreement for one in found]),
+        np.array([one.rough for one in found]),
+        np.array([str(one.fault) for one in found]),
+        *correspondent.to_arrays(),
+    )
+
+
+def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, progress: Progress) -> None:
+    """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
+    some = np.unique(np.linspace(0, len(blobs) - 1, min(_PILOT, len(blobs))).astype(int))
+    some = some[[len(blobs[number]) >= LEAST_DOTS for number in some]]
+    found = []
+    for number in some:
+        found.append(correspondent.find(blobs[number]))
+        correspondent.remember(blobs[number], found[-1])
+    if np.mean([one.confident for one in found]) >= _PLAIN:
+        return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
+    seen = np.array([marker_descriptor(blobs[number], correspondent.shape) for number in some])
+    spacing = float(np.median(correspondent.layout.spacing_px))
+    for share in _TEACH:
+        order = np.argsort([-one.score for one in found])
+        taught = order[: max(int(share * len(found)), sum(one.confident for one in found))]
+        if len(taught) < _LEAST_TAUGHT:
+            return
+        correspondent.motions = fit_motion_model(
+            correspondent.layout.rest_px, [found[k].moved_px for k in taught], _NOISE * spacing
+        )
+        correspondent.fields = [found[k].moved_px for k in taught]
+        correspondent.seen = list(seen[taught])
+        for k, number in enumerate(some):
+            alike = taught[np.argsort(-(seen[taught] @ seen[k]))[:_ALIKE]]
+            guesses = [found[k].moved_px, *(found[other].moved_px for other in alike if other != k)]
+            tries = [correspondent.refine(blobs[number], guess) for guess in guesses]
+            found[k] = max(tries, key=lambda one: one.score)
+        best = [found[k] for k in taught]
+        correspondent.usual = (
+            min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
+            max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
+        )
+    progress.note(f"motions of the sensor: learnt from {len(taught)} images")

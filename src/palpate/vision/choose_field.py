@@ -1,0 +1,217 @@
+"""Which dots an image has: polarity and size, from the image alone.
+
+Every size and polarity is tried (on the image shrunk where the dots allow it). A clean field is the one with the most
+dots that agree in size and contrast, and the fewest things that do not. Before a room in clutter no size is clean;
+there dots are recognised by their order: in a printed field most dots lie half way between two neighbours, which of
+dots strewn at random one in eleven does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from palpate.core import BoolArray, FloatArray
+from palpate.vision.opencv import blur
+from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
+from palpate.vision.spec import DetectSpec
+
+Image = NDArray[np.float32]
+_SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
+"""Diameters that are tried; a field is found at diameters within a third of its own."""
+_CLEAN, _MANY, _LEAST = 0.45, 12, 6
+"""Share of all blobs' area in dots that agree, and their number, from which a field is believed; least number.
+
+The real fields of `docs/sensor.md` have 0.51 to 0.99, a dome with a bright rim and clutter about it 0.2 to 0.8; what
+a room in clutter offers instead of a field has 0.2 to 0.7, but no order."""
+_HALF = 0.8
+"""Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
+_NEIGHBOURS, _HALF_WAY = 6, 0.15
+"""Neighbours looked at, and how far from half way a dot may be, over the distance of the two."""
+AT_RANDOM = 0.092
+"""Share of dots strewn at random that lie half way between two of their neighbours (measured, 40 fields of 60)."""
+_ORDERED = 2.5
+"""Standard deviations by which dots must be more in order than chance and the cleanest field to be preferred."""
+_ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
+"""What a dot must have to count for the order: ratio of axes, fullness, and the size that is tried, to e^±0.5."""
+
+_IN_ORDER, _ABOVE_CHANCE = 0.25, 5.0
+"""Share of dots half way between two neighbours, and standard deviations of that above chance, of a field in order.
+
+The public images that show dots have 0.32 and 6.0 or more, one excepted whose dots are alike; grain has up to 0.2."""
+_DISTINCT = 30.0
+"""Least contrast over the noise of a pixel times the diameter, px: a faint weave has less, faint printed dots 44."""
+_AT_BORDER, _NOT_LONG = 0.25, 0.59
+"""Greatest share of dots cut by the image's border, and least median ratio of axes: a weave runs on beyond the image,
+and its pieces are long; public images have at most 0.08 and at least 0.69."""
+_ONE_WAY = 0.7
+"""How far the arms between neighbours may point one way."""
+_DISC = 0.95
+"""Median ratio of axes above which dots are discs, and no threads, whatever way they run."""
+_EQUAL, _FEWEST, _OVAL = 0.06, 8, 0.75
+"""Greatest spread of the contrast of dots that are alike, of what they are at least, and their median ratio of axes:
+up to seven lamps about a dome are as alike as print."""
+
+
+@dataclass(frozen=True)
+class FieldCandidate:
+    """What an image shows at one polarity and size.
+
+    Attributes
+    ----------
+    dark
+        Polarity.
+    diameter_px
+        Median diameter of its dots.
+    dots
+        Number of dots that agree.
+    clean
+        Their share of the area of all blobs.
+    score
+        How well the image fits; 0 where it does not.
+    roundness
+        Median ratio of the axes of its dots.
+    """
+
+    dark: bool
+    diameter_px: float
+    dots: int
+    clean: float
+    score: float
+    roundness: float = 0.0
+
+
+def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
+    """Polarity and size of the dots of an image, as far as the spec leaves them open; `None` without a field.
+
+    Parameters
+    ----------
+    grey
+        (h, w) grey levels.
+    spec
+        What is given.
+    """
+    tries = [
+        (dark, size)
+        for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
+        for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
+        if size < min(grey.shape) / 3
+    ]
+    fields = [_evaluate(grey, dark, size, spec) for dark, size in tries]
+    best = max(fields, key=lambda field: field.score, default=None)
+    if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
+        return best
+    ordered = [_order(grey, dark, size, spec) for dark, size in tries]
+    if ordered:
+        first = int(np.argmax([field.score for field in ordered]))
+        own = ordered[fields.index(best)].score if best is not None else 0.0
+        if ordered[first].score > max(own, 0.0) + _ORDERED:
+            return ordered[first]
+    known = spec.diameter_px is not None and spec.polarity != "auto"
+    return best if best is not None and best.score > 0.0 and (best.dots >= _LEAST or known) else None
+
+
+def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
+    """Numbers of the candidates that look like dots, by size, roundness, fullness and contrast."""
+    size = segments.diameter_px / diameter_px
+    good = (size > 0.4) & (size < 2.2) & (segments.roundness > spec.roundness) & (segments.fullness > _HALF)
+    good &= (segments.area_px >= 4) | segments.at_border
+    for values in (segments.contrast, segments.diameter_px):
+        if good.any():
+            good &= values > spec.evenness * float(np.median(values[good]))
+    return np.flatnonzero(good)
+
+
+def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segments, int]:
+    """Candidates of a size, and by what the image was shrunk for it."""
+    step = int(max(1, size // 8))
+    if step > 1:
+        grey = blur(grey, 0.5 * step)[::step, ::step]
+    height, factor = heights(grey if dark else -grey, size / step)
+    return segment(height, size / step, spec.threshold * measure_noise(grey) * factor, spec.evenness), step
+
+
+def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
+    """How clean the field of a size is."""
+    segments, step = _cut(grey, dark, size, spec)
+    chosen = choose_dots(segments, size / step, spec)
+    if len(chosen) < 3:
+        return FieldCandidate(dark, size, 0, 0.0, 0.0)
+    diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
+    typical = float(np.median(diameter))
+    alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
+    area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
+    fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
+    score = alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))
+    round_ = float(np.median(segments.roundness[chosen]))
+    return FieldCandidate(dark, typical * step, int(alike.sum()), area, float(score), round_)
+
+
+def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
+    """How far the dots of a size are in order: standard deviations above chance."""
+    segments, step = _cut(grey, dark, size, spec)
+    chosen = choose_dots(segments, size / step, spec)
+    diameter = segments.diameter_px * step
+    good = (segments.roundness > _ROUND) & (segments.fullness > _FULL) & (np.abs(np.log(diameter / size)) < _ALIKE)
+    chosen = chosen[good[chosen]]
+    if len(chosen) < _LEAST:
+        return FieldCandidate(dark, size, len(chosen), 0.0, 0.0)
+    between = is_midpoint(segments.middle_px[chosen])
+    above = between.sum() - AT_RANDOM * len(chosen)
+    score = above / np.sqrt(len(chosen) * AT_RANDOM * (1.0 - AT_RANDOM))
+    typical = float(np.median(diameter[chosen][between])) if between.any() else size
+    round_ = float(np.median(segments.roundness[chosen]))
+    return FieldCandidate(dark, typical, len(chosen), float(between.mean()), float(score), round_)
+
+
+def is_midpoint(points: FloatArray) -> BoolArray:
+    """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
+    if len(points) < 3:
+        return np.zeros(len(points), bool)
+    return np.asarray((_arms(points)[1] < _HALF_WAY / 2.0).any(axis=(1, 2)))
+
+
+def _arms(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n, k, 2) arms to neighbours, and (n, k, k) length of the sum of two arms over their lengths."""
+    distance, number = cKDTree(points).query(points, min(_NEIGHBOURS + 1, len(points)))
+    arms, length = points[number[:, 1:]] - points[:, None], distance[:, 1:]
+    lengths = np.maximum(length[:, :, None] + length[:, None], 1e-9)
+    return arms, np.linalg.norm(arms[:, :, None] + arms[:, None], axis=-1) / lengths
+
+
+def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
+    """Whether blobs look printed.
+
+    Parameters
+    ----------
+    blobs
+        Those of an image.
+    field
+        What was chosen to find them.
+    """
+    count = len(blobs)
+    if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
+        return False
+    clear = float(np.median(blobs.contrast)) / blobs.noise * float(np.median(blobs.diameter_px)) > _DISTINCT
+    share = float(is_midpoint(blobs.positions_px).mean())
+    above = (share - AT_RANDOM) * np.sqrt(count / (AT_RANDOM * (1.0 - AT_RANDOM)))
+    in_order = share > _IN_ORDER and above > _ABOVE_CHANCE
+    alike = _spread(np.log(np.maximum(blobs.contrast, 1e-9))) < _EQUAL and field.roundness > _OVAL
+    one_way = field.roundness < _DISC and _in_one_direction(blobs.positions_px) > _ONE_WAY
+    return bool(clear and not one_way and (in_order or alike))
+
+
+def _in_one_direction(points: FloatArray) -> float:
+    """How far the straightest arms of all dots point one way: 1 for a weave's threads, near 0 for grids and rings."""
+    arms, miss = _arms(points)
+    best = miss.reshape(len(points), -1).argmin(axis=1) // arms.shape[1]
+    arm = arms[np.arange(len(points)), best]
+    return float(np.abs(np.mean(np.exp(2j * np.arctan2(arm[:, 1], arm[:, 0])))))
+
+
+def _spread(values: FloatArray) -> float:
+    """Standard deviation by the median of the distances from the median."""
+    return float(1.4826 * np.median(np.abs(values - np.median(values))))

@@ -1,0 +1,201 @@
+"""A ring of dots settled: from about where it should be to the ellipse that its dots say, and what chance would do.
+
+A ring is held to its forecast as far as that is believed, so that a few dots cannot bend it at will. A dot that the
+others leave alone is dropped. Whether so many dots so near to even places could be chance is counted as in an
+a-contrario test: the number of such rings that as many dots strewn at random would show.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.special import gammaln
+
+from palpate.core import BoolArray, FloatArray
+from palpate.vision.ring_model import RingFit
+from palpate.vision.rings import ring_harmonics
+
+_TRIED = 4
+"""Radii and shifts of the next ring that are looked at more closely."""
+_SCORE = 0.22
+"""The reach while places are compared, over the distance of neighbours on the ring."""
+_LEAST_RADIUS_PX = 0.25
+"""A dot is not believed to lie nearer to its place than this, when chance is counted."""
+REACH = 0.3
+"""How far from its place a dot may lie while its ring settles, over the distance of neighbours."""
+_PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
+"""The same once it has settled, at most and at least, and in px."""
+STRAY = 4.5
+"""A dot this many standard deviations from its ring is not of it."""
+_DOT_PX = 0.3
+"""Standard deviation of a printed dot."""
+_FLAT = 0.1
+"""Standard deviation of the ratio of a ring's axes."""
+_SMALL, DROP = 60, 3.0
+"""Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely
+by as many powers of ten;"""
+_OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
+"""of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the
+ring of the rest, on which so many coordinates are spent."""
+_MORE = 0.5
+"""Share of the places between those of a ring at which it is another ring of more dots."""
+
+
+class RingPrior(NamedTuple):
+    """How far a ring may differ from its forecast, and how many dots its own freedom costs when chance is counted."""
+
+    centre_px: float
+    harmonics: tuple[float, float, float]
+    """The first three, over the radius."""
+    spent: float
+
+
+ALONE = RingPrior(50.0, (1.0, 0.01, 0.002), 3.0)
+"""The innermost ring, of which nothing is known."""
+NEXT = RingPrior(4.0, (0.15, 0.03, 0.015), 3.0)
+"""A ring as the one inside forecasts it."""
+INSIDE = RingPrior(3.0, (0.08, 0.015, 0.005), 1.5)
+"""A ring as the one outside forecasts it."""
+
+
+class RingFitter:
+    """Settles rings on dots (n, 2)."""
+
+    def __init__(self, blobs_px: FloatArray) -> None:
+        self.blobs = blobs_px
+        self.tree = cKDTree(blobs_px)
+        self.density = len(blobs_px) / max(float(np.prod(np.ptp(blobs_px, axis=0))), 1.0)
+
+    def scan(
+        self,
+        last: RingFit,
+        phi: FloatArray,
+        growths: FloatArray,
+        shifts: FloatArray,
+        taken: BoolArray,
+        hold: RingPrior = NEXT,
+    ) -> RingFit:
+        """The ring of the growth and shift under which most dots are on it."""
+        shape = ring_harmonics(phi, 7)[:, 1:] @ last.weights[1:]
+        centre = last.weights[0] + shifts
+        places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
+        distance, blob = self.tree.query(places)
+        pitch = 2.0 * np.pi * growths * last.radius_px / len(phi)
+        reach = (_SCORE * pitch)[:, None, None]
+        score = np.where((distance < reach) & ~taken[blob], 1.0 - (distance / reach) ** 2, 0.0).sum(axis=-1)
+        tried, by_growth = [], score.max(axis=1)
+        for _ in range(_TRIED):
+            grown = int(np.argmax(by_growth))
+            weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
+            tried.append(self.fit(weights, taken, phi, hold))
+            by_growth[max(grown - 1, 0) : grown + 2] = -1.0
+        return min(tried, key=lambda ring: ring.power)
+
+    def fit(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: RingPrior) -> RingFit:
+        """Nearest dots and the ring in turn; at last what is too far from it is left out."""
+        terms, held = ring_harmonics(phi, 7), weights
+        blob = np.full(len(phi), -1)
+        left = np.full(len(phi), np.nan)
+        for again in range(6):
+            places = terms @ weights
+            radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
+            pitch = 2.0 * np.pi * radius / len(phi)
+            reach = REACH * pitch
+            if again > 3 and (blob >= 0).sum() > 3:
+                spread = 1.4826 * np.nanmedian(left) / 1.1774 * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
+                reach = min(max(STRAY * spread, LEAST_REACH_PX, LEAST_REACH * pitch), _PRINT_REACH * pitch)
+            blob, left = self.nearest(places, reach, taken)
+            have = blob >= 0
+            if again == 5 or have.sum() < 3:
+                break
+            weights = self.fitted(terms[have], self.blobs[blob[have]], held, hold)
+        if len(phi) <= _SMALL and (dropped := self._without_worst(terms, (held, hold), blob, left)):
+            weights, blob, left = dropped
+        if self._has_more(phi, weights):
+            return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
+        return RingFit(weights, blob, left, self.power(blob, left, hold.spent) + _flatness(weights))
+
+    def _without_worst(
+        self,
+        terms: FloatArray,
+        held: tuple[FloatArray, RingPrior],
+        blob: NDArray[np.intp],
+        left: FloatArray,
+    ) -> tuple[FloatArray, NDArray[np.intp], FloatArray] | None:
+        """A small ring without a dot that alone bends it: the others then fit so well that chance does it less."""
+        have = np.flatnonzero(blob >= 0)
+        if len(have) < (4 if held[1] is INSIDE else 5):
+            return None
+        tried = []
+        for out in have:
+            rest = have[have != out]
+            fit = self.fitted(terms[rest], self.blobs[blob[rest]], *held)
+            off = np.full(len(blob), np.nan)
+            off[have] = np.linalg.norm(self.blobs[blob[have]] - terms[have] @ fit, axis=1)
+            tried.append((off[out], fit, np.where(np.arange(len(blob)) == out, -1, blob), off))
+        if held[1] is ALONE:
+            power = [self.power(kept, off, held[1].spent) for _, _, kept, off in tried]
+            which = int(np.argmin(power))
+            drop = power[which] < self.power(blob, left, held[1].spent) + DROP
+        else:
+            which = int(np.argmax([each[0] for each in tried]))
+            far, fit, kept, off = tried[which]
+            spread = np.sqrt(np.sum(off[kept >= 0] ** 2) / max(2.0 * len(have) - 2.0 - _SPENT, 2.0))
+            pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
+            drop = far > max(_OFF * spread, _OFF_PITCH * pitch, LEAST_REACH_PX)
+        if not drop:
+            return None
+        _, fit, kept, off = tried[which]
+        away, dot = self.tree.query(terms[have[which]] @ fit)
+        pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
+        if dot != blob[have[which]] and dot not in kept and away < max(_OFF_PITCH * pitch, LEAST_REACH_PX):
+            kept[have[which]], off[have[which]] = dot, away
+        return fit, kept, np.where(kept >= 0, off, np.nan)
+
+    def fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: RingPrior) -> FloatArray:
+        """The ring through dots (n, 2), as near to its forecast as it is held."""
+        radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
+        sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
+        ridge = _DOT_PX / sd
+        rows = np.vstack([terms, np.diag(ridge)])
+        return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, ridge[:, None] * weights]), rcond=None)[0])
+
+    def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
+        """Whether there are dots between the places too, at halves or thirds: a ring of twice or thrice as many."""
+        for parts in (2, 3):
+            step = 2.0 * np.pi / len(phi) / parts
+            between = np.concatenate([phi + step * part for part in range(1, parts)])
+            pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
+            distance = self.tree.query(ring_harmonics(between, 7) @ weights)[0]
+            if np.mean(distance < REACH * pitch) > _MORE:
+                return True
+        return False
+
+    def power(self, blob: NDArray[np.intp], left: FloatArray, free: float) -> float:
+        """Power of ten of how often chance puts so many dots so near to the places of a ring."""
+        off, count = np.sort(left[blob >= 0]), len(blob)
+        if not len(off):
+            return 0.0
+        one = np.minimum(self.density * np.pi * np.maximum(off, _LEAST_RADIUS_PX) ** 2, 1.0)
+        kept = np.arange(1.0, len(off) + 1.0)
+        ways = gammaln(count + 1) - gammaln(kept + 1) - gammaln(count - kept + 1)
+        power = ways / np.log(10.0) + np.maximum(kept - free, 0.0) * np.log10(one)
+        return float(min(power.min(), 0.0))
+
+    def nearest(self, places: FloatArray, reach: float, taken: BoolArray) -> tuple[NDArray[np.intp], FloatArray]:
+        """(n,) the free dot of each place within reach, each dot once, and its distance."""
+        distance, blob = self.tree.query(places)
+        order = np.argsort(distance, kind="stable")
+        first = np.zeros(len(places), bool)
+        first[order[np.unique(blob[order], return_index=True)[1]]] = True
+        good = first & (distance < reach) & ~taken[blob]
+        return np.where(good, blob, -1), np.where(good, distance, np.nan)
+
+
+def _flatness(weights: FloatArray) -> float:
+    """Powers of ten by which an ellipse is less likely than a circle."""
+    axes = np.linalg.svd(weights[1:3], compute_uv=False)
+    return float(0.5 * ((axes[0] / max(axes[1], 1e-9) - 1.0) / _FLAT) ** 2 / np.log(10.0))

@@ -1,0 +1,163 @@
+"""The law of a print: by how much each ring of dots is larger, aside, flattened and turned against the design.
+
+Pads stretch and domes sag, so a print may be bent as a whole though it is even. The rings' law and the camera's pose
+are fitted together to the dots at rest. A growth of all rings is hard to tell from a nearer camera, and rings that
+are all aside from a camera that is; the two share it as far as each is known beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from palpate.camera import Camera
+from palpate.core import FloatArray
+from palpate.design import MarkerLayout, Skin
+from palpate.vision.rings import Rings
+
+_SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
+"""Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, turn, and two
+of how its dots slide along it, twice to and fro: a stretched pad takes them along, a sagging dome does not."""
+_POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
+"""Of the camera's offset x and y (mm), distance (mm), tilts and roll (degrees)."""
+_DOT_PX, _FORGIVEN = 0.3, 5.0
+"""Standard deviation of a printed dot, and residual over it beyond which the loss is linear."""
+_STEP = 1e-5
+"""Step of the finite differences, over the standard deviations."""
+
+
+@dataclass(frozen=True, eq=False)
+class PrintDistortion:
+    """How a print of rings is bent as a whole.
+
+    Attributes
+    ----------
+    rings
+        Which marker is on which ring.
+    radius
+        (k,) mean radius of each ring on the dome about its own centre, mm, from the innermost.
+    growth
+        (k,) the same over the design's.
+    centre
+        (k, 2) where its centre is in the base plane, mm.
+    flatness, flat_deg
+        (k,) longer over shorter half axis less one, and the azimuth of the longer one, degrees.
+    turn_deg
+        (k,) how far its dots are turned, degrees.
+    positions
+        (m, 3) where the law says that each marker is printed, mm.
+    rms_px
+        Root of the mean squared distance of the dots from the images of those places.
+    """
+
+    rings: Rings
+    radius: FloatArray
+    growth: FloatArray
+    centre: FloatArray
+    flatness: FloatArray
+    flat_deg: FloatArray
+    turn_deg: FloatArray
+    positions: FloatArray
+    rms_px: float
+
+    @property
+    def greatest(self) -> float:
+        """Greatest departure of a ring's radius from the design's, as a share."""
+        return float(np.abs(self.growth - 1.0).max())
+
+
+def fit_print_distortion(
+    rings: Rings,
+    design: tuple[MarkerLayout, Skin],
+    seen: tuple[NDArray[np.intp], FloatArray],
+    posed: Callable[[FloatArray], Camera],
+    start: tuple[FloatArray, FloatArray],
+) -> tuple[FloatArray, PrintDistortion]:
+    """Fit the camera's pose and the law of the rings.
+
+    Parameters
+    ----------
+    rings
+        Which marker is on which ring.
+    design
+        What was to be printed, and on what.
+    seen
+        Numbers (n,) of the markers that have a dot, and its pixels (n, 2) with the ellipse's bias taken off.
+    posed
+        From the six numbers of a pose to the camera there.
+    start
+        (6,) a pose to begin with, and the nominal one.
+
+    Returns
+    -------
+    ndarray
+        (6,) the pose.
+    PrintDistortion
+        The law.
+    """
+    layout, skin = design
+    which, pixels = seen
+    prior = np.concatenate([start[1], np.zeros(2 + len(_SD) * len(rings))])
+    sd = np.concatenate([_POSE_SD, _SD[1:3], np.tile(_SD, len(rings))])
+    first = np.concatenate([start[0], prior[6:]])
+    first[2] = start[1][2]
+
+    def miss(values: FloatArray) -> FloatArray:
+        places = _printed(rings, layout, skin, values[6:])[which]
+        left = np.nan_to_num(posed(values[:6]).project(places) - pixels, nan=1e3)
+        return np.concatenate([left.ravel() / _DOT_PX, (values - prior) / sd])
+
+    def slopes(values: FloatArray) -> FloatArray:
+        """Differences; a ring's numbers move its own dots only, so all rings are moved at once."""
+        base = miss(values)
+        found = np.zeros((len(base), len(values)))
+        dots = 2 * len(which)
+        on_ring = np.repeat(rings.number[which], 2)
+        for k in range(8):
+            found[:, k] = (miss(values + _STEP * sd[k] * np.eye(len(sd))[k]) - base) / (_STEP * sd[k])
+        for k in range(len(_SD)):
+            step = np.zeros(len(sd))
+            step[8 + k :: len(_SD)] = _STEP * _SD[k]
+            change = (miss(values + step) - base) / (_STEP * _SD[k])
+            for ring in range(1, len(rings) + 1):
+                column = 8 + len(_SD) * (ring - 1) + k
+                found[:dots, column] = np.where(on_ring == ring, change[:dots], 0.0)
+                found[dots + column, column] = 1.0 / sd[column]
+        return found
+
+    fit = least_squares(miss, first, jac=slopes, x_scale=sd, loss="soft_l1", f_scale=_FORGIVEN)
+    left = miss(fit.x)[: pixels.size].reshape(-1, 2) * _DOT_PX
+    rms = float(np.sqrt(np.mean((left**2).sum(axis=1))))
+    return fit.x[:6], _law(rings, layout, skin, fit.x[6:], rms)
+
+
+def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms_px: float) -> PrintDistortion:
+    growth, x, y, along, across, turn = values[2:].reshape(len(rings), -1).T[:6]
+    flat = np.hypot(along, across)
+    return PrintDistortion(
+        rings=rings,
+        radius=rings.rho[1:] * (1.0 + growth),
+        growth=1.0 + growth,
+        centre=np.stack([x, y], axis=-1),
+        flatness=(1.0 + flat) / (1.0 - flat) - 1.0,
+        flat_deg=np.degrees(np.arctan2(across, along)) / 2.0 % 180.0,
+        turn_deg=np.degrees(turn),
+        positions=_printed(rings, layout, skin, values),
+        rms_px=rms_px,
+    )
+
+
+def _printed(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray) -> FloatArray:
+    """(m, 3) places of the markers under the numbers of the law (2 + 6 k,): two of the middle, six a ring."""
+    of_ring = np.vstack([[0.0, *values[:2], *[0.0] * (len(_SD) - 3)], values[2:].reshape(len(rings), -1)])
+    growth, x, y, along, across, turn, fro, to = of_ring[rings.number].T
+    azimuth = rings.azimuth + turn + fro * np.sin(2.0 * rings.azimuth) + to * np.cos(2.0 * rings.azimuth)
+    u, v = (rings.rho[rings.number] * (1.0 + growth) * wave(azimuth) for wave in (np.cos, np.sin))
+    px = (1.0 + along) * u + across * v + x
+    py = across * u + (1.0 - along) * v + y
+    rho = np.minimum(np.hypot(px, py), 0.999 * skin.base_radius)
+    return skin.inner_point(rho, np.arctan2(py, px))
