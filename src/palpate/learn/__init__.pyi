@@ -5,7 +5,7 @@ from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
 from palpate.learn.estimator import Estimator
 from palpate.learn.force_graph import train_force_output
-from palpate.learn.interval import Interval, Prediction
+from palpate.learn.interval import Interval, Prediction, press_quantile
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import compare_with_bound, find_leakage, pool_bounds
 from palpate.learn.limit import ErrorBound, compute_error_bounds
@@ -43,6 +43,7 @@ __all__ = [
     "open_predictor",
     "paper_training",
     "pool_bounds",
+    "press_quantile",
     "read_estimator",
     "search_estimator",
     "shuffle_labels",

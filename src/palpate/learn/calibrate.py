@@ -86,10 +86,10 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
     presses = tuple(int(number) for number in np.unique(press))
     plain = Interval(LEVEL, np.ones(3), depths, error, trained, presses)
     scores = np.abs(members.mean(axis=0) - poses) / plain.scale(members)
-    factor = np.array([press_quantile(column, press, LEVEL) for column in scores.T])
+    factor = press_quantile(scores, press, LEVEL)
     false_alarm = max(FALSE_ALARM, 1.0 / (len(presses) + 1))
     beside = plain.score((images - dataset.rest_px).reshape(len(images), -1), members)
-    threshold = press_quantile(beside, press, 1.0 - false_alarm)
+    threshold = float(press_quantile(beside, press, 1.0 - false_alarm))
     trained = replace(trained, threshold=threshold, false_alarm=false_alarm)
     return replace(estimator, interval=replace(plain, factor=factor, trained=trained))
 

@@ -111,7 +111,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     chosen = hold_out(held.press, SHARE, child_seed(seed, "force calibration"))
     errors, found, press = _errors(network, held, outside, chosen, child_seed(seed, "force check"))
     width = scale[:, 0] + scale[:, 1] * np.abs(found[:, 2:])
-    factor = np.array([press_quantile(column, press, LEVEL) for column in (np.abs(errors) / width).T])
+    factor = press_quantile(np.abs(errors) / width, press, LEVEL)
     head = ForceHead(network, factor * scale[:, 0], factor * scale[:, 1], LEVEL, {})
     return ForceHead(network, head.floor, head.share, LEVEL, _validate(head, held, outside, ~chosen, seed))
 

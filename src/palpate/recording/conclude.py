@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, provenance
-from palpate.learn import ErrorSummary
+from palpate.learn import ErrorSummary, press_quantile
 from palpate.recording.correspond import marker_descriptor
-from palpate.recording.mix import EnsembleCandidate, press_quantile_of, select_ensemble
+from palpate.recording.mix import EnsembleCandidate, select_ensemble
 from palpate.recording.model import EnsembleWeights, RecordedModel
 from palpate.recording.part import EnsembleMember
 from palpate.recording.see_recording import PreparedRecording
@@ -71,7 +71,7 @@ def select_model(
     for option in options.ranked:
         found = option.combine(estimates)
         calm = seen.split.validation & np.isfinite(found).all(axis=1)
-        option.half_width = press_quantile_of(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
+        option.half_width = press_quantile(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
         score = _score(option, found, option.half_width, seen, seconds)
         scores += [score] if score is not None else []
     best, fallback = options.with_dots, options.without

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import nnls
 
-from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.core import BoolArray, FloatArray
 
 MIXTURE, PICTURES = "mixture", "mixture of pictures"
 """Mixtures of all estimators, and of those that read pictures."""
@@ -119,20 +119,3 @@ def _mix(
     return EnsembleCandidate(
         title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf
     )
-
-
-def press_quantile_of(errors: FloatArray, press: IntArray, level: float) -> FloatArray:
-    """Half-widths (k,) that cover a share of the values of a press to come, from errors (n, k) of K presses.
-
-    Each press weighs 1 / (K + 1), shared by its images, see `palpate.learn.interval`; infinite where K is too small.
-    """
-    _, member, images = np.unique(press, return_inverse=True, return_counts=True)
-    if not len(images):
-        return np.full(errors.shape[1], np.inf)
-    weight = 1.0 / ((len(images) + 1) * images[member.reshape(-1)])
-    widths = []
-    for column in errors.T:
-        order = np.argsort(column)
-        reached = np.flatnonzero(np.cumsum(weight[order]) >= level - 1e-12)
-        widths.append(float(column[order][reached[0]]) if len(reached) else np.inf)
-    return np.array(widths)
