@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out, read_dataset
+from palpate.dataset import Dataset, draw_jitter, read_dataset, split_presses
 from palpate.learn import Metrics, TrainingSpec, fit_ridge, measure_errors
 from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.network import TrainingData, train_network
@@ -136,7 +136,7 @@ def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -
 def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
     """Length and penalty chosen on presses taken from those for training, as `best` chooses or by jitter alone."""
     kept = dataset.subset(validation=False)
-    held = hold_out(kept.press, 0.2, child_seed(SEED, "inner"))
+    held = split_presses(kept.press, child_seed(SEED, "inner"), 0.2).validation
     inner = replace(kept, validation=held)
     scores = {}
     for length in LENGTHS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out
+from palpate.dataset import Dataset, draw_jitter, split_presses
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import Interval, TrainedRange, press_quantile
 
@@ -78,7 +78,7 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
     kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     if len(np.unique(held.press)) < 2:
         return estimator
-    chosen = hold_out(held.press, SHARE, child_seed(seed, "calibration"))
+    chosen = split_presses(held.press, child_seed(seed, "calibration"), SHARE).validation
     depths, error = _measure_scale(estimator, kept, seed)
     images, poses, press = _jittered(held, chosen, child_seed(seed, "calibration jitter"))
     members = estimator.predict_members(images)

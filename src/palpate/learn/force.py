@@ -16,7 +16,7 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out
+from palpate.dataset import Dataset, draw_jitter, split_presses
 from palpate.learn.calibrate import DRAWS, LEVEL, MOST_IMAGES, SHARE
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import press_quantile
@@ -108,7 +108,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     size = np.column_stack([np.ones(len(rows)), np.abs(inside[rows, 2])])
     scale = np.array([nnls(size, column)[0] for column in off.T])
     scale[:, 0] += _LEAST_N
-    chosen = hold_out(held.press, SHARE, child_seed(seed, "force calibration"))
+    chosen = split_presses(held.press, child_seed(seed, "force calibration"), SHARE).validation
     errors, found, press = _errors(network, held, outside, chosen, child_seed(seed, "force check"))
     width = scale[:, 0] + scale[:, 1] * np.abs(found[:, 2:])
     factor = press_quantile(np.abs(errors) / width, press, LEVEL)

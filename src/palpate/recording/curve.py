@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
+from palpate.dataset import PressSplit
 from palpate.recording.course import TrainerSpec
 from palpate.recording.lesson import TrainingSet, fit_ridge_part
 from palpate.recording.part import EnsembleMember
-from palpate.recording.split import PressSplit
 from palpate.recording.train_part import train_marker_network
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)

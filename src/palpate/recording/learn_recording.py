@@ -21,9 +21,9 @@ from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
 from palpate.recording.model import RecordedModel
 from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
+from palpate.recording.row_offset import find_row_offset
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.split import find_row_offset
 from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
 
 _ALIKE = ("rx", "ry"), ("depth", "rz", "force")
