@@ -16,8 +16,16 @@ from palpate.benchmark.spec import BaselineSpec, BenchmarkDesign, Split
 from palpate.core import FloatArray, IntArray
 from palpate.core.run import Progress
 from palpate.dataset import Dataset
-from palpate.learn import Estimator, calibrate_interval, fit_ridge, press_quantile, train
-from palpate.recording import TrainerSpec, TrainingSet, train_image_network
+from palpate.learn import (
+    Estimator,
+    TrainerSpec,
+    TrainingSet,
+    calibrate_interval,
+    fit_ridge,
+    press_quantile,
+    train,
+    train_image_network,
+)
 
 _LEVEL = 0.9
 LEARNERS: dict[str, Callable[[Dataset, BaselineSpec], Estimator]] = {

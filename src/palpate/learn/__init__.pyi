@@ -3,51 +3,78 @@
 from palpate.learn.calibrate import Coverage, calibrate_interval, measure_coverage
 from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
+from palpate.learn.ensemble import EnsembleCandidate, select_ensemble
 from palpate.learn.estimator import Estimator
 from palpate.learn.force_graph import train_force_output
 from palpate.learn.interval import Interval, Prediction, press_quantile
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import compare_with_bound, find_leakage, pool_bounds
+from palpate.learn.learning_curve import PRESSES, CurvePoint, compute_learning_curve, extrapolate_learning_curve
 from palpate.learn.limit import ErrorBound, compute_error_bounds
+from palpate.learn.member import PARTS, EnsembleMember, MarkerNetwork
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
+from palpate.learn.rotation import RotationAugmentation, find_rotation, pattern_order
 from palpate.learn.search import search_estimator
 from palpate.learn.space import PAPER_SPACE
 from palpate.learn.spec import LearningSpec, TrainingSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
+from palpate.learn.train_member import fine_tune_marker_network, train_image_network
+from palpate.learn.train_members import ROTATED, TrainingJob, train_members
+from palpate.learn.trainer import TrainerSpec
+from palpate.learn.training_set import TrainingSet
 
 __all__ = [
     "PAPER_SPACE",
+    "PARTS",
+    "PRESSES",
+    "ROTATED",
     "Coverage",
+    "CurvePoint",
     "DepthErrors",
+    "EnsembleCandidate",
+    "EnsembleMember",
     "ErrorBound",
     "ErrorSummary",
     "Estimator",
     "Interval",
     "LearningSpec",
+    "MarkerNetwork",
     "Metrics",
     "Prediction",
     "Predictor",
+    "RotationAugmentation",
     "TiltErrors",
+    "TrainerSpec",
+    "TrainingJob",
+    "TrainingSet",
     "TrainingSpec",
     "calibrate_interval",
     "compare_splits",
     "compare_with_bound",
     "compute_error_bounds",
+    "compute_learning_curve",
     "evaluate",
+    "extrapolate_learning_curve",
     "find_device",
     "find_leakage",
+    "find_rotation",
+    "fine_tune_marker_network",
     "fit_ridge",
     "measure_coverage",
     "measure_errors",
     "open_predictor",
     "paper_training",
+    "pattern_order",
     "pool_bounds",
     "press_quantile",
     "read_estimator",
     "search_estimator",
+    "select_ensemble",
     "shuffle_labels",
     "train",
     "train_force_output",
+    "train_image_network",
+    "train_members",
     "write_estimator",
 ]

@@ -5,24 +5,19 @@ from palpate.recording.assign import AssignedMarkers, assign_images, choose_refe
 from palpate.recording.columns import ColumnMapping, PoseColumn
 from palpate.recording.conclude import EstimatorScore
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
-from palpate.recording.course import TrainerSpec
-from palpate.recording.curve import CurvePoint
 from palpate.recording.layout import ObservedLayout, number_markers
 from palpate.recording.learn_recording import RecordingResult, train_on_recording
-from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import PoseReading, RecordedModel, is_recorded_model, read_model, write_model
 from palpate.recording.read_recording import Recording, read_recording
 from palpate.recording.report import draw_recording_report, recording_page, recording_report
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.table import RecordingTable, read_table
-from palpate.recording.train_part import train_image_network
 
 __all__ = [
     "AssignedMarkers",
     "ColumnMapping",
     "Correspondence",
-    "CurvePoint",
     "EstimatorScore",
     "MarkerMatcher",
     "MatchFault",
@@ -36,8 +31,6 @@ __all__ = [
     "RecordingResult",
     "RecordingSpec",
     "RecordingTable",
-    "TrainerSpec",
-    "TrainingSet",
     "assign_images",
     "choose_reference",
     "draw_recording_report",
@@ -50,7 +43,6 @@ __all__ = [
     "read_table",
     "recording_page",
     "recording_report",
-    "train_image_network",
     "train_on_recording",
     "write_model",
 ]

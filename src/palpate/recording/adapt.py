@@ -17,16 +17,20 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.run import Progress
-from palpate.learn import Estimator, read_estimator
+from palpate.learn import (
+    PRESSES,
+    CurvePoint,
+    Estimator,
+    MarkerNetwork,
+    TrainerSpec,
+    TrainingSet,
+    fine_tune_marker_network,
+    read_estimator,
+)
 from palpate.recording.correspond import MarkerMatcher
-from palpate.recording.course import TrainerSpec
-from palpate.recording.curve import PRESSES, CurvePoint
 from palpate.recording.layout import ObservedLayout
-from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import read_model
-from palpate.recording.part import MarkerNetwork
 from palpate.recording.see_recording import PreparedRecording
-from palpate.recording.train_part import fine_tune_marker_network
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
 _COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, provenance
-from palpate.learn import ErrorSummary, press_quantile
+from palpate.learn import EnsembleCandidate, EnsembleMember, ErrorSummary, press_quantile, select_ensemble
 from palpate.recording.correspond import marker_descriptor
-from palpate.recording.mix import EnsembleCandidate, select_ensemble
 from palpate.recording.model import EnsembleWeights, RecordedModel
-from palpate.recording.part import EnsembleMember
 from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.spec import RecordingSpec
 

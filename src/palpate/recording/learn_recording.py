@@ -12,24 +12,27 @@ import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError
 from palpate.core.run import Progress
+from palpate.learn import (
+    ROTATED,
+    CurvePoint,
+    EnsembleMember,
+    RotationAugmentation,
+    TrainingJob,
+    TrainingSet,
+    compute_learning_curve,
+    find_rotation,
+    pattern_order,
+    train_members,
+)
 from palpate.recording.adapt import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.recording.columns import PoseColumn
 from palpate.recording.conclude import WHOLE, EstimatorScore, estimate_all, select_model
-from palpate.recording.curve import CurvePoint, compute_learning_curve
-from palpate.recording.lesson import RotationAugmentation, TrainingSet
-from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
 from palpate.recording.model import RecordedModel
-from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
 from palpate.recording.row_offset import find_row_offset
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
 
-_ALIKE = ("rx", "ry"), ("depth", "rz", "force")
-"""Axes that turn with the sensor, and those that stay what they are."""
-_LEAST_TURNED = 20
-"""Images from which their turns teach: with fewer, the sense is not clear."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 """Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
 
@@ -137,21 +140,12 @@ def _plan(seen: PreparedRecording, spec: RecordingSpec) -> list[str]:
 
 
 def _turning(seen: PreparedRecording) -> RotationAugmentation | None:
-    """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might.
-
-    Without an image at rest the layout is that of some press, which leans: dots are then told from where they are in
-    the mean of all.
-    """
-    axes, good = tuple(one.axis for one in seen.recording.poses), seen.accepted & seen.split.train
-    layout = seen.assigned.layout if seen.assigned is not None else None
-    if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
+    """How (rx, ry) turn with the images of the training."""
+    if seen.assigned is None:
         return None
-    if layout is None or len(layout) > MOST_DOTS or good.sum() < _LEAST_TURNED:
-        return None
-    at_rest = seen.assigned is not None and seen.assigned.reference >= len(seen.recording)
-    base = np.zeros_like(layout.rest_px) if at_rest else seen.moved[good].mean(axis=0)
-    sense = find_rotation_sense(layout.rest_px + base, seen.moved[good] - base, seen.targets[good, :2])
-    return RotationAugmentation(layout.rest_px + base, base, sense) if sense else None
+    rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
+    at_rest = seen.assigned.reference >= len(seen.recording)
+    return find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
 
 
 def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -> TrainingSet:

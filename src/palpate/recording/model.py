@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
+from palpate.learn import PARTS, EnsembleMember
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
 from palpate.recording.layout import ObservedLayout
-from palpate.recording.part import PARTS, EnsembleMember
 from palpate.recording.sight import Preprocessor
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3

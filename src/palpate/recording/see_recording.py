@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
+from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
 from palpate.dataset import PressSplit, split_presses
-from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
 from palpate.recording.layout import ObservedLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording

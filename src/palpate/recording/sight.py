@@ -26,9 +26,9 @@ from palpate.core import (
     load_opencv,
     stage_version,
 )
+from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
 from palpate.markers import Detector, DetectSpec, prepare_detector
-from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
 
 CHUNK = 200

@@ -24,6 +24,11 @@ from palpate.core.report import page_markdown
 from palpate.core.run import Progress
 from palpate.dataset import Normalisation
 from palpate.learn import Estimator, write_estimator
+from palpate.learn.rotation import RotationAugmentation
+from palpate.learn.train_member import train_image_network
+from palpate.learn.train_members import TrainingJob, train_members
+from palpate.learn.trainer import TrainerSpec
+from palpate.learn.training_set import TrainingSet, fit_ridge_part
 from palpate.recording import (
     PretrainedModel,
     RecordingResult,
@@ -35,10 +40,6 @@ from palpate.recording import (
     train_on_recording,
     write_model,
 )
-from palpate.recording.course import TrainerSpec
-from palpate.recording.lesson import RotationAugmentation, TrainingSet, fit_ridge_part
-from palpate.recording.make_parts import TrainingJob, train_members
-from palpate.recording.train_part import train_image_network
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 150
@@ -225,8 +226,8 @@ def test_grey_images_with_black_dots_are_learnt_alike(tmp_path: Path) -> None:
 
 def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> None:
     needs("torch")
-    from palpate.recording.course import Trainer, TrainerSpec, load_torch
-    from palpate.recording.lesson import TrainingSet
+    from palpate.learn.trainer import Trainer, TrainerSpec, load_torch
+    from palpate.learn.training_set import TrainingSet
 
     torch, rng = load_torch(), np.random.default_rng(0)
     inputs = rng.normal(size=(60, 6)).astype(np.float32)

@@ -7,9 +7,16 @@ import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
-from palpate.recording.lesson import RotationAugmentation, TrainingSet
-from palpate.recording.train_part import train_marker_network, train_rotated_network
-from palpate.recording.turns import COUNT, RotationOperators, find_rotation_sense, pattern_order, rotation
+from palpate.learn.rotation import (
+    COUNT,
+    RotationAugmentation,
+    RotationOperators,
+    find_rotation_sense,
+    pattern_order,
+    rotation,
+)
+from palpate.learn.train_member import train_marker_network, train_rotated_network
+from palpate.learn.training_set import TrainingSet
 
 SENSOR = DrawnSensor(rings=5)
 STILL = np.zeros((4, 2))
@@ -92,7 +99,7 @@ def test_a_pattern_tells_its_own_symmetry(pattern, order):
 def test_pictures_turn_as_their_dots_do():
     torch = needs("torch")
     cv2 = needs("cv2")
-    from palpate.recording.train_part import _turn_pictures
+    from palpate.learn.train_member import _turn_pictures
 
     picture, middle = np.zeros((64, 64), np.uint8), np.array([30.0, 33.0])
     cv2.circle(picture, (44, 33), 2, 255, -1)

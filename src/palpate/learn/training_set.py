@@ -4,36 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray
-from palpate.recording.part import RidgeMember, flat_features
+from palpate.learn.member import RidgeMember, flat_features
+from palpate.learn.rotation import RotationAugmentation
 
 PENALTIES = tuple(10.0**k for k in range(-4, 4))
 """Ridge penalties that are tried, over the mean square of a feature and the number of images."""
 SIDES = (16, 24, 32)
 """Sizes to which pictures are shrunk for ridge, px."""
-
-
-class RotationAugmentation(NamedTuple):
-    """How poses turn with images about the middle of the dots (`palpate.recording.turns`).
-
-    Attributes
-    ----------
-    places_px
-        (m, 2) dots as they stand when nothing favours a side, px of the images or pictures that teach.
-    base_px
-        (m, 2) displacement by which a lesson on dots tells of these places; 0 where they are those at rest.
-    sense
-        Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
-    """
-
-    places_px: FloatArray
-    base_px: FloatArray
-    sense: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.dataset import PressSplit
-from palpate.recording.course import TrainerSpec
-from palpate.recording.lesson import TrainingSet, fit_ridge_part
-from palpate.recording.part import EnsembleMember
-from palpate.recording.train_part import train_marker_network
+from palpate.learn.member import EnsembleMember
+from palpate.learn.train_member import train_marker_network
+from palpate.learn.trainer import TrainerSpec
+from palpate.learn.training_set import TrainingSet, fit_ridge_part
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of presses that are tried, as far as there are so many."""

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.core.run import Progress
-from palpate.recording.course import Trainer, TrainerSpec, load_torch
-from palpate.recording.lesson import TrainingSet
-from palpate.recording.part import ImageNetwork, MarkerNetwork, flat_features
-from palpate.recording.turns import COUNT, RotationOperators, pattern_order, rotation
+from palpate.learn.member import ImageNetwork, MarkerNetwork, flat_features
+from palpate.learn.rotation import COUNT, RotationOperators, pattern_order, rotation
+from palpate.learn.trainer import Trainer, TrainerSpec, load_torch
+from palpate.learn.training_set import TrainingSet
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from palpate.core import atomic_write, load_extra
 from palpate.core.run import Progress
-from palpate.recording.lesson import TrainingSet
+from palpate.learn.training_set import TrainingSet
 
 _WARM_UP = 200
 _BETWEEN_S = 5.0

@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
+from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Call, LocalWorkers, Outcome, Progress, Status
-from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.course import IMAGE_S, TrainerSpec, load_torch
-from palpate.recording.lesson import TrainingSet, fit_ridge_part
-from palpate.recording.part import PARTS, EnsembleMember
-from palpate.recording.train_part import train_image_network, train_marker_network, train_rotated_network
+from palpate.learn.member import PARTS, EnsembleMember
+from palpate.learn.train_member import train_image_network, train_marker_network, train_rotated_network
+from palpate.learn.trainer import IMAGE_S, TrainerSpec, load_torch
+from palpate.learn.training_set import TrainingSet, fit_ridge_part
 
 ROTATED = "-turned"
 """End of the names of networks that are taught by turned presses as well."""

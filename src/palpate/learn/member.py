@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, load_extra, load_opencv
-from palpate.recording.graph import graph_of
+from palpate.learn.image_graph import graph_of
 
 
 @dataclass(frozen=True, eq=False)
