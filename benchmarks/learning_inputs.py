@@ -63,7 +63,12 @@ def standardised(dataset: Dataset, clean: Array) -> PrincipalComponents:
 
 def whitened(count: int) -> Callable[[Dataset, Array], PrincipalComponents]:
     """Leading principal components over the root of signal and jitter."""
-    return lambda dataset, clean: find_components(clean, jitter_of(dataset), count)
+
+    def choose(dataset: Dataset, clean: Array) -> PrincipalComponents:
+        noise, covariance = float(np.mean(jitter_of(dataset) ** 2)) / 3, np.cov(clean, rowvar=False)
+        return find_components(clean.mean(axis=0), covariance, count, lambda variance: np.sqrt(variance + noise))
+
+    return choose
 
 
 INPUTS: dict[str, Callable[[Dataset, Array], PrincipalComponents]] = {
@@ -110,7 +115,7 @@ def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Principal
 def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -> Predict:
     """Kernel ridge regression, Gaussian kernel on 48 whitened components of jittered and clean training images."""
     rng = generator(SEED, "kernel")
-    components = find_components(normalised(dataset, kept.images_px), jitter_of(dataset), 48)
+    components = whitened(48)(dataset, normalised(dataset, kept.images_px))
     rows = rng.permutation(np.tile(np.arange(len(kept.poses)), 2))[:KERNEL_IMAGES]
     images = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, rng)
     clean = rng.random(len(rows)) < TrainingSpec().clean_share

@@ -14,6 +14,7 @@ from palpate.learn.limit import ErrorBound, compute_error_bounds
 from palpate.learn.member import PARTS, EnsembleMember, MarkerNetwork
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
+from palpate.learn.ridge import solve_ridge
 from palpate.learn.rotation import RotationAugmentation, find_rotation, pattern_order
 from palpate.learn.search import search_estimator
 from palpate.learn.space import PAPER_SPACE
@@ -72,6 +73,7 @@ __all__ = [
     "search_estimator",
     "select_ensemble",
     "shuffle_labels",
+    "solve_ridge",
     "train",
     "train_force_output",
     "train_image_network",

@@ -8,6 +8,7 @@ import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter, split_presses
+from palpate.learn.components import principal_directions
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import Interval, TrainedRange, press_quantile
 
@@ -155,8 +156,8 @@ def _find_range(model: Dataset, seed: int) -> TrainedRange:
     noise = max(model.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
     moved = (model.images_px - model.rest_px).reshape(len(model.images_px), -1)
     centre = moved.mean(axis=0)
-    variance, directions = np.linalg.eigh(np.cov(moved, rowvar=False))
-    directions = directions[:, variance > min(noise**2, float(variance[-1]) / 2)]
+    variance, directions = principal_directions(np.cov(moved, rowvar=False))
+    directions = directions[:, variance > min(noise**2, float(variance[0]) / 2)]
     coordinates = (moved - centre) @ directions
     rows = generator(seed, "range").permutation(len(moved))[:MOST_IMAGES]
     noisy = draw_jitter(moved[rows], model.spec.jitter_px, generator(seed, "range jitter")) - centre

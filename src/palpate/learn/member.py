@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, load_extra, load_opencv
 from palpate.learn.image_graph import graph_of
+from palpate.learn.perceptron import evaluate_perceptrons
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +71,11 @@ class MarkerNetwork(EnsembleMember):
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
         found = self.arrays
-        hidden = flat_features(inputs, None) @ found["projection"] - found["offset"]
-        members: NDArray[Any] = np.broadcast_to(hidden, (len(found["weight_0"]), *hidden.shape))
-        layers = sum(name.startswith("weight_") for name in found)
-        for number in range(layers):
-            members = members @ found[f"weight_{number}"] + found[f"bias_{number}"][:, None]
-            if number < layers - 1:
-                relu = "relu" in found
-                members = np.maximum(members, 0) if relu else members / (1.0 + np.exp(-np.clip(members, -60, 60)))
-        return np.asarray(members.mean(axis=0) * found["sd"] + found["mean"], float)
+        features = flat_features(inputs, None) @ found["projection"] - found["offset"]
+        layers = range(sum(name.startswith("weight_") for name in found))
+        weights, biases = ([found[f"{kind}_{number}"] for number in layers] for kind in ("weight", "bias"))
+        outputs = evaluate_perceptrons(features, weights, biases, "relu" if "relu" in found else "silu")
+        return np.asarray(outputs.mean(axis=0) * found["sd"] + found["mean"], float)
 
 
 @final

@@ -9,9 +9,10 @@ import numpy as np
 
 from palpate.core import FloatArray, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter
-from palpate.learn.components import find_components
+from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
+from palpate.learn.ridge import solve_ridge
 from palpate.learn.spec import TrainingSpec
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def train_targets(
     jitter = np.tile(
         checkpoint.spec.jitter_px / np.array(checkpoint.normalisation.scale_px), checkpoint.images_px.shape[1]
     )
-    components = find_components(inputs, jitter, spec.components)
+    components = _components(inputs, jitter, spec.components)
     mean, sd = _standard(targets[0])
     noisy = draw_jitter(held.images_px, checkpoint.spec.jitter_px, generator(seed, "judge"))
     data = TrainingData(
@@ -147,16 +148,14 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     """
     kept = dataset.subset(validation=False)
     inputs = _normalised(dataset, kept.images_px)
-    centre = inputs.mean(axis=0)
     mean, sd = _standard(kept.poses)
     jitter = np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
-    centred = inputs - centre
-    gram = centred.T @ centred + np.diag(len(inputs) * jitter**2 / 3 + 1e-12)
-    weight = np.linalg.solve(gram, centred.T @ ((kept.poses - mean) / sd))
+    penalty = len(inputs) * jitter**2 / 3 + 1e-12
+    [(weight, bias)] = solve_ridge(inputs, (kept.poses - mean) / sd, [penalty])
     return Estimator(
         normalisation=dataset.normalisation,
         weights=(weight[None],),
-        biases=(-(centre @ weight)[None],),
+        biases=(bias[None],),
         activation="relu",
         output_mean=mean,
         output_sd=sd,
@@ -194,6 +193,15 @@ def _validate_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
         measure_errors(poses, held.poses, held.space).pooled.rmse
         for poses in estimator.predict_members(held.images_px)
     )
+
+
+def _components(inputs: FloatArray, jitter: FloatArray, count: int) -> PrincipalComponents:
+    """What a network reads of normalised inputs (n, 2m) with jitter (2m,): whitened, or themselves for count 0."""
+    if count == 0:
+        return PrincipalComponents(np.zeros(len(jitter)), np.eye(len(jitter)))
+    noise = float(np.mean(jitter**2)) / 3
+    covariance = np.cov(inputs, rowvar=False)
+    return find_components(inputs.mean(axis=0), covariance, count, lambda variance: np.sqrt(variance + noise))
 
 
 def _normalised(dataset: Dataset, images_px: FloatArray) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.core.run import Progress
+from palpate.learn.components import find_components
 from palpate.learn.member import ImageNetwork, MarkerNetwork, flat_features
 from palpate.learn.rotation import COUNT, RotationOperators, pattern_order, rotation
 from palpate.learn.trainer import Trainer, TrainerSpec, load_torch
@@ -63,13 +63,16 @@ def train_marker_network(
     )
 
 
-def _components(centre: FloatArray, covariance: FloatArray, fitted: int) -> dict[str, NDArray[Any]]:
-    """Projection (p, c) on principal components, each scaled, and where the centre (p,) lies there."""
-    values, vectors = np.linalg.eigh(covariance + 1e-9 * np.eye(len(centre)))
-    count = min(COMPONENTS, len(values), max(4, fitted // 4))
-    values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
-    projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
-    return {"projection": projection, "offset": centre @ projection}
+def _components(mean: FloatArray, covariance: FloatArray, fitted: int) -> dict[str, NDArray[Any]]:
+    """Projection (p, c) on principal components, each scaled, and where the mean (p,) lies there."""
+    count = min(COMPONENTS, max(4, fitted // 4))
+
+    def deviation(variance: FloatArray) -> FloatArray:
+        variance = np.maximum(variance, 1e-9)
+        return np.asarray(variance**_POWER * variance[0] ** (0.5 - _POWER))
+
+    found = find_components(mean, covariance, count, deviation)
+    return {"projection": found.projection, "offset": found.mean @ found.projection}
 
 
 def train_rotated_network(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray
 from palpate.learn.member import RidgeMember, flat_features
+from palpate.learn.ridge import solve_ridge
 from palpate.learn.rotation import RotationAugmentation
 
 PENALTIES = tuple(10.0**k for k in range(-4, 4))
@@ -63,24 +64,11 @@ def fit_ridge_part(name: str, lesson: TrainingSet, pictures: bool) -> RidgeMembe
     least = math.inf
     for side in SIDES if pictures else (None,):
         features = flat_features(lesson.inputs, side)
-        for weight, bias in _ridges(features[lesson.train], lesson):
+        taught = features[lesson.train]
+        unit = max(float(taught.var(axis=0, dtype=float).mean()) * len(taught), 1e-12)
+        for weight, bias in solve_ridge(taught, lesson.targets[lesson.train], [unit * one for one in PENALTIES]):
             error = lesson.error(features[lesson.validation] @ weight + bias)
             if error < least:
                 least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
                 best |= {} if side is None else {"side": np.array(side)}
     return RidgeMember(name, best)
-
-
-def _ridges(features: NDArray[Any], lesson: TrainingSet) -> list[tuple[FloatArray, FloatArray]]:
-    """Weights (p, k) and biases (k,) for each penalty."""
-    mean, _ = lesson.scale
-    centre = features.mean(axis=0).astype(float)
-    part = features - centre
-    values, vectors = np.linalg.eigh(part.T @ part)
-    right = vectors.T @ (part.T @ (lesson.targets[lesson.train] - mean))
-    unit = max(float(values.mean()), 1e-12)
-    found = []
-    for penalty in PENALTIES:
-        weight = vectors @ (right / (np.maximum(values, 0.0) + penalty * unit)[:, None])
-        found.append((weight, mean - centre @ weight))
-    return found

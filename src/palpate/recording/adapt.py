@@ -26,6 +26,7 @@ from palpate.learn import (
     TrainingSet,
     fine_tune_marker_network,
     read_estimator,
+    solve_ridge,
 )
 from palpate.recording.correspond import MarkerMatcher
 from palpate.recording.layout import ObservedLayout
@@ -178,19 +179,16 @@ def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
     """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
     given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
-    basis = np.column_stack([given / scale, np.ones(len(given))])
-    hold = _HOLD * np.eye(basis.shape[1]) * np.sqrt(len(given))
-    hold[-1, -1] = 1e-6
-    left = (lesson.targets[lesson.train] - given) / scale
-    change = np.linalg.solve(basis.T @ basis + hold, basis.T @ left)
-    turn = np.eye(len(scale)) + change[:-1]
+    residual = (lesson.targets[lesson.train] - given) / scale
+    [(change, shift)] = solve_ridge(given / scale, residual, [_HOLD * len(given) ** 0.5])
+    turn = np.eye(len(scale)) + change
     arrays = dict(carried.arrays)
     last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
     # y = z sd + mean becomes ((z sd + mean) / scale · turn + shift) scale
     factor = (arrays["sd"][:, None] / scale[:, None]) * turn * scale / arrays["sd"]
     arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
     arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
-    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + change[-1] * scale
+    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + shift * scale
     return MarkerNetwork(CORRECTED, arrays)
 
 

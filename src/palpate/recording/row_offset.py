@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray
+from palpate.learn import solve_ridge
 
 _SHIFTS = (-3, -2, -1, 1, 2, 3)
 _FEATURES = 30
@@ -24,13 +25,12 @@ def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray)
     centred = features - features.mean(axis=0)
     _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)
     components = centred @ right[: min(_FEATURES, len(right))].T
-    components = np.column_stack([components / (components.std(axis=0) + 1e-9), np.ones(len(components))])
+    components /= components.std(axis=0) + 1e-9
 
     def error(shift: int) -> float:
         moved = np.roll(targets, shift, axis=0)
-        hold = 1e-2 * train.sum() * np.eye(components.shape[1])
-        weight = np.linalg.solve(components[train].T @ components[train] + hold, components[train].T @ moved[train])
-        off = (components @ weight - moved)[~train] / (targets.std(axis=0) + 1e-12)
+        [(weight, bias)] = solve_ridge(components[train], moved[train], [1e-2 * float(train.sum())])
+        off = (components @ weight + bias - moved)[~train] / (targets.std(axis=0) + 1e-12)
         return float(np.sqrt(np.mean(off**2)))
 
     as_given = error(0)
