@@ -18,13 +18,13 @@ from palpate.core.run import Progress
 from palpate.dataset import Dataset
 from palpate.learn import (
     Estimator,
-    TrainerSpec,
+    ImageNetwork,
+    TrainingRun,
     TrainingSet,
     calibrate_interval,
     fit_ridge,
     press_quantile,
     train,
-    train_image_network,
 )
 
 _LEVEL = 0.9
@@ -87,8 +87,7 @@ def predict_by_images(
         validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
         seed=spec.seed,
     )
-    course = TrainerSpec(spec.picture_epochs)
-    part = train_image_network("picture", lesson, len(POSE), course, checkpoint, progress)
+    part = ImageNetwork.train("picture", lesson, TrainingRun(spec.picture_epochs, 1, checkpoint, progress))
     half = press_quantile(np.abs(part.predict(judge[1]) - judge[2]), judge[3], _LEVEL)
     poses = part.predict(test[1])
     return _predictions(test[0], poses, np.broadcast_to(half, poses.shape))

@@ -9,9 +9,17 @@ from palpate.learn.force_graph import train_force_output
 from palpate.learn.interval import Interval, Prediction, press_quantile
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import compare_with_bound, find_leakage, pool_bounds
-from palpate.learn.learning_curve import PRESSES, CurvePoint, compute_learning_curve, extrapolate_learning_curve
+from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, extrapolate_learning_curve, train_quickly
 from palpate.learn.limit import ErrorBound, compute_error_bounds
-from palpate.learn.member import PARTS, EnsembleMember, MarkerNetwork
+from palpate.learn.member import (
+    EFFORTS,
+    ESTIMATORS,
+    EnsembleMember,
+    ImageNetwork,
+    MarkerNetwork,
+    TrainingRun,
+    open_member,
+)
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
 from palpate.learn.ridge import solve_ridge
@@ -20,16 +28,13 @@ from palpate.learn.search import search_estimator
 from palpate.learn.space import PAPER_SPACE
 from palpate.learn.spec import LearningSpec, TrainingSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
-from palpate.learn.train_member import fine_tune_marker_network, train_image_network
-from palpate.learn.train_members import ROTATED, TrainingJob, train_members
-from palpate.learn.trainer import TrainerSpec
+from palpate.learn.train_members import TrainingJob, train_members
 from palpate.learn.training_set import TrainingSet
 
 __all__ = [
+    "EFFORTS",
+    "ESTIMATORS",
     "PAPER_SPACE",
-    "PARTS",
-    "PRESSES",
-    "ROTATED",
     "Coverage",
     "CurvePoint",
     "DepthErrors",
@@ -38,6 +43,7 @@ __all__ = [
     "ErrorBound",
     "ErrorSummary",
     "Estimator",
+    "ImageNetwork",
     "Interval",
     "LearningSpec",
     "MarkerNetwork",
@@ -46,8 +52,8 @@ __all__ = [
     "Predictor",
     "RotationAugmentation",
     "TiltErrors",
-    "TrainerSpec",
     "TrainingJob",
+    "TrainingRun",
     "TrainingSet",
     "TrainingSpec",
     "calibrate_interval",
@@ -60,10 +66,10 @@ __all__ = [
     "find_device",
     "find_leakage",
     "find_rotation",
-    "fine_tune_marker_network",
     "fit_ridge",
     "measure_coverage",
     "measure_errors",
+    "open_member",
     "open_predictor",
     "paper_training",
     "pattern_order",
@@ -76,7 +82,7 @@ __all__ = [
     "solve_ridge",
     "train",
     "train_force_output",
-    "train_image_network",
     "train_members",
+    "train_quickly",
     "write_estimator",
 ]

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.dataset import PressSplit
-from palpate.learn.member import EnsembleMember
-from palpate.learn.train_member import train_marker_network
-from palpate.learn.trainer import TrainerSpec
-from palpate.learn.training_set import TrainingSet, fit_ridge_part
+from palpate.core import BoolArray, IntArray, MissingExtraError, load_extra
+from palpate.learn.member import EnsembleMember, ImageRidge, MarkerNetwork, MarkerRidge, TrainingRun
+from palpate.learn.training_set import TrainingSet
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of presses that are tried, as far as there are so many."""
@@ -40,32 +36,40 @@ class CurvePoint:
 
 
 def compute_learning_curve(
-    moved: FloatArray,
-    pictures: NDArray[np.uint8],
-    good: BoolArray,
-    targets: FloatArray,
+    samples: TrainingSet,
     press: IntArray,
-    split: PressSplit,
+    test: BoolArray,
+    train: Callable[[TrainingSet, int], Iterable[EnsembleMember]],
 ) -> tuple[CurvePoint, ...]:
-    """Errors of the quickest good estimator after ever more presses; judged on the same held-out presses."""
-    dots = bool(good.sum() > 0.5 * len(good))
-    rows = good if dots else np.ones(len(targets), bool)
-    taught = np.unique(press[split.train & rows])
-    points = []
-    for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = split.train & rows & np.isin(press, taught[:count])
-        lesson = TrainingSet(moved if dots else pictures, targets, teach, split.validation & rows)
-        tries: list[tuple[str, EnsembleMember]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
-        if dots and count >= 30:
-            with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
-                course = TrainerSpec(_EPOCHS, noise=0.01)
-                tries.append(("network", train_marker_network("network", lesson, course, members=1)))
-        inputs = lesson.inputs
-        name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.validation])))
-        judge = split.test & rows
-        off = part.predict(inputs[judge]) - targets[judge]
-        points.append(CurvePoint(count, name, tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))))
+    """Errors after ever more presses, on the same test presses.
+
+    Parameters
+    ----------
+    samples, press, test
+        All samples, their presses (n,), and the test samples (n,).
+    train
+        Estimators trained on samples of a number of presses; that of least validation error is taken.
+    """
+    presses, points = np.unique(press[samples.train]), []
+    for count in (*(number for number in PRESSES if number < len(presses)), len(presses)):
+        some = replace(samples, train=samples.train & np.isin(press, presses[:count]))
+        validation = samples.inputs[samples.validation]
+        best = min(train(some, count), key=lambda member: some.error(member.predict(validation)))
+        error = best.predict(samples.inputs[test]) - samples.targets[test]
+        points.append(CurvePoint(count, best.name, tuple(float(x) for x in np.sqrt(np.mean(error**2, axis=0)))))
     return tuple(points)
+
+
+def train_quickly(samples: TrainingSet, presses: int) -> Iterator[EnsembleMember]:
+    """Ridge, and a network on markers if there are enough presses and torch is installed."""
+    ridge = ImageRidge if samples.inputs.dtype == np.uint8 else MarkerRidge
+    yield ridge.train("ridge", samples, TrainingRun())
+    if ridge is MarkerRidge and presses >= 30:
+        with contextlib.suppress(MissingExtraError):
+            load_extra("torch", "learn")
+            from palpate.learn.train_member import train_marker_network
+
+            yield MarkerNetwork("network", train_marker_network("network", samples, epochs=_EPOCHS, members=1))
 
 
 def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import FloatArray, child_seed, generator
+from palpate.core import FloatArray, child_seed, generator, load_extra
 from palpate.dataset import Dataset, draw_jitter
 from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.estimator import Estimator
@@ -76,6 +76,7 @@ def train_targets(
 ) -> tuple[Estimator, TrainedNetwork]:
     """Train on any targets (n, 3) of the images of `checkpoint`; those of `held` choose epochs. All repeats are
     kept."""
+    load_extra("torch", "learn")
     from palpate.learn.network import TrainingData, train_network
 
     inputs = _normalised(checkpoint, checkpoint.images_px)

@@ -1,160 +1,276 @@
-"""Training of networks on dots and on pictures, from nothing or from another network."""
+"""Training of networks on displacements of markers and on images, from scratch or from another network."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
-from palpate.core.run import Progress
 from palpate.learn.components import find_components
-from palpate.learn.member import ImageNetwork, MarkerNetwork, flat_features
+from palpate.learn.network import PerceptronTask, collect_layers
 from palpate.learn.rotation import COUNT, RotationOperators, pattern_order, rotation
-from palpate.learn.trainer import Trainer, TrainerSpec, load_torch
-from palpate.learn.training_set import TrainingSet
+from palpate.learn.trainer import Trainer, TrainerSpec, TrainingTask, add_noise, fall
+from palpate.learn.training_set import TrainingSet, flat_features
 
-COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
-"""Network on dots: principal components read, units and number of hidden layers, members, epochs."""
+if TYPE_CHECKING:
+    from torch import Generator, Tensor
+
+COMPONENTS, WIDTH, LAYERS, MEMBERS, MARKER_EPOCHS = 48, 256, 4, 3, 300
+"""Network on markers: principal components read, units and number of hidden layers, members, epochs."""
 CHANNELS, DENSE = (16, 32, 64, 96, 128), 256
-"""Network on pictures: channels of its convolutions, units of its dense layer."""
-NOISE, SHIFT, RISE = 0.1, 0.024, 0.25
-"""While training on pictures: noise over their standard deviation, greatest shift over their longer side, share of
-the training in which the rate rises. Shift and rise take a fifth off the error after as many epochs."""
+"""Network on images: channels of its convolutions, units of its dense layer."""
+MARKER_NOISE, NOISE, SHIFT, RISE = 0.01, 0.1, 0.024, 0.25
+"""While training: noise of scaled components; on images noise over their standard deviation, largest shift over their
+longer side, share of the training in which the rate rises. Shift and rise take a fifth off the error after as many
+epochs."""
+_FINE_TUNING = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, anchor_weight=1e-3)
 _POWER = 0.35
 """Components are scaled by their deviation to this power: small ones count, but not as much as large ones."""
 _TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
-"""Share of the batches that are turned, and shares of the training between which it falls to none: a built sensor is
+"""Share of the batches that are rotated, and shares of the training between which it falls to none: a built sensor is
 not quite alike in all directions, and Euler angles do not quite turn."""
+
+Source = Callable[["Tensor", float, "Sequence[Generator]"], "tuple[Tensor, Tensor]"]
+"""Gives inputs (r, b, …) and targets (r, b, k) of samples (r, b), see `TrainingTask.draw`."""
+
+
+def _plain(inputs: Tensor, targets: Tensor) -> Source:
+    return lambda rows, done, random: (inputs[rows], targets[rows])
+
+
+def _rotated(samples: TrainingSet, turned: Callable[[Tensor, int], Tensor], count: int) -> Source:
+    """Batches, most of them rotated by one of `count` steps around; `turned` gives inputs of rows so rotated."""
+    assert samples.rotation is not None
+    targets = torch.as_tensor(samples.standardised.astype(np.float32))
+    steps = [samples.rotation.sense * number * (COUNT // count) for number in range(count)]
+    tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
+
+    def draw(rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
+        share = _TURNED * min(1.0, max(0.0, (_UNTIL - done) / (_UNTIL - _FROM)))
+        drawn = []
+        for own, stream in zip(rows, random, strict=True):
+            rotates = float(torch.rand(1, generator=stream)) < share
+            number = int(torch.randint(count, (1,), generator=stream)) if rotates else 0
+            given = targets[own]
+            drawn.append((turned(own, number), torch.cat([given[:, :2] @ tilts[number], given[:, 2:]], dim=1)))
+        inputs, outputs = zip(*drawn, strict=True)
+        return torch.stack(inputs), torch.stack(outputs)
+
+    return draw
+
+
+class _MarkerTask(PerceptronTask):
+    """Perceptrons on principal components of displacements."""
+
+    def __init__(
+        self, samples: TrainingSet, features: FloatArray, targets: FloatArray, source: Source | None = None
+    ) -> None:
+        self.inputs = torch.as_tensor(features.astype(np.float32))
+        self.targets = torch.as_tensor(targets.astype(np.float32))
+        self.rows = torch.as_tensor(np.flatnonzero(samples.train))
+        self.held = torch.as_tensor(np.flatnonzero(samples.validation))
+        self.activation, self.source = "silu", source or _plain(self.inputs, self.targets)
+
+    def draw_weights(self, random: Sequence[Generator]) -> None:
+        """Start from weights drawn evenly within 1 / √inputs, as those of `torch.nn.Linear`."""
+        sizes = [self.inputs.shape[1], *[WIDTH] * LAYERS, self.targets.shape[1]]
+        self.parameters = []
+        for inward, outward in pairwise(sizes):
+            weight, bias = torch.empty(len(random), outward, inward), torch.empty(len(random), 1, outward)
+            for values, own, stream in zip(weight, bias, random, strict=True):
+                for drawn in (values, own):
+                    drawn.uniform_(-(inward**-0.5), inward**-0.5, generator=stream)
+            self.parameters += [weight.transpose(1, 2).contiguous().requires_grad_(), bias.requires_grad_()]
+
+    def draw(self, rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
+        inputs, targets = self.source(rows, done, random)
+        return add_noise(inputs, MARKER_NOISE, random), targets
+
+    def validation(self) -> Iterable[tuple[Tensor, Tensor]]:
+        return [(self.inputs[self.held][None], self.targets[self.held])]
 
 
 def train_marker_network(
     name: str,
-    lesson: TrainingSet,
-    course: TrainerSpec | None = None,
+    samples: TrainingSet,
+    *,
+    epochs: int = MARKER_EPOCHS,
     members: int = MEMBERS,
     checkpoint: Path | None = None,
-) -> MarkerNetwork:
-    """Perceptrons on principal components of displacements.
+) -> dict[str, NDArray[Any]]:
+    """Train perceptrons on principal components of displacements, and of rotated ones if the samples say how.
 
     Parameters
     ----------
-    name, lesson
-        Name of the part, and what it learns from.
-    course, members
-        How it is trained, and how many are averaged.
+    name, samples
+        Name of the estimator, which decides its random streams, and its samples.
+    epochs, members
+        Passes over the samples, and networks that are averaged.
     checkpoint
-        File that holds what is known now and then.
-
-    Raises
-    ------
-    MissingExtraError
-        If torch is not installed.
+        File of the state of an interrupted training.
     """
-    taught = flat_features(lesson.inputs, None)[lesson.train]
-    start = _components(taught.mean(axis=0), np.cov(taught.T), len(taught))
-    return fine_tune_marker_network(
-        name, lesson, start, course or TrainerSpec(DOTS_EPOCHS, noise=0.01), members=members, checkpoint=checkpoint
-    )
+    fields, turning, source = flat_features(samples.inputs, None), samples.rotation, None
+    if turning is None:
+        start = _find_inputs(fields[samples.train].mean(axis=0), np.cov(fields[samples.train].T), samples)
+    else:
+        operators = RotationOperators(turning.places_px)
+        relative = flat_features(samples.inputs - turning.base_px, None)
+        start = _find_inputs(*operators.spread(relative[samples.train].astype(float)), samples)
+        along = [
+            torch.as_tensor((operators.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)
+        ]
+        flat, offset = torch.as_tensor(relative), torch.as_tensor(start["offset"].astype(np.float32))
+        source = _rotated(samples, lambda rows, number: flat[rows] @ along[number] - offset, COUNT)
+        start["offset"] = start["offset"] + turning.base_px.reshape(-1) @ start["projection"]
+    random = [torch.Generator().manual_seed(child_seed(samples.seed, name, member)) for member in range(members)]
+    task = _MarkerTask(samples, fields @ start["projection"] - start["offset"], samples.standardised, source)
+    task.draw_weights(random)
+    found = Trainer(task, TrainerSpec(epochs), random).run(checkpoint)
+    mean, sd = samples.scale
+    return start | {"mean": mean, "sd": sd} | _layer_arrays([member.state for member in found])
 
 
-def _components(mean: FloatArray, covariance: FloatArray, fitted: int) -> dict[str, NDArray[Any]]:
-    """Projection (p, c) on principal components, each scaled, and where the mean (p,) lies there."""
-    count = min(COMPONENTS, max(4, fitted // 4))
+def fine_tune_marker_network(
+    name: str, samples: TrainingSet, start: Mapping[str, NDArray[Any]]
+) -> dict[str, NDArray[Any]]:
+    """Train perceptrons from the arrays of others, slowly and tied to their weights."""
+    features = flat_features(samples.inputs, None) @ start["projection"] - start["offset"]
+    task = _MarkerTask(samples, features, (samples.targets - start["mean"]) / start["sd"])
+    task.activation, task.parameters = "relu" if "relu" in start else "silu", []
+    for number in range(sum(key.startswith("weight_") for key in start)):
+        for values in (start[f"weight_{number}"], start[f"bias_{number}"][:, None]):
+            task.parameters.append(torch.tensor(np.asarray(values, np.float32), requires_grad=True))
+    random = [
+        torch.Generator().manual_seed(child_seed(samples.seed, name, member))
+        for member in range(len(start["weight_0"]))
+    ]
+    found = Trainer(task, _FINE_TUNING, random).run()
+    return dict(start) | _layer_arrays([member.state for member in found])
+
+
+def _layer_arrays(states: Sequence[Sequence[Tensor]]) -> dict[str, NDArray[Any]]:
+    weights, biases = collect_layers(states)
+    arrays = {f"weight_{number}": weight.astype(np.float32) for number, weight in enumerate(weights)}
+    return arrays | {f"bias_{number}": bias.astype(np.float32) for number, bias in enumerate(biases)}
+
+
+def _find_inputs(mean: FloatArray, covariance: FloatArray, samples: TrainingSet) -> dict[str, NDArray[Any]]:
+    """Projection (p, c) on scaled principal components, and the mean (p,) there."""
 
     def deviation(variance: FloatArray) -> FloatArray:
         variance = np.maximum(variance, 1e-9)
         return np.asarray(variance**_POWER * variance[0] ** (0.5 - _POWER))
 
-    found = find_components(mean, covariance, count, deviation)
+    found = find_components(mean, covariance, min(COMPONENTS, max(4, int(samples.train.sum()) // 4)), deviation)
     return {"projection": found.projection, "offset": found.mean @ found.projection}
 
 
-def train_rotated_network(
-    name: str, lesson: TrainingSet, checkpoint: Path | None = None, epochs: int = DOTS_EPOCHS
-) -> MarkerNetwork:
-    """Perceptrons as `train_marker_network`, taught by turned presses as well; the lesson says how they turn."""
-    assert lesson.rotation is not None
-    torch = load_torch()
-    base = lesson.rotation.base_px
-    turns, fields = RotationOperators(lesson.rotation.places_px), flat_features(lesson.inputs - base, None)
-    centre, covariance = turns.spread(fields[lesson.train].astype(float))
-    start = _components(centre, covariance, int(lesson.train.sum()))
-    along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
-    flat, offset = torch.as_tensor(fields), torch.as_tensor(start["offset"].astype(np.float32))
+class ImageTask(TrainingTask):
+    """A convolutional network on images."""
 
-    start["offset"] = start["offset"] + base.reshape(-1) @ start["projection"]
+    def __init__(self, name: str, samples: TrainingSet) -> None:
+        self.random = [torch.Generator().manual_seed(child_seed(samples.seed, name))]
+        self.net = _build_network(samples.inputs.shape[1:], samples.targets.shape[1], self.random[0])
+        self.net.to(memory_format=torch.channels_last)
+        self.names = [key for key, _ in self.net.named_parameters()]
+        self.parameters = [value.detach()[None].requires_grad_() for value in self.net.parameters()]
+        self.buffers = list(self.net.buffers())
+        self.rows = torch.as_tensor(np.flatnonzero(samples.train))
+        self.held = torch.as_tensor(np.flatnonzero(samples.validation))
+        train = samples.inputs[samples.train]
+        self.level, self.spread = float(train.mean()) / 255.0, max(float(train.std()) / 255.0, 1e-3)
+        self.images = torch.as_tensor(samples.inputs)[:, None]
+        self.targets = torch.as_tensor(samples.standardised.astype(np.float32))
+        self.shift = round(SHIFT * max(samples.inputs.shape[1:]))
+        # processors that multiply numbers of 16 bit train on images twice as fast with them
+        self.short = bool(getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)())
+        self.source = _plain(self.images, self.targets)
+        if samples.rotation is not None:
+            order, middle = (
+                pattern_order(samples.rotation.places_px),
+                RotationOperators(samples.rotation.places_px).middle,
+            )
+            self.source = _rotated(
+                samples,
+                lambda rows, number: rotate_images(samples.inputs[rows.numpy()], middle, order, number),
+                order,
+            )
 
-    def turned(rows: Any, number: int) -> Any:
-        return flat[rows] @ along[number] - offset
+    def spec(self, epochs: int, threads: int) -> TrainerSpec:
+        """How it is trained."""
 
-    course = TrainerSpec(epochs, noise=0.01, augment=_vary(torch, lesson, turned, COUNT))
-    return fine_tune_marker_network(name, lesson, start, course, checkpoint=checkpoint)
+        def schedule(step: int, steps: int) -> float:
+            rise = RISE * steps
+            return step / rise if step < rise else fall((step - rise) / (steps - rise))
 
+        return TrainerSpec(epochs, schedule=schedule, threads=threads)
 
-def _vary(torch: Any, lesson: TrainingSet, turned: Callable[[Any, int], Any], count: int) -> Any:
-    """Draws batches, most of them turned by one of `count` steps around; `turned` gives inputs of rows so turned."""
-    assert lesson.rotation is not None
-    mean, sd = lesson.scale
-    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
-    steps = [lesson.rotation.sense * number * (COUNT // count) for number in range(count)]
-    tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
+    def _normalised(self, images: Tensor) -> Tensor:
+        scaled = (images.float() / 255.0 - self.level) / self.spread
+        return scaled.contiguous(memory_format=torch.channels_last)
 
-    def vary(rows: Any, over: float, random: Any) -> tuple[Any, Any]:
-        share = _TURNED * min(1.0, max(0.0, (_UNTIL - over) / (_UNTIL - _FROM)))
-        chance = float(torch.rand(1, generator=random))
-        number = int(torch.randint(count, (1,), generator=random)) if chance < share else 0
-        given = targets[rows]
-        return turned(rows, number), torch.cat([given[:, :2] @ tilts[number], given[:, 2:]], dim=1)
+    def draw(self, rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
+        images, targets = self.source(rows, done, random)
+        inputs, most = self._normalised(images[0]), self.shift
+        if most:
+            height, width = inputs.shape[-2:]
+            padded = torch.nn.functional.pad(inputs, (most,) * 4, value=-self.level / self.spread)
+            down, right = torch.randint(0, 2 * most + 1, (2,), generator=random[0]).tolist()
+            inputs = padded[..., down : down + height, right : right + width]
+        return add_noise(inputs[None], NOISE, random), targets
 
-    return vary
+    def forward(self, parameters: list[Tensor], inputs: Tensor, random: Sequence[Generator] | None) -> Tensor:
+        self.net.train(random is not None)
+        own = {key: value.squeeze(0) for key, value in zip(self.names, parameters, strict=True)}
+        with torch.autocast("cpu", torch.bfloat16, enabled=self.short and random is not None):
+            outputs: Tensor = torch.func.functional_call(self.net, own, (inputs[0],))
+        return outputs.float()[None]
 
+    def validation(self) -> Iterable[tuple[Tensor, Tensor]]:
+        for rows in torch.split(self.held, 64):
+            yield self._normalised(self.images[rows])[None], self.targets[rows]
 
-def fine_tune_marker_network(
-    name: str,
-    lesson: TrainingSet,
-    start: Mapping[str, NDArray[Any]],
-    course: TrainerSpec,
-    *,
-    members: int = MEMBERS,
-    checkpoint: Path | None = None,
-) -> MarkerNetwork:
-    """Train perceptrons on a given projection of displacements, from given weights where there are such."""
-    torch = load_torch()
-    given = "weight_0" in start
-    mean, sd = (start["mean"], start["sd"]) if given else lesson.scale
-    features = flat_features(lesson.inputs, None) @ start["projection"] - start["offset"]
-    inputs = torch.as_tensor(features.astype(np.float32))
-    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
-    states = []
-    for member in range(len(start["weight_0"]) if given else members):
-        random = torch.Generator().manual_seed(child_seed(lesson.seed, name, member))
-        net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets, random)
-        own = None if checkpoint is None else checkpoint.with_suffix(f".{member}")
-        states.append(Trainer(net, lesson, inputs, targets, course, random).run(own))
-    arrays = {key: np.asarray(start[key]) for key in ("projection", "offset")} | {"mean": mean, "sd": sd}
-    for layer, key in enumerate(key for key in states[0] if key.endswith(".weight")):
-        arrays[f"weight_{layer}"] = np.stack([state[key].numpy().T for state in states])
-        arrays[f"bias_{layer}"] = np.stack([state[key.replace("weight", "bias")].numpy() for state in states])
-    return MarkerNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
-
-
-def _new_perceptron(torch: Any, inputs: Any, targets: Any, random: Any) -> Any:
-    layers, inward = [], inputs.shape[1]
-    for _ in range(LAYERS):
-        layers += [_layer(torch, random, torch.nn.Linear, inward, WIDTH), torch.nn.SiLU()]
-        inward = WIDTH
-    return torch.nn.Sequential(*layers, _layer(torch, random, torch.nn.Linear, inward, targets.shape[1]))
+    def fold(self, state: Sequence[Tensor]) -> dict[str, NDArray[Any]]:
+        """Arrays of the network with the normalisation of images and batches folded into its convolutions."""
+        names = [*self.names, *(key for key, _ in self.net.named_buffers())]
+        found = {key: value.numpy() for key, value in zip(names, state, strict=True)}
+        arrays: dict[str, NDArray[Any]] = {}
+        places = sorted(int(key.split(".")[1]) for key in found if key.endswith("running_mean"))
+        for layer, place in enumerate(places):
+            own = {
+                key: found[f"0.{place}.{key}"].astype(float)
+                for key in ("weight", "bias", "running_mean", "running_var")
+            }
+            factor = own["weight"] / np.sqrt(own["running_var"] + 1e-5)
+            kernel = found[f"0.{place - 1}.weight"].astype(float)
+            arrays[f"kernel_{layer}"] = kernel * factor[:, None, None, None]
+            arrays[f"shift_{layer}"] = own["bias"] - own["running_mean"] * factor
+        arrays["level"], arrays["spread"] = np.array(self.level), np.array(self.spread)
+        arrays["dense_0"], arrays["add_0"] = found["2.weight"], found["2.bias"]
+        arrays["dense_1"], arrays["add_1"] = found["4.weight"], found["4.bias"]
+        arrays["averages"] = np.array(1)  # older ones pool by the maximum, which forgets where in four px a marker is
+        return arrays
 
 
-def _layer(torch: Any, random: Any, kind: Any, *sizes: Any, **words: Any) -> Any:
+def rotate_images(images: NDArray[Any], middle: FloatArray, order: int, number: int) -> Tensor:
+    """Images (b, 1, h, w) from (b, h, w), rotated about a point (2,) px by so many of `order` steps around."""
+    if number:
+        size, turn = images.shape[1:], np.column_stack([rotation(number * (COUNT // order)), np.zeros(2)])
+        turn[:, 2] = middle - turn[:, :2] @ middle
+        cv2 = load_opencv()
+        images = np.stack([cv2.warpAffine(one, turn, size[::-1], borderMode=cv2.BORDER_REPLICATE) for one in images])
+    return torch.as_tensor(images)[:, None]
+
+
+def _layer(random: Generator, kind: Any, *sizes: Any, **options: Any) -> Any:
     """A layer whose weights are drawn as torch draws them, but from a generator: evenly within 1/√inputs."""
-    layer = torch.nn.utils.skip_init(kind, *sizes, **words)
+    layer = kind(*sizes, device="meta", **options).to_empty(device="cpu")
     bound = layer.weight[0].numel() ** -0.5
     with torch.no_grad():
         for values in (layer.weight, *([] if layer.bias is None else [layer.bias])):
@@ -162,77 +278,13 @@ def _layer(torch: Any, random: Any, kind: Any, *sizes: Any, **words: Any) -> Any
     return layer
 
 
-def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: int) -> Any:
-    """A perceptron with the weights of one member."""
-    layers: list[Any] = []
-    for number in range(sum(key.startswith("weight_") for key in arrays)):
-        weight, bias = arrays[f"weight_{number}"][member], arrays[f"bias_{number}"][member]
-        layer = torch.nn.utils.skip_init(torch.nn.Linear, *weight.shape)
-        layer.weight.data = torch.as_tensor(np.ascontiguousarray(weight.T, np.float32))
-        layer.bias.data = torch.as_tensor(np.ascontiguousarray(bias, np.float32))
-        layers += [layer, torch.nn.ReLU() if "relu" in arrays else torch.nn.SiLU()]
-    return torch.nn.Sequential(*layers[:-1])
-
-
-def train_image_network(
-    name: str, lesson: TrainingSet, asked: int, course: TrainerSpec, checkpoint: Path, progress: Progress
-) -> ImageNetwork:
-    """A convolutional network on pictures.
-
-    Parameters
-    ----------
-    name, lesson
-        Name of the part, and what it learns from: of its targets the first `asked` are handed on.
-    asked, course
-        Number of targets handed on; epochs and threads.
-    checkpoint
-        File that holds what is known after each epoch; it is removed by who keeps the part.
-    progress
-        Receives each epoch.
-
-    Raises
-    ------
-    MissingExtraError
-        If torch is not installed.
-    """
-    torch = load_torch()
-    mean, sd = lesson.scale
-    random = torch.Generator().manual_seed(child_seed(lesson.seed, name))
-    net = _build_network(torch, lesson.inputs.shape[1:], lesson.targets.shape[1], random)
-    taught = lesson.inputs[lesson.train]
-    level, spread = float(taught.mean()) / 255.0, max(float(taught.std()) / 255.0, 1e-3)
-    pictures = torch.as_tensor(lesson.inputs)[:, None]
-    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
-    shift = round(SHIFT * max(lesson.inputs.shape[1:]))
-    spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, warm_up_share=RISE)
-    if lesson.rotation is not None:
-        order = pattern_order(lesson.rotation.places_px)
-        turned = partial(
-            _turn_pictures, torch, lesson.inputs, RotationOperators(lesson.rotation.places_px).middle, order
-        )
-        spec = replace(spec, augment=_vary(torch, lesson, turned, order))
-    state = Trainer(net, lesson, pictures, targets, spec, random).run(checkpoint, progress, name)
-    arrays = _folded(state, level, spread)
-    return ImageNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
-
-
-def _turn_pictures(torch: Any, pictures: NDArray[Any], middle: FloatArray, order: int, rows: Any, number: int) -> Any:
-    """Pictures (b, 1, h, w) of rows, turned about a point (2,) px by so many of `order` steps around."""
-    asked = pictures[rows.numpy()]
-    if number:
-        size, turn = pictures.shape[1:], np.column_stack([rotation(number * (COUNT // order)), np.zeros(2)])
-        turn[:, 2] = middle - turn[:, :2] @ middle
-        cv2 = load_opencv()
-        asked = np.stack([cv2.warpAffine(one, turn, size[::-1], borderMode=cv2.BORDER_REPLICATE) for one in asked])
-    return torch.as_tensor(asked)[:, None]
-
-
-def _build_network(torch: Any, size: tuple[int, ...], outputs: int, random: Any) -> Any:
-    layers, inward, side = [], 1, np.array(size)
+def _build_network(size: tuple[int, ...], outputs: int, random: Generator) -> Any:
+    layers: list[torch.nn.Module] = []
+    inward, side = 1, np.array(size)
     for number, outward in enumerate(CHANNELS):
         width, stride = (5, 2) if number == 0 else (3, 1)
         layers += [
-            _layer(torch, random, torch.nn.Conv2d, inward, outward, width, stride, width // 2, bias=False),
+            _layer(random, torch.nn.Conv2d, inward, outward, width, stride, width // 2, bias=False),
             torch.nn.BatchNorm2d(outward),
             torch.nn.ReLU(),
         ]
@@ -244,29 +296,7 @@ def _build_network(torch: Any, size: tuple[int, ...], outputs: int, random: Any)
     return torch.nn.Sequential(
         torch.nn.Sequential(*layers),
         torch.nn.Flatten(),
-        _layer(torch, random, torch.nn.Linear, inward * int(side.prod()), DENSE),
+        _layer(random, torch.nn.Linear, inward * int(side.prod()), DENSE),
         torch.nn.ReLU(),
-        _layer(torch, random, torch.nn.Linear, DENSE, outputs),
+        _layer(random, torch.nn.Linear, DENSE, outputs),
     )
-
-
-def _folded(state: dict[str, Any], level: float, spread: float) -> dict[str, NDArray[Any]]:
-    """Arrays of a network with the normalisation of pictures and batches folded into its convolutions."""
-    arrays: dict[str, NDArray[Any]] = {}
-    numbers = sorted(
-        {int(key.split(".")[1]) for key in state if key.startswith("0.") and key.endswith("running_mean")}
-    )
-    for layer, place in enumerate(numbers):
-        own = {
-            key: state[f"0.{place}.{key}"].numpy().astype(float)
-            for key in ("weight", "bias", "running_mean", "running_var")
-        }
-        factor = own["weight"] / np.sqrt(own["running_var"] + 1e-5)
-        kernel = state[f"0.{place - 1}.weight"].numpy().astype(float)
-        arrays[f"kernel_{layer}"] = kernel * factor[:, None, None, None]
-        arrays[f"shift_{layer}"] = own["bias"] - own["running_mean"] * factor
-    arrays["level"], arrays["spread"] = np.array(level), np.array(spread)
-    arrays["dense_0"], arrays["add_0"] = state["2.weight"].numpy(), state["2.bias"].numpy()
-    arrays["dense_1"], arrays["add_1"] = state["4.weight"].numpy(), state["4.bias"].numpy()
-    arrays["averages"] = np.array(1)  # older ones pool by the maximum, which forgets where in four px a dot is
-    return arrays

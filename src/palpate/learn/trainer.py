@@ -1,217 +1,278 @@
-"""The course of a network's training: epochs on one lesson, the best of them kept, and what goes on after a break.
+"""The training loop: networks as slices of the same tensors, each with its own random stream.
 
-After each epoch the network is judged on the presses that choose, and the numbers of the best epoch are handed on.
-What is known is written every few seconds, so that an interrupted training goes on where it was.
+A parameter has the shape (r, …) for r members, so that one product serves all. Each member has its own order of
+samples, augmentation and learning rate, and stops by itself; its numbers do not depend on the other members. A
+network that is no perceptron is trained with r = 1.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
+import torch
 
-from palpate.core import atomic_write, load_extra
+from palpate.core import PalpateError, atomic_write
 from palpate.core.run import Progress
-from palpate.learn.training_set import TrainingSet
 
-_WARM_UP = 200
+if TYPE_CHECKING:
+    from torch import Generator, Tensor
+
+BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
+"""Constants of AdamW (Kingma & Ba 2015; Loshchilov & Hutter 2019)."""
+WARM_UP = 200
+"""Steps over which the learning rate of the cosine schedule rises from near zero."""
 _BETWEEN_S = 5.0
-IMAGE_S = 0.01
-"""Time of one core to train on one image, s: a network that sees 250 000 images takes 35 to 50 minutes."""
+"""Time between two checkpoints, s."""
 
 
-def load_torch() -> Any:
-    """PyTorch.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    """
-    return load_extra("torch", "learn")
-
-
-def _has_short_floats(torch: Any) -> bool:
-    """Whether the processor itself multiplies numbers of 16 bit, with which pictures are learnt twice as fast."""
-    return bool(getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)())
+def fall(done: float) -> float:
+    """Cosine from 1 to 0, for the share of the training that is done."""
+    return 0.5 * (1.0 + math.cos(math.pi * done))
 
 
 @dataclass(frozen=True)
 class TrainerSpec:
-    """How a network is trained.
+    """How networks are trained.
 
     Attributes
     ----------
     epochs, batch, learning_rate, weight_decay
-        Passes, images of a batch, learning rate of AdamW (cosine, after a short rise), weight decay.
-    noise
-        Standard deviation of noise on the inputs while training.
-    grey
-        Mean and spread by which pictures of 8 bit, over 255, are normalised; `None` for inputs that are.
-    shift
-        Most px by which pictures are shifted at random while training: one shift a batch.
-    warm_up_share
-        Share of the training in which the rate rises; 0 for a short rise.
+        Passes over the samples at most, samples of a batch, learning rate at the start, weight decay of AdamW.
+    schedule
+        Learning rate over that at the start, by step from 1 and number of steps; the default rises in at most a fifth
+        of the training.
+    keep_best
+        Whether the weights of the epoch of least validation error are kept, or those of the last epoch.
+    stopping_patience, plateau_patience, plateau_factor
+        Epochs without progress before a member stops, and before its rate falls by the factor.
     anchor_weight
-        Pull of the weights towards where they began.
+        Pull of the weights towards their start.
     threads
         Cores that it may use.
-    augment
-        Draws inputs and targets of a batch from its rows, the share of the training that is over, and a generator;
-        `None` takes them as they are.
     """
 
     epochs: int
     batch: int = 32
     learning_rate: float = 2e-3
     weight_decay: float = 2e-2
-    noise: float = 0.0
-    grey: tuple[float, float] | None = None
-    shift: int = 0
-    warm_up_share: float = 0.0
+    schedule: Callable[[int, int], float] = lambda step, steps: (
+        fall(step / steps) * min(1.0, step / min(WARM_UP, 0.2 * steps + 1))
+    )
+    keep_best: bool = True
+    stopping_patience: float = math.inf
+    plateau_patience: float = math.inf
+    plateau_factor: float = 1.0
     anchor_weight: float = 0.0
     threads: int = 1
-    augment: Callable[[Any, float, Any], tuple[Any, Any]] | None = None
+
+
+class TrainingTask(ABC):
+    """Networks and their samples.
+
+    Attributes
+    ----------
+    parameters
+        Tensors (r, …) that are trained.
+    buffers
+        Other tensors of the state of the network, such as running means.
+    rows
+        (n,) numbers of the training samples.
+    """
+
+    parameters: list[Tensor]
+    buffers: Sequence[Tensor] = ()
+    rows: Tensor
+
+    @abstractmethod
+    def draw(self, rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
+        """Inputs (r, b, …) and targets (r, b, k) of a batch (r, b), augmented; `done` is the share trained."""
+
+    @abstractmethod
+    def forward(self, parameters: list[Tensor], inputs: Tensor, random: Sequence[Generator] | None) -> Tensor:
+        """Outputs (r, b, k) of inputs (r, b, …); without random streams for evaluation."""
+
+    @abstractmethod
+    def validation(self) -> Iterable[tuple[Tensor, Tensor]]:
+        """Batches of validation samples: inputs (1, b, …) and targets (b, k)."""
+
+
+@dataclass
+class TrainedState:
+    """One member: its random stream, the factor of its learning rate, and the weights that are kept.
+
+    Attributes
+    ----------
+    state
+        Parameters and buffers, without the dimension of the members.
+    errors, best_epoch
+        Validation error after each epoch (root mean square of standardised targets); the epoch, from 0, of `state`.
+    """
+
+    random: Generator
+    rate: float = 1.0
+    best: float = math.inf
+    best_epoch: int = -1
+    waited: int = 0
+    state: list[Tensor] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
 
 
 class Trainer:
-    """The loop over epochs of one network, on standardised targets; `random` draws batches, noise and shifts."""
+    """The loop over epochs. `active` lists the members that still train, in the order of the tensors' rows."""
 
-    def __init__(
-        self, net: Any, lesson: TrainingSet, inputs: Any, targets: Any, spec: TrainerSpec, random: Any
-    ) -> None:
-        self.torch, self.random = load_torch(), random
-        self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
-        self.short = spec.grey is not None and _has_short_floats(self.torch)
-        if spec.grey is not None:
-            net.to(memory_format=self.torch.channels_last)
-        self.train_rows = self.torch.as_tensor(np.flatnonzero(lesson.train))
-        self.validation_rows = self.torch.as_tensor(np.flatnonzero(lesson.validation))
-        self.optimiser = self.torch.optim.AdamW(net.parameters(), spec.learning_rate, weight_decay=spec.weight_decay)
-        self.begin = [value.detach().clone() for value in net.parameters()] if spec.anchor_weight else []
-        self.best, self.state, self.epoch = math.inf, dict[str, Any](), 0
+    def __init__(self, task: TrainingTask, spec: TrainerSpec, random: Sequence[Generator]) -> None:
+        self.task, self.spec, self.epoch = task, spec, 0
+        self.members = [TrainedState(stream) for stream in random]
+        self.active = list(self.members)
+        self.parameters = task.parameters
+        self.start = [value.detach().clone() for value in task.parameters] if spec.anchor_weight else []
+        self.moments = [(torch.zeros_like(one), torch.zeros_like(one)) for one in task.parameters]
 
     def run(
-        self, checkpoint: Path | None = None, progress: Progress | None = None, what: str = "network"
-    ) -> dict[str, Any]:
-        """Train to the end; what the best epoch knew.
+        self,
+        checkpoint: Path | None = None,
+        progress: Progress | None = None,
+        name: str = "network",
+        cost: float = 1.0,
+    ) -> list[TrainedState]:
+        """Train every member until it stops or the epochs are spent.
 
         Parameters
         ----------
         checkpoint
-            File that holds what is known now and then; `None` keeps nothing.
-        progress, what
-            Receives each epoch of the network `what`; its cost is that of its images.
+            File of the state every few seconds, from which an interrupted training resumes; `None` for no file.
+        progress, name, cost
+            Receives each epoch of the network of this name and cost.
+
+        Raises
+        ------
+        PalpateError
+            If an error is not a number.
         """
-        threads, saved = self.torch.get_num_threads(), time.monotonic()
-        self.torch.set_num_threads(self.spec.threads)
+        threads, saved, progress = torch.get_num_threads(), time.monotonic(), progress or Progress()
+        torch.set_num_threads(self.spec.threads)
         try:
             if checkpoint is not None and checkpoint.is_file():
-                self._go_on(checkpoint)
-            cost = IMAGE_S * len(self.train_rows)
-            if progress is not None:
-                progress.begin(what, self.spec.epochs * cost, self.epoch * cost)
-            while self.epoch < self.spec.epochs:
+                self._resume(checkpoint)
+            progress.begin(name, cost, cost * self.epoch / self.spec.epochs)
+            while self.active and self.epoch < self.spec.epochs:
                 self._train()
                 error = self._validate()
                 self.epoch += 1
-                if error < self.best or not self.state:
-                    self.best = error
-                    self.state = {key: value.detach().clone() for key, value in self.net.state_dict().items()}
                 if checkpoint is not None and time.monotonic() - saved > _BETWEEN_S:
-                    self._keep(checkpoint)
+                    self._save(checkpoint)
                     saved = time.monotonic()
-                if progress is not None:
-                    text = f"epoch {self.epoch} of {self.spec.epochs}, validation error {error:.4f} of the deviation"
-                    progress.advance(what, self.epoch * cost, text)
-            if progress is not None:
-                progress.finish(what)
+                text = f"epoch {self.epoch} of {self.spec.epochs}, validation error {error:.4f} of the deviation"
+                progress.advance(name, cost * self.epoch / self.spec.epochs, text)
+            progress.finish(name)
         finally:
-            self.torch.set_num_threads(threads)
-        return self.state
+            torch.set_num_threads(threads)
+        for row, member in enumerate(self.active):
+            if not (self.spec.keep_best and member.state):
+                member.state, member.best_epoch = self._copy(row), len(member.errors) - 1
+        return self.members
 
-    def _normal(self, inputs: Any) -> Any:
-        grey = self.spec.grey
-        if grey is None:
-            return inputs
-        return ((inputs.float() / 255.0 - grey[0]) / grey[1]).contiguous(memory_format=self.torch.channels_last)
-
-    def _rate(self, step: int, steps: int) -> float:
-        rise = self.spec.warm_up_share * steps
-        if step < rise:
-            return self.spec.learning_rate * step / rise
-        fall = 0.5 * (1.0 + math.cos(math.pi * (step - rise) / (steps - rise)))
-        return self.spec.learning_rate * fall * (1.0 if rise else min(1.0, step / min(_WARM_UP, 0.2 * steps + 1)))
-
-    def _shifted(self, inputs: Any) -> Any:
-        most, grey = self.spec.shift, self.spec.grey
-        if not most or grey is None:
-            return inputs
-        height, width = inputs.shape[-2:]
-        padded = self.torch.nn.functional.pad(inputs, (most,) * 4, value=-grey[0] / grey[1])
-        down, right = self.torch.randint(0, 2 * most + 1, (2,), generator=self.random).tolist()
-        return padded[..., down : down + height, right : right + width]
-
-    def _draw(self, rows: Any, over: float) -> tuple[Any, Any]:
-        vary = self.spec.augment
-        inputs, targets = (self.inputs[rows], self.targets[rows]) if vary is None else vary(rows, over, self.random)
-        return self._shifted(self._normal(inputs)), targets
-
-    def _noise(self, inputs: Any) -> Any:
-        """Standard normal numbers in the shape and order in memory of inputs."""
-        return self.torch.empty_like(inputs).normal_(generator=self.random)
+    def _copy(self, row: int) -> list[Tensor]:
+        return [one[row].detach().clone() for one in self.parameters] + [one.clone() for one in self.task.buffers]
 
     def _train(self) -> None:
-        self.net.train()
-        order = self.train_rows[self.torch.randperm(len(self.train_rows), generator=self.random)]
-        batches = [rows for rows in order.split(self.spec.batch) if len(rows) > 1]
-        steps = max(self.spec.epochs * len(batches), 1)
+        task, random = self.task, [member.random for member in self.active]
+        drawn = [torch.randperm(len(task.rows), generator=one, device=task.rows.device) for one in random]
+        order = task.rows[torch.stack(drawn)]
+        batches = [
+            rows for rows in torch.split(order, self.spec.batch, dim=1) if rows.shape[1] > 1 or len(task.rows) == 1
+        ]
+        steps = self.spec.epochs * len(batches)
         for number, rows in enumerate(batches):
             step = self.epoch * len(batches) + number + 1
-            for group in self.optimiser.param_groups:
-                group["lr"] = self._rate(step, steps)
-            inputs, targets = self._draw(rows, step / steps)
-            inputs = inputs + self.spec.noise * self._noise(inputs)
-            self.optimiser.zero_grad()
-            with self.torch.autocast("cpu", self.torch.bfloat16, enabled=self.short):
-                found = self.net(inputs).float()
-            loss = ((found - targets) ** 2).mean()
-            for now, before in zip(self.net.parameters(), self.begin, strict=False):
-                loss = loss + self.spec.anchor_weight * ((now - before) ** 2).sum()
-            loss.backward()
-            self.optimiser.step()
+            inputs, targets = task.draw(rows, step / steps, random)
+            outputs = task.forward(self.parameters, inputs, random)
+            # the sum over members keeps the gradient of each its own
+            loss = ((outputs - targets) ** 2).mean(dim=(1, 2)).sum()
+            for now, start in zip(self.parameters, self.start, strict=False):
+                loss = loss + self.spec.anchor_weight * ((now - start) ** 2).sum()
+            self._step(torch.autograd.grad(loss, self.parameters), step, steps)
 
+    @torch.no_grad()
+    def _step(self, gradients: Sequence[Tensor], step: int, steps: int) -> None:
+        """One step of AdamW with a learning rate for each member."""
+        factor = self.spec.learning_rate * self.spec.schedule(step, steps)
+        rates = torch.tensor([factor * member.rate for member in self.active], device=self.parameters[0].device)
+        for parameter, gradient, (mean, square) in zip(self.parameters, gradients, self.moments, strict=True):
+            rate = rates.view(-1, *(1,) * (parameter.dim() - 1))
+            mean.lerp_(gradient, 1.0 - BETA_1)
+            square.mul_(BETA_2).addcmul_(gradient, gradient, value=1.0 - BETA_2)
+            size = (square / (1.0 - BETA_2**step)).sqrt_().add_(EPSILON)
+            if self.spec.weight_decay:
+                parameter.mul_(1.0 - rate * self.spec.weight_decay)
+            parameter.sub_(rate / (1.0 - BETA_1**step) * mean / size)
+
+    @torch.no_grad()
     def _validate(self) -> float:
-        self.net.eval()
-        with self.torch.no_grad():
-            squares = [
-                ((self.net(self._normal(self.inputs[rows])) - self.targets[rows]) ** 2).mean(dim=1)
-                for rows in self.validation_rows.split(64)
-            ]
-        return float(self.torch.cat(squares).mean().sqrt())
+        """Measure the validation error of each member, and end those that make no progress; mean of the errors."""
+        count, squares = len(self.active), []
+        for inputs, targets in self.task.validation():
+            outputs = self.task.forward(self.parameters, inputs.expand(count, *inputs.shape[1:]), None)
+            squares.append(((outputs - targets) ** 2).mean(dim=2))
+        errors = torch.cat(squares, dim=1).mean(dim=1).sqrt().tolist()
+        rows = [row for row, error in enumerate(errors) if self._continues(row, error)]
+        if len(rows) < count:
+            self.active = [self.active[row] for row in rows]
+            self.parameters = [one.detach()[rows].requires_grad_() for one in self.parameters]
+            self.moments = [(mean[rows], square[rows]) for mean, square in self.moments]
+            self.start = [one[rows] for one in self.start]
+        return float(sum(errors)) / count
 
-    def _keep(self, path: Path) -> None:
-        with atomic_write(path) as draft:
-            self.torch.save(
-                {
-                    "net": self.net.state_dict(),
-                    "optimiser": self.optimiser.state_dict(),
-                    "random": self.random.get_state(),
-                    "best": [self.best, self.epoch],
-                    "state": self.state,
-                },
-                draft,
+    def _continues(self, row: int, error: float) -> bool:
+        """Record the error of a member; whether it trains on."""
+        member, spec = self.active[row], self.spec
+        if not (math.isfinite(error) or member.state):
+            raise PalpateError(
+                f"Training diverged in epoch {self.epoch + 1} at a learning rate of "
+                f"{member.rate * spec.learning_rate:g}.",
+                "Lower the learning rate.",
+                code="training-diverged",
             )
+        member.errors.append(error)
+        if not spec.keep_best:
+            return True
+        if error < member.best:
+            member.best, member.best_epoch, member.waited = error, self.epoch, 0
+            member.state = self._copy(row)
+            return True
+        member.waited += 1
+        if member.waited % (spec.plateau_patience + 1) == 0:
+            member.rate *= spec.plateau_factor
+        return member.waited < spec.stopping_patience
 
-    def _go_on(self, path: Path) -> None:
-        found = self.torch.load(path, weights_only=True)
-        self.net.load_state_dict(found["net"])
-        self.optimiser.load_state_dict(found["optimiser"])
-        self.random.set_state(found["random"])
-        self.best, self.epoch = float(found["best"][0]), int(found["best"][1])
-        self.state = found["state"]
+    def _save(self, path: Path) -> None:
+        members = [{**vars(member), "random": member.random.get_state()} for member in self.members]
+        active = [row for row, member in enumerate(self.members) if member in self.active]
+        own = {name: getattr(self, name) for name in ("epoch", "parameters", "moments")}
+        with atomic_write(path) as draft:
+            torch.save({**own, "members": members, "active": active, "buffers": list(self.task.buffers)}, draft)
+
+    def _resume(self, path: Path) -> None:
+        found = torch.load(path, weights_only=True)
+        for member, state in zip(self.members, found["members"], strict=True):
+            member.random.set_state(state.pop("random"))
+            vars(member).update(state)
+        self.active, self.epoch = [self.members[row] for row in found["active"]], found["epoch"]
+        self.parameters = [one.requires_grad_() for one in found["parameters"]]
+        self.moments = found["moments"]
+        for own, value in zip(self.task.buffers, found["buffers"], strict=True):
+            own.copy_(value)
+
+
+def add_noise(inputs: Tensor, deviation: float, random: Sequence[Generator]) -> Tensor:
+    """Inputs (r, …) with normal noise, of each member from its own stream."""
+    noise = torch.empty_like(inputs)
+    for part, stream in zip(noise, random, strict=True):
+        part.normal_(generator=stream)
+    return inputs + deviation * noise

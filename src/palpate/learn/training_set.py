@@ -1,41 +1,35 @@
-"""What a part learns from; and ridge regression, the one that has a closed form."""
+"""Samples of one training: inputs, targets, and the images for training and for validation."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray
-from palpate.learn.member import RidgeMember, flat_features
-from palpate.learn.ridge import solve_ridge
+from palpate.core import BoolArray, FloatArray, load_opencv
 from palpate.learn.rotation import RotationAugmentation
-
-PENALTIES = tuple(10.0**k for k in range(-4, 4))
-"""Ridge penalties that are tried, over the mean square of a feature and the number of images."""
-SIDES = (16, 24, 32)
-"""Sizes to which pictures are shrunk for ridge, px."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrainingSet:
-    """What a part learns from.
+    """Samples of one training.
 
     Attributes
     ----------
     inputs
-        (n, m, 2) displacements or (n, h, w) pictures.
+        (n, m, 2) displacements or (n, h, w) images.
     targets
-        (n, k) poses; of networks that learn all motions, those asked for come first.
+        (n, k) poses; auxiliary targets come last.
     train, validation
-        (n,) images to learn from, and to choose by.
+        (n,) samples for the weights, and for choices.
     seed
         Seed of weights and batches.
     rotation
-        How turned images teach as well; `None` where they do not.
+        How rotated images train as well; `None` if they do not.
+    auxiliary
+        Number of targets that help the training and are not estimated.
     """
 
     inputs: NDArray[Any]
@@ -44,31 +38,37 @@ class TrainingSet:
     validation: BoolArray
     seed: int = 0
     rotation: RotationAugmentation | None = None
+    auxiliary: int = 0
+
+    @property
+    def n_outputs(self) -> int:
+        """Number of targets that are estimated."""
+        return self.targets.shape[1] - self.auxiliary
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
-        """Mean and standard deviation (k,) of the targets that teach; of two that turn, none and one of both."""
+        """Mean and standard deviation (k,) of the training targets; of two that turn, 0 and one for both."""
         mean, sd = self.targets[self.train].mean(axis=0), self.targets[self.train].std(axis=0)
         if self.rotation is not None:
             mean[:2], sd[:2] = 0.0, sd[:2].mean()
         return mean, np.where(sd > 1e-9, sd, 1.0)
 
+    @property
+    def standardised(self) -> FloatArray:
+        """(n, k) targets less their mean, over their standard deviation."""
+        mean, sd = self.scale
+        return np.asarray((self.targets - mean) / sd)
+
     def error(self, estimates: FloatArray) -> float:
-        """Root mean square error of the images that judge, over the targets' standard deviations."""
+        """Root mean square error of the validation samples, over the standard deviations of the targets."""
         return float(np.sqrt(np.mean(((estimates - self.targets[self.validation]) / self.scale[1]) ** 2)))
 
 
-def fit_ridge_part(name: str, lesson: TrainingSet, pictures: bool) -> RidgeMember:
-    """Ridge regression with the penalty, and the size of pictures, that judge best."""
-    best: dict[str, NDArray[Any]] = {}
-    least = math.inf
-    for side in SIDES if pictures else (None,):
-        features = flat_features(lesson.inputs, side)
-        taught = features[lesson.train]
-        unit = max(float(taught.var(axis=0, dtype=float).mean()) * len(taught), 1e-12)
-        for weight, bias in solve_ridge(taught, lesson.targets[lesson.train], [unit * one for one in PENALTIES]):
-            error = lesson.error(features[lesson.validation] @ weight + bias)
-            if error < least:
-                least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
-                best |= {} if side is None else {"side": np.array(side)}
-    return RidgeMember(name, best)
+def flat_features(inputs: NDArray[Any], side: int | None) -> NDArray[np.float32]:
+    """Inputs as rows (n, p): displacements as they are, images shrunk so that the longer side has `side` px."""
+    if side is None:
+        return np.asarray(inputs, np.float32).reshape(len(inputs), -1)
+    cv2 = load_opencv()
+    height, width = (max(1, round(length * side / max(inputs.shape[1:]))) for length in inputs.shape[1:])
+    small = [cv2.resize(one, (width, height), interpolation=cv2.INTER_AREA) for one in inputs]
+    return np.asarray(small, np.float32).reshape(len(inputs), -1) / np.float32(255)

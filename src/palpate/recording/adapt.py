@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, PalpateError
 from palpate.core.run import Progress
 from palpate.learn import (
-    PRESSES,
     CurvePoint,
     Estimator,
     MarkerNetwork,
-    TrainerSpec,
     TrainingSet,
-    fine_tune_marker_network,
+    compute_learning_curve,
     read_estimator,
     solve_ridge,
 )
@@ -34,7 +32,6 @@ from palpate.recording.model import read_model
 from palpate.recording.see_recording import PreparedRecording
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
-_COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)
 _HOLD = 0.05
 """Weight of a correction's departure from none, over the number of presses that teach."""
 _DENSITY = 2.5
@@ -165,9 +162,7 @@ def fine_tune_members(
             code="recording-markers-unassigned",
         )
     carried = transfer_network(start, seen)
-    lesson = TrainingSet(
-        seen.moved, seen.targets, seen.split.train & seen.accepted, seen.split.validation & seen.accepted
-    )
+    lesson, _ = seen.samples(markers=True)
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
     for name, part in found.items():
         error = lesson.error(part.predict(seen.moved[lesson.validation]))
@@ -193,25 +188,16 @@ def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
 
 
 def _adapt(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
-    start = _correct(carried, lesson)
-    return fine_tune_marker_network(ADAPTED, lesson, start.arrays, _COURSE)
+    return _correct(carried, lesson).fine_tune(ADAPTED, lesson)
 
 
 def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
-    """Errors of the other network as it is and adapted with ever more presses, on the held-out presses."""
+    """Errors of the other network as it is and adapted with ever more presses, on the test presses."""
     if seen.assigned is None:
         return ()
     carried = transfer_network(start, seen)
-    taught = np.unique(seen.press[seen.split.train & seen.accepted])
-    judge = seen.split.test & seen.accepted
-
-    def rmse(part: MarkerNetwork) -> tuple[float, ...]:
-        errors: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
-        return tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0)))
-
-    points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
-    for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = seen.split.train & seen.accepted & np.isin(seen.press, taught[:count])
-        lesson = TrainingSet(seen.moved, seen.targets, teach, seen.split.validation & seen.accepted)
-        points.append(CurvePoint(count, "adapted", rmse(_adapt(carried, lesson))))
-    return tuple(points)
+    samples, test = seen.samples(markers=True)
+    errors: FloatArray = carried.predict(seen.moved[test]) - seen.targets[test]
+    first = CurvePoint(0, f"{start.name} as it is", tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0))))
+    adapted = compute_learning_curve(samples, seen.press, test, lambda some, _: [_adapt(carried, some)])
+    return (first, *adapted)

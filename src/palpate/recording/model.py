@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
-from palpate.learn import PARTS, EnsembleMember
+from palpate.learn import EnsembleMember, open_member
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
 from palpate.recording.layout import ObservedLayout
@@ -236,7 +236,7 @@ def read_model(path: Path) -> RecordedModel:
                 raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
             parts = {
-                name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
+                name: open_member(kind, name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
                 for name, kind in facts["parts"]
             }
             layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None

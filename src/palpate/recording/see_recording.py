@@ -13,6 +13,7 @@ from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Rec
 from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
 from palpate.dataset import PressSplit, split_presses
+from palpate.learn import TrainingSet
 from palpate.recording.assign import AssignedMarkers, assign_images, choose_reference
 from palpate.recording.layout import ObservedLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
@@ -57,6 +58,12 @@ class PreparedRecording:
     press: NDArray[Any]
     split: PressSplit
     notes: tuple[str, ...]
+
+    def samples(self, markers: bool, seed: int = 0) -> tuple[TrainingSet, BoolArray]:
+        """Displacements that are believed, or all images, as samples of a training; and (n,) the test samples."""
+        rows = self.accepted if markers else np.ones(len(self.targets), bool)
+        inputs, split = self.moved if markers else self.pictures, self.split
+        return TrainingSet(inputs, self.targets, split.train & rows, split.validation & rows, seed), split.test & rows
 
 
 def prepare_recording(
