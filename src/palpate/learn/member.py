@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, Registry, load_extra
 from palpate.core.run import Progress
-from palpate.learn.image_graph import graph_of
+from palpate.learn.graph import image_graph
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.training_set import TrainingSet, flat_features
@@ -224,7 +224,7 @@ class ImageNetwork(EnsembleMember):
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.log_severity_level = 4
-        return onnxruntime.InferenceSession(graph_of(self.arrays), options, ["CPUExecutionProvider"])
+        return onnxruntime.InferenceSession(image_graph(self.arrays), options, ["CPUExecutionProvider"])
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
         session, parts = self._session, []
