@@ -3,7 +3,7 @@
 from palpate.learn.calibrate import Coverage, calibrate_interval, measure_coverage
 from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
-from palpate.learn.ensemble import EnsembleCandidate, select_ensemble
+from palpate.learn.ensemble import Ensemble, select_ensemble
 from palpate.learn.estimator import Estimator
 from palpate.learn.force_graph import train_force_output
 from palpate.learn.interval import Interval, Prediction, press_quantile
@@ -38,7 +38,7 @@ __all__ = [
     "Coverage",
     "CurvePoint",
     "DepthErrors",
-    "EnsembleCandidate",
+    "Ensemble",
     "EnsembleMember",
     "ErrorBound",
     "ErrorSummary",

@@ -19,26 +19,25 @@ _GAIN = 0.97
 
 
 @dataclass(eq=False)
-class EnsembleCandidate:
-    """One way to a pose.
+class Ensemble:
+    """Weighted estimators that give a pose together.
 
     Attributes
     ----------
-    name
-        Estimator, or ``mixture``.
     parts, weights
         Names, and (parts, k) weights of each component.
-    error
-        Root mean square error of the images that choose, over the range's deviations.
     half_width
         (k,) half-widths of its intervals.
+    name, error
+        The estimator, or ``mixture``; its root mean square error on the validation images, over the deviations of the
+        targets.
     """
 
-    name: str
     parts: tuple[str, ...]
     weights: FloatArray
-    error: float
     half_width: FloatArray = field(default_factory=lambda: np.zeros(0))
+    name: str = ""
+    error: float = float("nan")
 
     def combine(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
         """Estimates (n, k) from those of the parts."""
@@ -51,9 +50,9 @@ class EnsembleCandidate:
 class EnsembleRanking:
     """All ways to a pose by their error, and those taken where dots are numbered and where not (`None`: none)."""
 
-    ranked: tuple[EnsembleCandidate, ...]
-    with_dots: EnsembleCandidate | None
-    without: EnsembleCandidate | None
+    ranked: tuple[Ensemble, ...]
+    with_dots: Ensemble | None
+    without: Ensemble | None
 
 
 def select_ensemble(
@@ -79,10 +78,10 @@ def select_ensemble(
         off = ((found - targets) / scale)[whole]
         return float(np.sqrt(np.nanmean(off**2)))
 
-    ranked = [EnsembleCandidate(name, (name,), ones, error(found)) for name, found in estimates.items()]
+    ranked = [Ensemble((name,), ones, name=name, error=error(found)) for name, found in estimates.items()]
     ranked.sort(key=lambda option: option.error)
 
-    def best_of(names: list[str], rows: BoolArray, title: str) -> EnsembleCandidate | None:
+    def best_of(names: list[str], rows: BoolArray, title: str) -> Ensemble | None:
         """The best of some alone, or their mixture where it is clearly better; the mixture is ranked too."""
         alone = next((option for option in ranked if option.name in names), None)
         mixed = _mix(title, {name: estimates[name] for name in names}, targets, rows)
@@ -98,9 +97,7 @@ def select_ensemble(
     return EnsembleRanking(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
 
 
-def _mix(
-    title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray
-) -> EnsembleCandidate | None:
+def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Ensemble | None:
     """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
     names = list(estimates)
     if len(names) < 2 or rows.sum() < 10:
@@ -116,6 +113,4 @@ def _mix(
     used = np.asarray(weights.any(axis=1))
     if used.sum() < 2:
         return None
-    return EnsembleCandidate(
-        title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf
-    )
+    return Ensemble(tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], name=title)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, provenance
-from palpate.learn import EnsembleCandidate, EnsembleMember, ErrorSummary, press_quantile, select_ensemble
+from palpate.learn import Ensemble, EnsembleMember, ErrorSummary, press_quantile, select_ensemble
 from palpate.recording.correspond import marker_descriptor
-from palpate.recording.model import EnsembleWeights, RecordedModel
+from palpate.recording.model import RecordedModel
 from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.spec import RecordingSpec
 
@@ -74,9 +74,6 @@ def select_model(
         scores += [score] if score is not None else []
     best, fallback = options.with_dots, options.without
 
-    def choosing(option: Any) -> EnsembleWeights | None:
-        return None if option is None else EnsembleWeights(option.parts, option.weights, option.half_width)
-
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
     bank = (np.zeros(0),) * 4 if assigned is None else (*_bank(seen), assigned.motion, assigned.usual)
@@ -85,15 +82,15 @@ def select_model(
         None if assigned is None else assigned.layout,
         bank,
         {name: parts[name] for name in parts if name in used},
-        choosing(best) if assigned is not None else None,
-        choosing(fallback),
+        best if assigned is not None else None,
+        fallback,
         _apart(best, fallback, estimates, seen),
         tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
         _about(seen, spec),
     )
     found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
     if assigned is not None and not by_dots[seen.split.test].all():
-        whole = EnsembleCandidate(WHOLE, (), np.zeros(0), float("nan"))
+        whole = Ensemble((), np.zeros(0), name=WHOLE)
         width = (
             model.image_ensemble.half_width
             if model.image_ensemble is not None
@@ -106,8 +103,8 @@ def select_model(
 
 
 def _apart(
-    best: EnsembleCandidate | None,
-    fallback: EnsembleCandidate | None,
+    best: Ensemble | None,
+    fallback: Ensemble | None,
     estimates: dict[str, FloatArray],
     seen: PreparedRecording,
 ) -> FloatArray:
@@ -132,7 +129,7 @@ def _apart(
 
 
 def _score(
-    option: EnsembleCandidate,
+    option: Ensemble,
     found: FloatArray,
     width: FloatArray,
     seen: PreparedRecording,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
-from palpate.learn import EnsembleMember, open_member
+from palpate.learn import Ensemble, EnsembleMember, open_member
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
 from palpate.recording.layout import ObservedLayout
@@ -29,25 +29,6 @@ from palpate.recording.sight import Preprocessor
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
 _BANK = 200
 _STORED = ("fields", "seen", "motion", "usual")
-
-
-@dataclass(frozen=True, eq=False)
-class EnsembleWeights:
-    """Which parts give the pose, by what weights, and how far it may be wrong.
-
-    Attributes
-    ----------
-    parts
-        Names of the parts.
-    weights
-        (parts, k) of each component.
-    half_width
-        (k,) half-widths of the intervals.
-    """
-
-    parts: tuple[str, ...]
-    weights: FloatArray
-    half_width: FloatArray
 
 
 class PoseReading(NamedTuple):
@@ -90,8 +71,8 @@ class RecordedModel:
     layout: ObservedLayout | None
     reference_bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     parts: Mapping[str, EnsembleMember]
-    marker_ensemble: EnsembleWeights | None
-    image_ensemble: EnsembleWeights | None
+    marker_ensemble: Ensemble | None
+    image_ensemble: Ensemble | None
     max_disagreement: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
@@ -173,13 +154,10 @@ class RecordedModel:
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
-    def estimate(self, use: EnsembleWeights, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
+    def estimate(self, use: Ensemble, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
         """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
-        total = np.zeros((len(pictures), len(self.outputs)))
-        for name, weight in zip(use.parts, use.weights, strict=True):
-            part = self.parts[name]
-            total += weight * part.predict(moved if part.reads_markers else pictures)
-        return total
+        parts = [self.parts[name] for name in use.parts]
+        return use.combine({one.name: one.predict(moved if one.reads_markers else pictures) for one in parts})
 
 
 def write_model(path: Path, model: RecordedModel) -> None:
@@ -272,9 +250,9 @@ def is_recorded_model(path: Path) -> bool:
         return False
 
 
-def _plain(use: EnsembleWeights | None) -> Any:
+def _plain(use: Ensemble | None) -> Any:
     return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
 
 
-def _choosing(found: Any) -> EnsembleWeights | None:
-    return None if found is None else EnsembleWeights(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
+def _choosing(found: Any) -> Ensemble | None:
+    return None if found is None else Ensemble(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
