@@ -22,7 +22,8 @@ from palpate.core import ArtefactStore, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter, read_dataset, split_presses
 from palpate.learn import Metrics, TrainingSpec, fit_ridge, measure_errors
 from palpate.learn.components import PrincipalComponents, find_components
-from palpate.learn.network import TrainingData, train_network
+from palpate.learn.network import TrainingData, collect_layers, train_network
+from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.study import read_study
 from palpate.study.plan import plan_study
 from palpate.study.task import find_artefact
@@ -99,15 +100,12 @@ def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Principal
         held_targets=targets[:1],
     )
     trained = train_network(data, spec, [child_seed(SEED, "repeat", n) for n in range(spec.repeats)])
+    weights, biases = collect_layers(trained)
 
     def predict(images_px: Array) -> Array:
-        hidden = ((normalised(dataset, images_px) - components.mean) @ components.projection)[None]
-        for number, (weight, bias) in enumerate(zip(trained.weights, trained.biases, strict=True)):
-            hidden = hidden @ weight + bias[:, None, :]
-            if number < len(trained.weights) - 1:
-                hidden = hidden / (1.0 + np.exp(-hidden))
-        poses: Array = hidden.mean(axis=0) * sd + mean
-        return poses
+        features = (normalised(dataset, images_px) - components.mean) @ components.projection
+        outputs = evaluate_perceptrons(features, weights, biases, spec.activation)
+        return np.asarray(outputs.mean(axis=0) * sd + mean)
 
     return predict
 

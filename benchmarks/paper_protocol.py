@@ -21,7 +21,8 @@ from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import paper_training
-from palpate.learn.network import TrainingData, train_network
+from palpate.learn.network import TrainingData, collect_layers, train_network
+from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 
@@ -172,13 +173,8 @@ def judge(reading: Reading, presses, skin, seed: int) -> list[float]:
     spec = spec.model_copy(update=epochs)
     trained = train_network(data, spec, [child_seed(seed, "repeat", number) for number in range(MEMBERS)])
     found = []
-    for member in range(MEMBERS):
-        hidden = scaled(tested)
-        for number, (weight, bias) in enumerate(zip(trained.weights, trained.biases, strict=True)):
-            hidden = hidden @ weight[member] + bias[member]
-            if number < len(trained.weights) - 1:
-                hidden = np.maximum(hidden, 0.0)
-        errors = hidden * sd + mean - angles[held]
+    for outputs in evaluate_perceptrons(scaled(tested), *collect_layers(trained), spec.activation):
+        errors = outputs * sd + mean - angles[held]
         found.append((float(np.sqrt((errors**2).mean())), float(np.abs(errors).max()), int(held.sum())))
     return min(found)
 

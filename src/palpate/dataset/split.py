@@ -1,4 +1,4 @@
-"""Training, validation and test are split by press: images of one press are nearly copies of each other."""
+"""Splits by press into training, validation and test: images of one press are nearly copies."""
 
 from __future__ import annotations
 

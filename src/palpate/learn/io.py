@@ -103,7 +103,7 @@ def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
 
 
 def network_graph(estimator: Estimator, prefix: str = "", pose: str = POSE) -> tuple[str, dict[str, NDArray[Any]]]:
-    """Nodes of a network in order, to the mean `pose` over its members, and arrays; `prefix` begins other names."""
+    """Nodes of a network up to the mean `pose` of its members, and arrays; `prefix` begins other names."""
     p = prefix
     arrays: dict[str, NDArray[Any]] = {
         f"{p}rest_px": estimator.rest_px,

@@ -1,4 +1,4 @@
-"""Estimators by kind: each is trained on a set of samples, and estimates from displacements or from images.
+"""Kinds of estimators: each is trained on samples, and estimates from displacements or images.
 
 An installed package adds a kind by an entry point in the group ``palpate.estimators``; `palpate learn` then trains it
 with the kinds of the package, and it may become a part of the model.
@@ -33,9 +33,9 @@ SIDES = (16, 24, 32)
 _LONGER = 8 / 3
 """Passes over rotated images over those over plain ones: what comes in six ways bears longer training."""
 _MOST_SHOWN = 250_000
-"""Images that these passes show at most, unless the plain network's show more: 35 to 50 minutes of a core."""
+"""Images that these passes show at most, unless plain ones show more: 35 to 50 minutes of a core."""
 _IMAGE_S, _MARKERS_S = 0.01, 60.0
-"""Times of one core to train on one image and to train a network on markers, s; only for the remaining time."""
+"""Time of one core for one image, and for a network on markers, s: decides only the remaining time."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import torch
 
 from palpate.core import FloatArray
 from palpate.learn.spec import TrainingSpec
-from palpate.learn.trainer import WARM_UP, Trainer, TrainerSpec, TrainingTask, fall
+from palpate.learn.trainer import WARM_UP, TrainedState, Trainer, TrainerSpec, TrainingTask, fall
 
 if TYPE_CHECKING:
     from torch import Generator, Tensor
@@ -44,26 +44,6 @@ class TrainingData:
     held_inputs: FloatArray
     held_targets: FloatArray
     device: str = "cpu"
-
-
-@dataclass(frozen=True)
-class TrainedNetwork:
-    """Weights of every repeat, and how they came about.
-
-    Attributes
-    ----------
-    weights, biases
-        One (r, in, out) and one (r, out) a layer.
-    history
-        For each repeat, the validation error (root mean square of standardised poses) after each epoch.
-    best_epoch
-        For each repeat, the epoch (from 0) whose weights were kept.
-    """
-
-    weights: tuple[FloatArray, ...]
-    biases: tuple[FloatArray, ...]
-    history: tuple[tuple[float, ...], ...]
-    best_epoch: tuple[int, ...]
 
 
 class PerceptronTask(TrainingTask):
@@ -122,13 +102,14 @@ def draw_uniform(random: Sequence[Generator], shape: Sequence[int]) -> Tensor:
     return drawn
 
 
-def collect_layers(states: Sequence[Sequence[Tensor]]) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-    """Weights (r, in, out) and biases (r, out) of each layer, from the parameters of r perceptrons."""
-    layers = [torch.stack(rows).double().cpu().numpy() for rows in zip(*states, strict=True)]
+def collect_layers(members: Sequence[TrainedState]) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+    """Weights (r, in, out) and biases (r, out) of each layer of r perceptrons."""
+    states = zip(*(member.state for member in members), strict=True)
+    layers = [torch.stack(rows).double().cpu().numpy() for rows in states]
     return tuple(layers[0::2]), tuple(bias[:, 0] for bias in layers[1::2])
 
 
-def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) -> TrainedNetwork:
+def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) -> list[TrainedState]:
     """Train one perceptron a seed, all together, on one thread.
 
     Parameters
@@ -139,11 +120,6 @@ def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) 
         Shape of the network and schedule.
     seeds
         One a repeat; a repeat's numbers do not depend on the others.
-
-    Returns
-    -------
-    TrainedNetwork
-        Weights in the order of `seeds`.
 
     Raises
     ------
@@ -162,7 +138,4 @@ def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) 
         plateau_patience=spec.plateau_patience,
         plateau_factor=spec.plateau_factor,
     )
-    found = Trainer(_JitterTask(data, spec, random), trainer, random).run()
-    weights, biases = collect_layers([member.state for member in found])
-    history = tuple(tuple(member.errors) for member in found)
-    return TrainedNetwork(weights, biases, history, tuple(member.best_epoch for member in found))
+    return Trainer(_JitterTask(data, spec, random), trainer, random).run()

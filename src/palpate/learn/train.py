@@ -16,7 +16,7 @@ from palpate.learn.ridge import solve_ridge
 from palpate.learn.spec import TrainingSpec
 
 if TYPE_CHECKING:
-    from palpate.learn.network import TrainedNetwork
+    from palpate.learn.trainer import TrainedState
 
 
 def train(
@@ -62,8 +62,7 @@ def train_on(checkpoint: Dataset, held: Dataset, spec: TrainingSpec, seed: int =
     estimator = replace(estimator, repeat_rmse_deg=_validate_members(estimator, held))
     if spec.members == "all":
         return estimator
-    kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
-    return estimator.keep_members([int(np.argmin(kept_errors))])
+    return estimator.keep_members([int(np.argmin([member.errors[member.best_epoch] for member in trained]))])
 
 
 def train_targets(
@@ -73,11 +72,11 @@ def train_targets(
     spec: TrainingSpec,
     seed: int,
     device: str,
-) -> tuple[Estimator, TrainedNetwork]:
+) -> tuple[Estimator, list[TrainedState]]:
     """Train on any targets (n, 3) of the images of `checkpoint`; those of `held` choose epochs. All repeats are
     kept."""
     load_extra("torch", "learn")
-    from palpate.learn.network import TrainingData, train_network
+    from palpate.learn.network import TrainingData, collect_layers, train_network
 
     inputs = _normalised(checkpoint, checkpoint.images_px)
     jitter = np.tile(
@@ -97,12 +96,13 @@ def train_targets(
         device=device,
     )
     trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
-    first, first_bias = components.fold(trained.weights[0], trained.biases[0])
+    weights, biases = collect_layers(trained)
+    first, first_bias = components.fold(weights[0], biases[0])
     return (
         Estimator(
             normalisation=checkpoint.normalisation,
-            weights=(first, *trained.weights[1:]),
-            biases=(first_bias, *trained.biases[1:]),
+            weights=(first, *weights[1:]),
+            biases=(first_bias, *biases[1:]),
             activation=spec.activation,
             output_mean=mean,
             output_sd=sd,
@@ -111,7 +111,7 @@ def train_targets(
             made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
             training_images=len(checkpoint.poses),
             validation_images=len(held.poses),
-            history=trained.history,
+            history=tuple(tuple(member.errors) for member in trained),
             space=checkpoint.space,
         ),
         trained,
@@ -197,7 +197,7 @@ def _validate_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
 
 
 def _components(inputs: FloatArray, jitter: FloatArray, count: int) -> PrincipalComponents:
-    """What a network reads of normalised inputs (n, 2m) with jitter (2m,): whitened, or themselves for count 0."""
+    """Whitened components of normalised inputs (n, 2m) with jitter (2m,); the inputs for count 0."""
     if count == 0:
         return PrincipalComponents(np.zeros(len(jitter)), np.eye(len(jitter)))
     noise = float(np.mean(jitter**2)) / 3

@@ -1,4 +1,4 @@
-"""Training of networks on displacements of markers and on images, from scratch or from another network."""
+"""Training of networks on displacements of markers and on images."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.learn.components import find_components
 from palpate.learn.network import PerceptronTask, collect_layers
 from palpate.learn.rotation import COUNT, RotationOperators, pattern_order, rotation
-from palpate.learn.trainer import Trainer, TrainerSpec, TrainingTask, add_noise, fall
+from palpate.learn.trainer import TrainedState, Trainer, TrainerSpec, TrainingTask, add_noise, fall
 from palpate.learn.training_set import TrainingSet, flat_features
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def _plain(inputs: Tensor, targets: Tensor) -> Source:
 
 
 def _rotated(samples: TrainingSet, turned: Callable[[Tensor, int], Tensor], count: int) -> Source:
-    """Batches, most of them rotated by one of `count` steps around; `turned` gives inputs of rows so rotated."""
+    """Batches, most of them rotated by one of `count` steps around by `turned`."""
     assert samples.rotation is not None
     targets = torch.as_tensor(samples.standardised.astype(np.float32))
     steps = [samples.rotation.sense * number * (COUNT // count) for number in range(count)]
@@ -104,7 +104,7 @@ def train_marker_network(
     members: int = MEMBERS,
     checkpoint: Path | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """Train perceptrons on principal components of displacements, and of rotated ones if the samples say how.
+    """Train perceptrons on principal components of displacements, also of rotated ones.
 
     Parameters
     ----------
@@ -131,9 +131,9 @@ def train_marker_network(
     random = [torch.Generator().manual_seed(child_seed(samples.seed, name, member)) for member in range(members)]
     task = _MarkerTask(samples, fields @ start["projection"] - start["offset"], samples.standardised, source)
     task.draw_weights(random)
-    found = Trainer(task, TrainerSpec(epochs), random).run(checkpoint)
     mean, sd = samples.scale
-    return start | {"mean": mean, "sd": sd} | _layer_arrays([member.state for member in found])
+    found = Trainer(task, TrainerSpec(epochs), random).run(checkpoint)
+    return start | {"mean": mean, "sd": sd} | _layer_arrays(found)
 
 
 def fine_tune_marker_network(
@@ -150,12 +150,11 @@ def fine_tune_marker_network(
         torch.Generator().manual_seed(child_seed(samples.seed, name, member))
         for member in range(len(start["weight_0"]))
     ]
-    found = Trainer(task, _FINE_TUNING, random).run()
-    return dict(start) | _layer_arrays([member.state for member in found])
+    return dict(start) | _layer_arrays(Trainer(task, _FINE_TUNING, random).run())
 
 
-def _layer_arrays(states: Sequence[Sequence[Tensor]]) -> dict[str, NDArray[Any]]:
-    weights, biases = collect_layers(states)
+def _layer_arrays(members: Sequence[TrainedState]) -> dict[str, NDArray[Any]]:
+    weights, biases = collect_layers(members)
     arrays = {f"weight_{number}": weight.astype(np.float32) for number, weight in enumerate(weights)}
     return arrays | {f"bias_{number}": bias.astype(np.float32) for number, bias in enumerate(biases)}
 
@@ -259,7 +258,7 @@ class ImageTask(TrainingTask):
 
 
 def rotate_images(images: NDArray[Any], middle: FloatArray, order: int, number: int) -> Tensor:
-    """Images (b, 1, h, w) from (b, h, w), rotated about a point (2,) px by so many of `order` steps around."""
+    """Images (b, 1, h, w) from (b, h, w), rotated about a point (2,) px by a number of `order` steps."""
     if number:
         size, turn = images.shape[1:], np.column_stack([rotation(number * (COUNT // order)), np.zeros(2)])
         turn[:, 2] = middle - turn[:, :2] @ middle

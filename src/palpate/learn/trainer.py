@@ -1,8 +1,8 @@
 """The training loop: networks as slices of the same tensors, each with its own random stream.
 
 A parameter has the shape (r, …) for r members, so that one product serves all. Each member has its own order of
-samples, augmentation and learning rate, and stops by itself; its numbers do not depend on the other members. A
-network that is no perceptron is trained with r = 1.
+samples, augmentation and learning rate, and stops by itself; its numbers do not depend on the other members. Another
+kind of network is trained with r = 1.
 """
 
 from __future__ import annotations
@@ -104,14 +104,18 @@ class TrainingTask(ABC):
 
 @dataclass
 class TrainedState:
-    """One member: its random stream, the factor of its learning rate, and the weights that are kept.
+    """One member in training.
 
     Attributes
     ----------
+    random, rate
+        Random stream, and factor of the learning rate.
+    best, best_epoch, waited
+        Minimum validation error, the epoch of `state` from 0, epochs since then.
     state
-        Parameters and buffers, without the dimension of the members.
-    errors, best_epoch
-        Validation error after each epoch (root mean square of standardised targets); the epoch, from 0, of `state`.
+        Parameters and buffers that are kept, without the dimension of the members.
+    errors
+        Validation error after each epoch (root mean square of standardised targets).
     """
 
     random: Generator
@@ -124,7 +128,7 @@ class TrainedState:
 
 
 class Trainer:
-    """The loop over epochs. `active` lists the members that still train, in the order of the tensors' rows."""
+    """The loop over epochs; `active` are the members that still train, by the rows of the tensors."""
 
     def __init__(self, task: TrainingTask, spec: TrainerSpec, random: Sequence[Generator]) -> None:
         self.task, self.spec, self.epoch = task, spec, 0
@@ -215,7 +219,7 @@ class Trainer:
 
     @torch.no_grad()
     def _validate(self) -> float:
-        """Measure the validation error of each member, and end those that make no progress; mean of the errors."""
+        """Measure validation errors, end members without progress, and return the mean error."""
         count, squares = len(self.active), []
         for inputs, targets in self.task.validation():
             outputs = self.task.forward(self.parameters, inputs.expand(count, *inputs.shape[1:]), None)

@@ -65,7 +65,7 @@ class TrainingSet:
 
 
 def flat_features(inputs: NDArray[Any], side: int | None) -> NDArray[np.float32]:
-    """Inputs as rows (n, p): displacements as they are, images shrunk so that the longer side has `side` px."""
+    """Rows (n, p): displacements, or images shrunk so that the longer side has `side` px."""
     if side is None:
         return np.asarray(inputs, np.float32).reshape(len(inputs), -1)
     cv2 = load_opencv()

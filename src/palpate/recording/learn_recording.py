@@ -127,7 +127,7 @@ def train_on_recording(
 
 
 def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[TrainingJob]:
-    """Every kind of estimator that recording and spec allow: plain, with rotated presses, with all motions."""
+    """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions."""
     chosen, rotation = spec.estimators, _find_rotation(seen)
     if chosen == "dots" and seen.assigned is None:
         chosen = "ridge"

@@ -7,6 +7,7 @@ import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
+from palpate.learn.member import MarkerNetwork, TrainingRun
 from palpate.learn.rotation import (
     COUNT,
     RotationAugmentation,
@@ -15,7 +16,6 @@ from palpate.learn.rotation import (
     pattern_order,
     rotation,
 )
-from palpate.learn.member import MarkerNetwork, TrainingRun
 from palpate.learn.training_set import TrainingSet
 
 SENSOR = DrawnSensor(rings=5)

@@ -7,6 +7,7 @@ import pytest
 from palpate_guest.carroll import Carroll
 from palpate_guest.cosine import Bell
 from palpate_guest.division import Division
+from palpate_guest.neighbours import Neighbours
 from palpate_guest.wheel import WheelSpec
 
 from palpate.camera import CameraSpec, build_camera
@@ -16,7 +17,7 @@ from palpate.markers import assign_markers, build_pattern
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.sensor import register_dome
-from palpate.testing import LawSuite, LensSuite, ObstacleSuite, SkinSuite, SourceSuite
+from palpate.testing import EstimatorSuite, LawSuite, LensSuite, ObstacleSuite, SkinSuite, SourceSuite
 
 RUBBER = (0.008, 0.00001, 0.006)
 
@@ -31,6 +32,12 @@ class TestDivision(LensSuite):
     @pytest.fixture(params=[-0.3, 0.0, 0.2])
     def lens(self, request: pytest.FixtureRequest) -> Division:
         return Division(request.param)
+
+
+class TestNeighbours(EstimatorSuite):
+    @pytest.fixture
+    def kind(self) -> type[Neighbours]:
+        return Neighbours
 
 
 class TestStack(SourceSuite):
