@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter, read_dataset, split_presses
-from palpate.learn import Metrics, TrainingSpec, fit_ridge, measure_errors
+from palpate.learn import Metrics, TrainingSet, TrainingSpec, fit_ridge, measure_errors
 from palpate.learn.components import PrincipalComponents, find_components
-from palpate.learn.network import TrainingData, collect_layers, train_network
+from palpate.learn.network import collect_layers, train_network
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.study import read_study
 from palpate.study.plan import plan_study
@@ -88,18 +88,10 @@ def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Principal
     spec, kept = TrainingSpec(), dataset.subset(validation=False)
     inputs = normalised(dataset, kept.images_px)
     components = choose(dataset, inputs)
-    mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
-    targets = (kept.poses - mean) / sd
-    data = TrainingData(
-        inputs=inputs,
-        targets=targets,
-        jitter=jitter_of(dataset),
-        mean=components.mean,
-        projection=components.projection,
-        held_inputs=inputs[:1],
-        held_targets=targets[:1],
-    )
-    trained = train_network(data, spec, [child_seed(SEED, "repeat", n) for n in range(spec.repeats)])
+    every = np.ones(len(inputs), bool)
+    samples = TrainingSet(inputs, kept.poses, every, np.arange(len(inputs)) == 0, SEED)
+    mean, sd = samples.scale
+    trained = train_network(samples, jitter_of(dataset), components, spec)
     weights, biases = collect_layers(trained)
 
     def predict(images_px: Array) -> Array:

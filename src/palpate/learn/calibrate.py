@@ -81,7 +81,7 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
         return estimator
     chosen = split_presses(held.press, child_seed(seed, "calibration"), SHARE).validation
     depths, error = _measure_scale(estimator, kept, seed)
-    images, poses, press = _jittered(held, chosen, child_seed(seed, "calibration jitter"))
+    images, poses, press = draw_images(held, held.poses, chosen, child_seed(seed, "calibration jitter"))
     members = estimator.predict_members(images)
     trained = _find_range(kept, seed)
     presses = tuple(int(number) for number in np.unique(press))
@@ -116,7 +116,8 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     held = dataset.subset(validation=True)
     if interval is None or not np.isfinite(interval.factor).all():
         return None
-    images, poses, press = _jittered(held, ~np.isin(held.press, interval.presses), child_seed(seed, "coverage"))
+    rows = ~np.isin(held.press, interval.presses)
+    images, poses, press = draw_images(held, held.poses, rows, child_seed(seed, "coverage"))
     found = estimator.estimate(images)
     covered = np.abs(found.poses - poses) <= found.half_width
     return Coverage(
@@ -132,11 +133,12 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     )
 
 
-def _jittered(held: Dataset, rows: BoolArray, seed: int) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Images, poses and presses of some rows, with `DRAWS` draws of jitter each."""
-    images = np.tile(held.images_px[rows], (DRAWS, 1, 1))
-    jittered = draw_jitter(images, held.spec.jitter_px, generator(seed))
-    return jittered, np.tile(held.poses[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
+def draw_images(
+    held: Dataset, targets: FloatArray, rows: BoolArray, seed: int
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Images, targets (n, k) and presses of some rows, with `DRAWS` draws of jitter each."""
+    images = draw_jitter(np.tile(held.images_px[rows], (DRAWS, 1, 1)), held.spec.jitter_px, generator(seed))
+    return images, np.tile(targets[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
 
 
 def _measure_scale(estimator: Estimator, model: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:

@@ -46,19 +46,10 @@ class Ensemble:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class EnsembleRanking:
-    """All ways to a pose by their error, and those taken where dots are numbered and where not (`None`: none)."""
-
-    ranked: tuple[Ensemble, ...]
-    with_dots: Ensemble | None
-    without: Ensemble | None
-
-
 def select_ensemble(
     estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
-) -> EnsembleRanking:
-    """Choose by the error on the images that choose.
+) -> tuple[list[Ensemble], Ensemble | None, Ensemble | None]:
+    """All by their error on the validation images; the best of all, and of those that read images (`None`: no such).
 
     Parameters
     ----------
@@ -94,7 +85,7 @@ def select_ensemble(
     pictures = [name for name in estimates if name not in dots]
     best = best_of(list(estimates), whole, MIXTURE)
     without = best_of(pictures, choose, PICTURES) if len(pictures) < len(estimates) else best
-    return EnsembleRanking(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
+    return sorted(ranked, key=lambda option: option.error), best, without
 
 
 def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Ensemble | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,6 +43,23 @@ def build_model(signature: str, body: str, arrays: Arrays, ir_version: int = 8) 
         if name in used:
             model.graph.initializer.append(numpy_helper.from_array(np.ascontiguousarray(values), name))
     return model
+
+
+def open_session(content: bytes) -> Any:
+    """Session of onnxruntime on one core.
+
+    Raises
+    ------
+    MissingExtraError
+        If onnxruntime is not installed.
+    """
+    onnxruntime = load_extra("onnxruntime", "predict")
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 4  # errors are reported once, by palpate
+    nowhere = str(Path(__file__) / "nowhere")  # else the runtime reads weights from any file that the model names
+    options.add_session_config_entry("session.model_external_initializers_file_folder_path", nowhere)
+    return onnxruntime.InferenceSession(content, options, ["CPUExecutionProvider"], enable_fallback=0)
 
 
 def image_graph(arrays: Arrays) -> bytes:

@@ -9,6 +9,7 @@ The error by depth is linear between knots, hence a sum of hinges: error(z) = eâ
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -73,17 +74,8 @@ INTERVAL_NODES = """
 """
 """Nodes after those of the pose: `Interval` and `TrainedRange` in the same words."""
 
-_SCALARS = (
-    "noise_px",
-    "rest_mean_px",
-    "rest_sd_px",
-    "tilt_deg",
-    "min_depth_mm",
-    "max_depth_mm",
-    "threshold",
-    "false_alarm",
-)
-_VECTORS = ("centre", "directions", "low", "high")
+_FIELDS = [item.name for item in fields(TrainedRange)]
+_VECTORS, _SCALARS = _FIELDS[:4], _FIELDS[4:]
 
 
 def describe_interval(interval: Interval) -> dict[str, Any]:

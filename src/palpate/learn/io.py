@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 FORMAT, FORMAT_VERSION = "palpate estimator", "2"
 INPUT = "markers_px"
 """Name of the graph's input."""
+_PLAIN = ("activation", "seed", "training_images", "validation_images", "version")
+"""Fields of `Estimator` that the metadata contain as they are."""
 AGAIN = "Train the estimator again: `palpate run`."
 
 
@@ -148,16 +150,12 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
         "outputs": list(estimator.space.names),
         "units": {INPUT: "px", **{item.name: item.unit for item in estimator.space.components}},
         "marker_order_px": estimator.rest_px.tolist(),
-        "activation": estimator.activation,
+        **{name: getattr(estimator, name) for name in _PLAIN},
         "offset_px": estimator.normalisation.offset_px,
         "scale_px": estimator.normalisation.scale_px,
-        "seed": estimator.seed,
         "made_by": dict(estimator.made_by),
-        "training_images": estimator.training_images,
-        "validation_images": estimator.validation_images,
         "history": estimator.history,
         "repeat_rmse_deg": estimator.repeat_rmse_deg,
-        "version": estimator.version,
     }
     if estimator.interval is not None:
         content["interval"] = describe_interval(estimator.interval)
@@ -166,10 +164,8 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
 
 
 def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
-    from onnx import TensorProto, numpy_helper
+    from onnx import numpy_helper
 
-    if any(item.data_location == TensorProto.EXTERNAL for item in model.graph.initializer):
-        raise ValueError("its weights lie in another file")
     arrays = {item.name: numpy_helper.to_array(item) for item in model.graph.initializer}
     facts = {name: json.loads(text) for name, text in metadata.items() if not name.startswith("format")}
     layers = range(sum(name.startswith("weight_") for name in arrays))
@@ -181,18 +177,14 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
         normalisation=normalisation,
         weights=weights,
         biases=tuple(biases),
-        activation=facts["activation"],
         output_mean=arrays["output_mean"].astype(float),
         output_sd=arrays["output_sd"].astype(float),
         rest_px=arrays["rest_px"],
-        seed=facts["seed"],
         made_by=facts["made_by"],
-        training_images=facts["training_images"],
-        validation_images=facts["validation_images"],
         history=tuple(tuple(errors) for errors in facts["history"]),
         repeat_rmse_deg=tuple(facts["repeat_rmse_deg"]),
         interval=read_interval(facts["interval"], arrays) if "interval" in facts else None,
-        version=facts["version"],
+        **{name: facts[name] for name in _PLAIN},
         space=PoseSpace.from_names(facts["outputs"]),
     )
 

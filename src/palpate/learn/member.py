@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, Registry, load_extra
 from palpate.core.run import Progress
-from palpate.learn.graph import image_graph
+from palpate.learn.graph import image_graph, open_session
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.training_set import TrainingSet, flat_features
@@ -220,11 +220,7 @@ class ImageNetwork(EnsembleMember):
 
     @cached_property
     def _session(self) -> Any:
-        onnxruntime = load_extra("onnxruntime", "predict")
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = options.inter_op_num_threads = 1
-        options.log_severity_level = 4
-        return onnxruntime.InferenceSession(image_graph(self.arrays), options, ["CPUExecutionProvider"])
+        return open_session(image_graph(self.arrays))
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
         session, parts = self._session, []

@@ -4,46 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import torch
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, child_seed
+from palpate.learn.components import PrincipalComponents
 from palpate.learn.spec import TrainingSpec
 from palpate.learn.trainer import WARM_UP, TrainedState, Trainer, TrainerSpec, TrainingTask, fall
+from palpate.learn.training_set import TrainingSet
 
 if TYPE_CHECKING:
     from torch import Generator, Tensor
-
-
-@dataclass(frozen=True)
-class TrainingData:
-    """Arrays of one training; the network reads (inputs + jitter − mean) · projection.
-
-    Attributes
-    ----------
-    inputs, targets
-        (n, 2m) normalised clean images and (n, 3) standardised poses to train on.
-    jitter
-        (2m,) half-width of the uniform jitter, normalised.
-    mean, projection
-        (2m,) and (2m, k): see `components`.
-    held_inputs, held_targets
-        The same of the validation images, jitter already drawn.
-    device
-        ``"cpu"`` or ``"cuda"``: where tensors and random streams live; another device draws other numbers.
-    """
-
-    inputs: FloatArray
-    targets: FloatArray
-    jitter: FloatArray
-    mean: FloatArray
-    projection: FloatArray
-    held_inputs: FloatArray
-    held_targets: FloatArray
-    device: str = "cpu"
 
 
 class PerceptronTask(TrainingTask):
@@ -66,22 +39,29 @@ class PerceptronTask(TrainingTask):
 class _JitterTask(PerceptronTask):
     """Perceptrons of one seed each, on clean images to which jitter is added."""
 
-    def __init__(self, data: TrainingData, spec: TrainingSpec, random: Sequence[Generator]) -> None:
+    def __init__(
+        self, samples: TrainingSet, jitter: FloatArray, inside: PrincipalComponents, spec: TrainingSpec, device: str
+    ) -> None:
         def tensor(array: FloatArray) -> Tensor:
-            return torch.as_tensor(array, dtype=torch.float32, device=data.device)
+            return torch.as_tensor(array, dtype=torch.float32, device=device)
 
         self.activation, self.dropout, self.clean_share = spec.activation, spec.dropout, spec.clean_share
-        self.inputs, self.targets = tensor(data.inputs - data.mean), tensor(data.targets)
-        self.jitter, self.projection = tensor(data.jitter), tensor(data.projection)
-        self.held = tensor((data.held_inputs - data.mean) @ data.projection)[None], tensor(data.held_targets)
-        self.rows = torch.arange(len(self.inputs), device=data.device)
-        sizes = [data.projection.shape[1], *[spec.width] * spec.layers, data.targets.shape[1]]
+        centred, targets = samples.inputs - inside.mean, samples.standardised
+        train, validation = samples.train, samples.validation
+        self.inputs, self.targets = tensor(centred[train]), tensor(targets[train])
+        self.jitter, self.projection = tensor(jitter), tensor(inside.projection)
+        self.held = tensor(centred[validation] @ inside.projection)[None], tensor(targets[validation])
+        self.rows = torch.arange(len(self.inputs), device=device)
+        self.random = [
+            torch.Generator(device).manual_seed(child_seed(samples.seed, "repeat", n)) for n in range(spec.repeats)
+        ]
+        sizes = [inside.projection.shape[1], *[spec.width] * spec.layers, targets.shape[1]]
         self.parameters = []
         for number, (inward, outward) in enumerate(pairwise(sizes)):  # He et al. 2015, and a small output layer
             spread = math.sqrt(2.0 / inward) if number < spec.layers else 0.1 / math.sqrt(inward)
-            drawn = [torch.randn(inward, outward, generator=one, device=data.device) for one in random]
+            drawn = [torch.randn(inward, outward, generator=one, device=device) for one in self.random]
             self.parameters.append((spread * torch.stack(drawn)).requires_grad_())
-            self.parameters.append(torch.zeros(len(drawn), 1, outward, device=data.device, requires_grad=True))
+            self.parameters.append(torch.zeros(len(drawn), 1, outward, device=device, requires_grad=True))
 
     def draw(self, rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
         inputs = self.inputs[rows]
@@ -109,24 +89,31 @@ def collect_layers(members: Sequence[TrainedState]) -> tuple[tuple[FloatArray, .
     return tuple(layers[0::2]), tuple(bias[:, 0] for bias in layers[1::2])
 
 
-def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) -> list[TrainedState]:
-    """Train one perceptron a seed, all together, on one thread.
+def train_network(
+    samples: TrainingSet, jitter: FloatArray, inside: PrincipalComponents, spec: TrainingSpec, device: str = "cpu"
+) -> list[TrainedState]:
+    """Train the repeats of a perceptron, all together, on one thread.
 
     Parameters
     ----------
-    data
-        Standardised arrays.
+    samples
+        Normalised images (n, 2m), clean for training and with jitter for validation, and poses; the numbers of a
+        repeat do not depend on the other repeats.
+    jitter
+        (2m,) half-width of the uniform jitter, normalised.
+    inside
+        Components that the network reads.
     spec
         Shape of the network and schedule.
-    seeds
-        One a repeat; a repeat's numbers do not depend on the others.
+    device
+        ``"cpu"`` or ``"cuda"``: place of tensors and random streams; another device draws other numbers.
 
     Raises
     ------
     PalpateError
-        If an error stops being a number.
+        If an error is not a number.
     """
-    random, cosine = [torch.Generator(data.device).manual_seed(seed) for seed in seeds], spec.schedule == "cosine"
+    task, cosine = _JitterTask(samples, jitter, inside, spec, device), spec.schedule == "cosine"
     trainer = TrainerSpec(
         epochs=spec.epochs,
         batch=spec.batch,
@@ -138,4 +125,4 @@ def train_network(data: TrainingData, spec: TrainingSpec, seeds: Sequence[int]) 
         plateau_patience=spec.plateau_patience,
         plateau_factor=spec.plateau_factor,
     )
-    return Trainer(_JitterTask(data, spec, random), trainer, random).run()
+    return Trainer(task, trainer, task.random).run()

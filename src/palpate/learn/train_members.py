@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -66,17 +65,10 @@ class TrainingJob:
         return self.kind.train(self.name, self.samples, TrainingRun(self.epochs, threads, checkpoint, progress))
 
 
-class TrainedMember(NamedTuple):
-    """A part, and the time in s that it took now."""
-
-    part: EnsembleMember
-    seconds: float
-
-
 def train_members(
     jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, progress: Progress
-) -> Iterator[TrainedMember]:
-    """Make parts, and give each as soon as it is there.
+) -> Iterator[tuple[EnsembleMember, float]]:
+    """Train estimators; each with the time in s that it took, as soon as it is trained.
 
     Parameters
     ----------
@@ -104,10 +96,10 @@ def train_members(
         path = store.find(job.recipe)
         if path is None:
             path = _keep(store, job, job.train(threads, _draft(store, job), progress))
-        yield TrainedMember(job.kind(job.name, read_arrays(path)), time.monotonic() - begin)
+        yield job.kind(job.name, read_arrays(path)), time.monotonic() - begin
     if workers > 1:
         for job, member, seconds in _train_in_processes(missing, workers, threads // workers, store, progress):
-            yield TrainedMember(job.kind(job.name, read_arrays(_keep(store, job, member))), seconds)
+            yield job.kind(job.name, read_arrays(_keep(store, job, member))), seconds
 
 
 def _draft(store: ArtefactStore, job: TrainingJob) -> Path:

@@ -62,17 +62,16 @@ def select_model(
         estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
         estimates[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
     scale = seen.targets[seen.split.train].std(axis=0)
-    options = select_ensemble(
+    ranked, best, fallback = select_ensemble(
         estimates, seen.targets, seen.split.validation, scale, {n for n, p in parts.items() if p.reads_markers}
     )
     scores = []
-    for option in options.ranked:
+    for option in ranked:
         found = option.combine(estimates)
         calm = seen.split.validation & np.isfinite(found).all(axis=1)
         option.half_width = press_quantile(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
         score = _score(option, found, option.half_width, seen, seconds)
         scores += [score] if score is not None else []
-    best, fallback = options.with_dots, options.without
 
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
@@ -99,7 +98,7 @@ def select_model(
         widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
         score = _score(whole, found, widths, seen, {})
         scores += [score] if score is not None else []
-    return model, tuple(scores), (best or fallback or options.ranked[0]).name
+    return model, tuple(scores), (best or fallback or ranked[0]).name
 
 
 def _apart(
@@ -173,8 +172,3 @@ def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
         "spec": spec.model_dump(mode="json"),
         "made_by": provenance(),
     }
-
-
-def estimate_all(model: RecordedModel, seen: PreparedRecording) -> FloatArray:
-    """Estimates (n, k) of the model for all images that are used; NaN where it has none."""
-    return model.estimate_all(seen.moved, seen.pictures, seen.accepted)[0]

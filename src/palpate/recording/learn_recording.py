@@ -28,7 +28,7 @@ from palpate.learn import (
 )
 from palpate.recording.adapt import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.recording.columns import PoseColumn
-from palpate.recording.conclude import WHOLE, EstimatorScore, estimate_all, select_model
+from palpate.recording.conclude import WHOLE, EstimatorScore, select_model
 from palpate.recording.model import RecordedModel
 from palpate.recording.read_recording import Recording
 from palpate.recording.row_offset import find_row_offset
@@ -122,8 +122,9 @@ def train_on_recording(
         curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
+    estimates, _ = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
     whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
-    return RecordingResult(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
+    return RecordingResult(seen, model, scores, best, estimates, curve, (early, whole))
 
 
 def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[TrainingJob]:

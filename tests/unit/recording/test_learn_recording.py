@@ -403,7 +403,7 @@ def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn()
 def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
     store, job = ArtefactStore(tmp_path), _small_jobs()[1]
     jobs = [replace(job, samples=replace(job.samples, auxiliary=auxiliary)) for auxiliary in (1, 0)]
-    made = [next(iter(train_members([job], 1, store, Progress()))).part for job in jobs]
+    made = [next(iter(train_members([job], 1, store, Progress())))[0] for job in jobs]
     assert [part.predict(job.samples.inputs).shape[1] for part in made] == [2, 3]
 
 
@@ -435,7 +435,7 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
     said = Said()
     stores = [ArtefactStore(tmp_path / f"{threads}") for threads in (1, 2)]
     alone, beside = (
-        {made.part.name: made.part for made in train_members(_small_jobs(), threads, store, said)}
+        {member.name: member for member, _ in train_members(_small_jobs(), threads, store, said)}
         for threads, store in zip((1, 2), stores, strict=True)
     )
     assert list(alone) == ["dots-ridge", "picture-network", "dots-network"]
