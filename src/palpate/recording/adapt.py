@@ -8,7 +8,7 @@ slowly and tied to where it began; with very few presses only its outputs are co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -200,4 +200,4 @@ def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -
     errors: FloatArray = carried.predict(seen.moved[test]) - seen.targets[test]
     first = CurvePoint(0, f"{start.name} as it is", tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0))))
     adapted = compute_learning_curve(samples, seen.press, test, lambda some, _: [_adapt(carried, some)])
-    return (first, *adapted)
+    return (first, *(replace(point, estimator="adapted") for point in adapted))
