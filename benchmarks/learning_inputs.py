@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out, read_dataset
-from palpate.learn import Metrics, TrainingSpec, fit_ridge, measure_errors
+from palpate.dataset import Dataset, draw_jitter, read_dataset, split_presses
+from palpate.learn import Metrics, TrainingSet, TrainingSpec, fit_ridge, measure_errors
 from palpate.learn.components import PrincipalComponents, find_components
-from palpate.learn.network import TrainingData, train_network
+from palpate.learn.network import collect_layers, train_network
+from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.study import read_study
 from palpate.study.plan import plan_study
 from palpate.study.task import find_artefact
@@ -63,7 +64,12 @@ def standardised(dataset: Dataset, clean: Array) -> PrincipalComponents:
 
 def whitened(count: int) -> Callable[[Dataset, Array], PrincipalComponents]:
     """Leading principal components over the root of signal and jitter."""
-    return lambda dataset, clean: find_components(clean, jitter_of(dataset), count)
+
+    def choose(dataset: Dataset, clean: Array) -> PrincipalComponents:
+        noise, covariance = float(np.mean(jitter_of(dataset) ** 2)) / 3, np.cov(clean, rowvar=False)
+        return find_components(clean.mean(axis=0), covariance, count, lambda variance: np.sqrt(variance + noise))
+
+    return choose
 
 
 INPUTS: dict[str, Callable[[Dataset, Array], PrincipalComponents]] = {
@@ -82,27 +88,16 @@ def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Principal
     spec, kept = TrainingSpec(), dataset.subset(validation=False)
     inputs = normalised(dataset, kept.images_px)
     components = choose(dataset, inputs)
-    mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
-    targets = (kept.poses - mean) / sd
-    data = TrainingData(
-        inputs=inputs,
-        targets=targets,
-        jitter=jitter_of(dataset),
-        mean=components.mean,
-        projection=components.projection,
-        held_inputs=inputs[:1],
-        held_targets=targets[:1],
-    )
-    trained = train_network(data, spec, [child_seed(SEED, "repeat", n) for n in range(spec.repeats)])
+    every = np.ones(len(inputs), bool)
+    samples = TrainingSet(inputs, kept.poses, every, np.arange(len(inputs)) == 0, SEED)
+    mean, sd = samples.scale
+    trained = train_network(samples, jitter_of(dataset), components, spec)
+    weights, biases = collect_layers(trained)
 
     def predict(images_px: Array) -> Array:
-        hidden = ((normalised(dataset, images_px) - components.mean) @ components.projection)[None]
-        for number, (weight, bias) in enumerate(zip(trained.weights, trained.biases, strict=True)):
-            hidden = hidden @ weight + bias[:, None, :]
-            if number < len(trained.weights) - 1:
-                hidden = hidden / (1.0 + np.exp(-hidden))
-        poses: Array = hidden.mean(axis=0) * sd + mean
-        return poses
+        features = (normalised(dataset, images_px) - components.mean) @ components.projection
+        outputs = evaluate_perceptrons(features, weights, biases, spec.activation)
+        return np.asarray(outputs.mean(axis=0) * sd + mean)
 
     return predict
 
@@ -110,7 +105,7 @@ def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Principal
 def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -> Predict:
     """Kernel ridge regression, Gaussian kernel on 48 whitened components of jittered and clean training images."""
     rng = generator(SEED, "kernel")
-    components = find_components(normalised(dataset, kept.images_px), jitter_of(dataset), 48)
+    components = whitened(48)(dataset, normalised(dataset, kept.images_px))
     rows = rng.permutation(np.tile(np.arange(len(kept.poses)), 2))[:KERNEL_IMAGES]
     images = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, rng)
     clean = rng.random(len(rows)) < TrainingSpec().clean_share
@@ -136,7 +131,7 @@ def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -
 def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
     """Length and penalty chosen on presses taken from those for training, as `best` chooses or by jitter alone."""
     kept = dataset.subset(validation=False)
-    held = hold_out(kept.press, 0.2, child_seed(SEED, "inner"))
+    held = split_presses(kept.press, child_seed(SEED, "inner"), 0.2).validation
     inner = replace(kept, validation=held)
     scores = {}
     for length in LENGTHS:

@@ -16,19 +16,20 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import build_camera
-from palpate.core import child_seed, generator
+from palpate.core import generator
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
-from palpate.learn import paper_training
-from palpate.learn.network import TrainingData, train_network
+from palpate.learn import TrainingSet, paper_training
+from palpate.learn.components import PrincipalComponents
+from palpate.learn.network import collect_layers, train_network
+from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 
 TILTS = (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0)
 COPIES = 16
 """Noisy copies of each image where the jitter is not one that training draws by itself."""
-MEMBERS = 3
 
 
 @dataclass(frozen=True)
@@ -155,30 +156,20 @@ def judge(reading: Reading, presses, skin, seed: int) -> list[float]:
     tested = images[held]
     if reading.judged == "jittered":
         tested = tested + draw(reading.jitter, tested.shape, rng)
-    mean, sd = angles[~held].mean(axis=0), angles[~held].std(axis=0)
     fresh = 2.0 if reading.jitter == "fresh" else 0.0
     columns = images.shape[1] * 2
-    data = TrainingData(
-        inputs=scaled(kept),
-        targets=np.repeat((angles[~held] - mean) / sd, copies, axis=0),
-        jitter=np.tile(fresh / (size / 2.0), images.shape[1]),
-        mean=np.zeros(columns),
-        projection=np.eye(columns),
-        held_inputs=scaled(tested),
-        held_targets=(angles[held] - mean) / sd,
-    )
+    inputs = np.concatenate([scaled(kept), scaled(tested)])
+    train = np.arange(len(inputs)) < len(kept)
+    targets = np.concatenate([np.repeat(angles[~held], copies, axis=0), angles[held]])
+    samples = TrainingSet(inputs, targets, train, ~train, seed)
+    jitter = np.tile(fresh / (size / 2.0), images.shape[1])
     spec = paper_training(reading.layers, reading.width, 0.0)
     epochs = {"epochs": spec.epochs // copies, "stopping_patience": max(spec.stopping_patience // copies, 1)}
     spec = spec.model_copy(update=epochs)
-    trained = train_network(data, spec, [child_seed(seed, "repeat", number) for number in range(MEMBERS)])
+    trained = train_network(samples, jitter, PrincipalComponents(np.zeros(columns), np.eye(columns)), spec)
     found = []
-    for member in range(MEMBERS):
-        hidden = scaled(tested)
-        for number, (weight, bias) in enumerate(zip(trained.weights, trained.biases, strict=True)):
-            hidden = hidden @ weight[member] + bias[member]
-            if number < len(trained.weights) - 1:
-                hidden = np.maximum(hidden, 0.0)
-        errors = hidden * sd + mean - angles[held]
+    for outputs in evaluate_perceptrons(scaled(tested), *collect_layers(trained), spec.activation):
+        errors = outputs * samples.scale[1] + samples.scale[0] - angles[held]
         found.append((float(np.sqrt((errors**2).mean())), float(np.abs(errors).max()), int(held.sum())))
     return min(found)
 

@@ -11,7 +11,7 @@ FILES = sorted(path for path in SOURCE.rglob("*.py") if ">>> " in path.read_text
 VERBS = {
     "camera": ["build_camera", "flat_marker_outlines", "render", "tangent_pair"],
     "core": ["child_seed", "flag_name", "generator", "parameters", "provenance"],
-    "dataset": ["draw_jitter", "generate_dataset", "hold_out", "sample_poses"],
+    "dataset": ["draw_jitter", "generate_dataset", "sample_poses", "split_presses"],
     "design": [
         "build_contact_module",
         "build_skin",

@@ -23,6 +23,7 @@ from palpate.benchmark.spec import TINY_BASELINES
 from palpate.built import AccuracySpec, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
+from palpate.core.named_arrays import read_arrays
 from palpate.core.run import Progress
 from palpate.dataset import DatasetSpec, PerturbedPresses, RandomisationSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
@@ -46,7 +47,6 @@ from palpate.optimise import RequirementsSpec
 from palpate.optimise.proposal import SkinEvaluation
 from palpate.optimise.propose import evaluate_skin
 from palpate.recording import RecordingSpec, read_recording, train_on_recording
-from palpate.recording.arrays import read_arrays
 from palpate.simulation import ToleranceSpec, run_unit_trial
 from palpate.simulation.trial import COLUMNS
 from palpate.twin import TWIN_DERIVATIVES, build_field

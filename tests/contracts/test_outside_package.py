@@ -67,6 +67,26 @@ def test_the_guests_law_and_lens_are_known_on_the_command_line_and_in_a_study(in
     assert '"lens":"division","distortion":[-0.2]' in run(installed, "-c", read).stdout
 
 
+LEARN = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from palpate.cli import main
+folder = Path("drawn")
+folder.mkdir()
+draw_recording(folder, draw_motions(40, 1, shear=2.0), DrawnSensor(rings=3))
+main(["learn", str(folder), "--out", "learnt", "--estimators", "ridge", "--json"])
+"""
+
+
+def test_the_guests_estimator_is_trained_and_reported_with_the_others(installed: Path) -> None:
+    done = run(installed, "-c", LEARN, str(Path(__file__).parents[1]))
+    assert done.returncode == 0, done.stderr
+    names = {one["name"] for one in json.loads(done.stdout)["estimators"]}
+    assert {"neighbours", "dots-ridge", "picture-ridge"} <= names
+
+
 GUEST_STUDY = """
 name: wheel
 designs: {heights: [20 mm], thicknesses: [2 mm], markers: [19]}

@@ -16,8 +16,16 @@ from palpate.benchmark.spec import BaselineSpec, BenchmarkDesign, Split
 from palpate.core import FloatArray, IntArray
 from palpate.core.run import Progress
 from palpate.dataset import Dataset
-from palpate.learn import Estimator, calibrate_interval, fit_ridge, train
-from palpate.recording import TrainerSpec, TrainingSet, train_image_network
+from palpate.learn import (
+    Estimator,
+    ImageNetwork,
+    TrainingRun,
+    TrainingSet,
+    calibrate_interval,
+    fit_ridge,
+    press_quantile,
+    train,
+)
 
 _LEVEL = 0.9
 LEARNERS: dict[str, Callable[[Dataset, BaselineSpec], Estimator]] = {
@@ -79,20 +87,21 @@ def predict_by_images(
         validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
         seed=spec.seed,
     )
-    course = TrainerSpec(spec.picture_epochs)
-    part = train_image_network("picture", lesson, len(POSE), course, checkpoint, progress)
-    off = np.abs(part.predict(judge[1]) - judge[2])
-    half = np.quantile(off, _LEVEL, axis=0, method="higher")
+    part = ImageNetwork.train("picture", lesson, TrainingRun(spec.picture_epochs, 1, checkpoint, progress))
+    half = press_quantile(np.abs(part.predict(judge[1]) - judge[2]), judge[3], _LEVEL)
     poses = part.predict(test[1])
     return _predictions(test[0], poses, np.broadcast_to(half, poses.shape))
 
 
-def _look(benchmark: BenchmarkSet, split: Split, side: int) -> tuple[IntArray, NDArray[np.uint8], FloatArray]:
-    """Numbers (n,), small pictures (n, h, w) and poses (n, 3) of one side."""
+def _look(
+    benchmark: BenchmarkSet, split: Split, side: int
+) -> tuple[IntArray, NDArray[np.uint8], FloatArray, IntArray]:
+    """Numbers (n,), small pictures (n, h, w), poses (n, 3) and presses (n,) of one side."""
     table, camera = select_track(benchmark.table(split), "pictures"), benchmark.spec.camera
     longer = max(camera.height_px, camera.width_px)
     size = (round(side * camera.height_px / longer), round(side * camera.width_px / longer))
-    return table.image, benchmark.pictures(split, table.picture.tolist(), size), table.labels[:, :3]
+    pictures = benchmark.pictures(split, table.picture.tolist(), size)
+    return table.image, pictures, table.labels[:, :3], table.press
 
 
 def _predictions(image: IntArray, poses: FloatArray, half_width: FloatArray) -> Predictions:

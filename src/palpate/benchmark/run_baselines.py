@@ -60,6 +60,7 @@ class _Desk:
         fields = {"ridge": {"jitter_px"}, "paper": {"paper", "seed", "jitter_px"}, "twin": {"twin"}}
         fields |= {"network": {"network", "seed", "jitter_px"}, "picture": {"seed", "picture_px", "picture_epochs"}}
         chosen = self.spec.model_dump(mode="json", include=fields[name])
+        chosen |= {"interval": "by press"} if name == "picture" else {}  # by image before 0.3
         about = digest(self.benchmark.folder / CHECKSUMS)
         version = "; ".join(map(stage_version, ("baseline", *_STAGES.get(name, ()))))
         return Recipe("baseline", {"name": name, "part": part, "spec": chosen}, (about,), version)

@@ -6,7 +6,7 @@ from palpate.dataset.io import dataset_version, read_dataset, write_dataset
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomisationSpec
-from palpate.dataset.split import LeakageError, check_leakage, hold_out
+from palpate.dataset.split import LeakageError, PressSplit, check_leakage, split_presses
 from palpate.dataset.vary import PerturbedPresses
 
 __all__ = [
@@ -15,13 +15,14 @@ __all__ = [
     "LeakageError",
     "Normalisation",
     "PerturbedPresses",
+    "PressSplit",
     "RandomisationSpec",
     "check_leakage",
     "dataset_version",
     "draw_jitter",
     "generate_dataset",
-    "hold_out",
     "read_dataset",
     "sample_poses",
+    "split_presses",
     "write_dataset",
 ]

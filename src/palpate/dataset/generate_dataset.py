@@ -14,7 +14,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
-from palpate.dataset.split import hold_out, number_presses
+from palpate.dataset.split import number_presses, split_presses
 from palpate.dataset.vary import PerturbedPresses, RandomisedField, randomise_camera, randomise_field
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
@@ -102,7 +102,7 @@ def generate_dataset(
         images_px=joined["images_px"],
         poses=base.space.poses(rotations[joined["row"]], joined["depth"]),
         press=press,
-        validation=hold_out(press, spec.validation_fraction, spec.seed),
+        validation=split_presses(press, spec.seed, spec.validation_fraction).validation,
         branch=joined["branch"],
         travel_mm=joined["travel_mm"],
         rest_px=camera.project(base.rest),

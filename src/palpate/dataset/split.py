@@ -1,6 +1,8 @@
-"""Training and validation are split by press: images of one press are nearly copies of each other."""
+"""Splits by press into training, validation and test: images of one press are nearly copies."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,34 +37,55 @@ def number_presses(places: FloatArray) -> IntArray:
     return rank[number.reshape(-1)]
 
 
-def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
-    """Choose the presses held out for validation.
+@dataclass(frozen=True, eq=False)
+class PressSplit:
+    """Images (n,) by the use of their presses.
+
+    Attributes
+    ----------
+    train, validation, test
+        For weights; for choices and intervals; for reported errors. No press is in two of them.
+    """
+
+    train: BoolArray
+    validation: BoolArray
+    test: BoolArray
+
+
+def split_presses(press: IntArray, seed: int, validation_share: float, test_share: float = 0.0) -> PressSplit:
+    """Draw the presses of each use: at least one for a share that is not 0, and at least one for training.
 
     Parameters
     ----------
     press
         (n,) number of the press of each image.
-    fraction
-        Share of the presses to hold out; at least one is held out and at least one is kept.
     seed
-        Seed of the choice.
+        Seed of the draw.
+    validation_share, test_share
+        Shares of the presses for validation and for test.
 
-    Returns
-    -------
-    BoolArray
-        (n,) whether each image is for validation.
+    Raises
+    ------
+    PalpateError
+        If there are too few presses.
 
     Examples
     --------
-    >>> int(hold_out(np.array([0, 0, 1, 1, 2, 2]), 0.3, seed=0).sum())
+    >>> int(split_presses(np.array([0, 0, 1, 1, 2, 2]), seed=0, validation_share=0.3).validation.sum())
     2
     """
     distinct = np.unique(press)
-    if len(distinct) < 2:
+    shares = [share for share in (test_share, validation_share) if share]
+    if len(distinct) <= len(shares):
         raise PalpateError(f"{len(distinct)} press cannot be split.", "Sample more poses.", code="split-few-presses")
-    count = int(np.clip(round(fraction * len(distinct)), 1, len(distinct) - 1))
-    chosen = generator(seed, "split").permutation(distinct)[:count]
-    return np.isin(press, chosen)
+    drawn, parts = generator(seed, "split").permutation(distinct), []
+    for number, share in enumerate(shares):
+        most = len(drawn) - (len(shares) - number)  # one of each use that follows
+        count = int(np.clip(round(share * len(distinct)), 1, most))
+        parts.append(np.isin(press, drawn[:count]))
+        drawn = drawn[count:]
+    test = parts[0] if test_share else np.zeros(len(press), bool)
+    return PressSplit(np.isin(press, drawn), parts[-1], test)
 
 
 def check_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_SPACE) -> None:

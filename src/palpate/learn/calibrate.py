@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out
+from palpate.dataset import Dataset, draw_jitter, split_presses
+from palpate.learn.components import principal_directions
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import Interval, TrainedRange, press_quantile
 
@@ -78,18 +79,18 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
     kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     if len(np.unique(held.press)) < 2:
         return estimator
-    chosen = hold_out(held.press, SHARE, child_seed(seed, "calibration"))
+    chosen = split_presses(held.press, child_seed(seed, "calibration"), SHARE).validation
     depths, error = _measure_scale(estimator, kept, seed)
-    images, poses, press = _jittered(held, chosen, child_seed(seed, "calibration jitter"))
+    images, poses, press = draw_images(held, held.poses, chosen, child_seed(seed, "calibration jitter"))
     members = estimator.predict_members(images)
     trained = _find_range(kept, seed)
     presses = tuple(int(number) for number in np.unique(press))
     plain = Interval(LEVEL, np.ones(3), depths, error, trained, presses)
     scores = np.abs(members.mean(axis=0) - poses) / plain.scale(members)
-    factor = np.array([press_quantile(column, press, LEVEL) for column in scores.T])
+    factor = press_quantile(scores, press, LEVEL)
     false_alarm = max(FALSE_ALARM, 1.0 / (len(presses) + 1))
     beside = plain.score((images - dataset.rest_px).reshape(len(images), -1), members)
-    threshold = press_quantile(beside, press, 1.0 - false_alarm)
+    threshold = float(press_quantile(beside, press, 1.0 - false_alarm))
     trained = replace(trained, threshold=threshold, false_alarm=false_alarm)
     return replace(estimator, interval=replace(plain, factor=factor, trained=trained))
 
@@ -115,7 +116,8 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     held = dataset.subset(validation=True)
     if interval is None or not np.isfinite(interval.factor).all():
         return None
-    images, poses, press = _jittered(held, ~np.isin(held.press, interval.presses), child_seed(seed, "coverage"))
+    rows = ~np.isin(held.press, interval.presses)
+    images, poses, press = draw_images(held, held.poses, rows, child_seed(seed, "coverage"))
     found = estimator.estimate(images)
     covered = np.abs(found.poses - poses) <= found.half_width
     return Coverage(
@@ -131,11 +133,12 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     )
 
 
-def _jittered(held: Dataset, rows: BoolArray, seed: int) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Images, poses and presses of some rows, with `DRAWS` draws of jitter each."""
-    images = np.tile(held.images_px[rows], (DRAWS, 1, 1))
-    jittered = draw_jitter(images, held.spec.jitter_px, generator(seed))
-    return jittered, np.tile(held.poses[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
+def draw_images(
+    held: Dataset, targets: FloatArray, rows: BoolArray, seed: int
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Images, targets (n, k) and presses of some rows, with `DRAWS` draws of jitter each."""
+    images = draw_jitter(np.tile(held.images_px[rows], (DRAWS, 1, 1)), held.spec.jitter_px, generator(seed))
+    return images, np.tile(targets[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
 
 
 def _measure_scale(estimator: Estimator, model: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:
@@ -155,8 +158,8 @@ def _find_range(model: Dataset, seed: int) -> TrainedRange:
     noise = max(model.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
     moved = (model.images_px - model.rest_px).reshape(len(model.images_px), -1)
     centre = moved.mean(axis=0)
-    variance, directions = np.linalg.eigh(np.cov(moved, rowvar=False))
-    directions = directions[:, variance > min(noise**2, float(variance[-1]) / 2)]
+    variance, directions = principal_directions(np.cov(moved, rowvar=False))
+    directions = directions[:, variance > min(noise**2, float(variance[0]) / 2)]
     coordinates = (moved - centre) @ directions
     rows = generator(seed, "range").permutation(len(moved))[:MOST_IMAGES]
     noisy = draw_jitter(moved[rows], model.spec.jitter_px, generator(seed, "range jitter")) - centre

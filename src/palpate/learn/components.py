@@ -11,6 +11,7 @@ has inputs of even size and far fewer weights. The map is affine, so it is folde
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,41 +46,34 @@ class PrincipalComponents:
         return folded, bias - self.mean @ folded
 
 
-def _signed(directions: FloatArray) -> FloatArray:
-    """The same directions (m, k), each with the sign that makes its entry of greatest magnitude positive.
+def principal_directions(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Variances (m,), descending, and orthonormal directions (m, m) of a covariance, one a column.
 
-    Which sign an eigenvector has is up to the linear algebra library, and a network trained on the other one is
-    another network. Of entries as great, as a symmetric layout has them, the first counts.
+    The entry of largest magnitude of each direction is positive: the sign of an eigenvector is up to the linear
+    algebra library, and a network trained on the other one is another network. Of entries as large, as a symmetric
+    layout has them, the first counts.
     """
+    variance, directions = np.linalg.eigh(covariance)
     sizes = np.abs(directions)
     first = np.argmax(sizes >= (1.0 - _AS_GREAT) * sizes.max(axis=0), axis=0)
-    return np.asarray(directions * np.where(directions[first, np.arange(directions.shape[1])] < 0, -1.0, 1.0))
+    signs = np.where(directions[first, np.arange(len(variance))] < 0, -1.0, 1.0)
+    return variance[::-1], (directions * signs)[:, ::-1]
 
 
-def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> PrincipalComponents:
-    """Find the leading principal components of clean inputs.
+def find_components(
+    mean: FloatArray, covariance: FloatArray, count: int, deviation: Callable[[FloatArray], FloatArray]
+) -> PrincipalComponents:
+    """Find the leading principal components of inputs.
 
     Parameters
     ----------
-    inputs
-        (n, 2m) normalised clean images.
-    jitter
-        (2m,) half-width of the uniform jitter, normalised.
+    mean, covariance
+        (m,) and (m, m) of the inputs.
     count
-        Components to keep; 0 keeps the coordinates themselves, centred.
-
-    Returns
-    -------
-    Components
-        At most `count` components, fewer where the images have fewer coordinates.
+        Components to keep, at most m.
+    deviation
+        Scale of each component from its variance: inputs are divided by it.
     """
-    mean = inputs.mean(axis=0)
-    if count == 0:
-        return PrincipalComponents(np.zeros_like(mean), np.eye(len(mean)))
-    covariance = np.cov(inputs, rowvar=False)
-    variance, direction = np.linalg.eigh(np.atleast_2d(covariance))
-    leading = np.argsort(variance)[::-1][:count]
-    direction = _signed(direction)
-    noise = float(np.mean(jitter**2)) / 3
-    scale = np.sqrt(np.maximum(variance[leading], 0.0) + noise)
-    return PrincipalComponents(mean, direction[:, leading] / np.maximum(scale, SMALLEST_SCALE))
+    variance, directions = principal_directions(covariance)
+    scale = np.maximum(deviation(np.maximum(variance[:count], 0.0)), SMALLEST_SCALE)
+    return PrincipalComponents(mean, directions[:, :count] / scale)

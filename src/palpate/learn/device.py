@@ -8,22 +8,12 @@ from palpate.core import PalpateError
 
 
 def find_device(name: str) -> str:
-    """Name the device that a choice stands for.
-
-    Parameters
-    ----------
-    name
-        ``"cpu"``, ``"cuda"``, or ``"auto"``: cuda where there is one, else cpu.
-
-    Returns
-    -------
-    str
-        ``"cpu"`` or ``"cuda"``.
+    """``"cpu"`` or ``"cuda"`` from a choice; ``"auto"`` is cuda on a machine that has it.
 
     Raises
     ------
     PalpateError
-        If cuda is asked for and there is none.
+        If cuda is chosen and missing.
     """
     if name == "cpu":
         return "cpu"

@@ -12,6 +12,7 @@ from palpate.core import FloatArray, PalpateError, stage_version
 from palpate.dataset import Normalisation
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.interval import Interval, Prediction
+from palpate.learn.perceptron import evaluate_perceptrons
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +115,9 @@ class Estimator:
                 "Use the estimator of this marker layout.",
                 code="model-marker-count",
             )
-        hidden = self.normalisation.apply(images_px).reshape(1, len(images_px), -1)
-        for number, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
-            hidden = hidden @ weight + bias[:, None, :]
-            if number < len(self.weights) - 1:
-                hidden = _activate(hidden, self.activation)
-        poses: FloatArray = hidden * self.output_sd + self.output_mean
-        return poses
+        inputs = self.normalisation.apply(images_px).reshape(len(images_px), -1)
+        outputs = evaluate_perceptrons(inputs, self.weights, self.biases, self.activation)
+        return np.asarray(outputs * self.output_sd + self.output_mean)
 
     def keep_members(self, rows: list[int]) -> Estimator:
         """The same estimator with some of its members only; an interval belongs to all of them and is left out."""
@@ -131,11 +128,3 @@ class Estimator:
             history=tuple(self.history[row] for row in rows),
             interval=None,
         )
-
-
-def _activate(values: FloatArray, name: str) -> FloatArray:
-    if name == "relu":
-        return np.maximum(values, 0.0)
-    with np.errstate(over="ignore"):  # exp overflows to infinity where silu is 0
-        activated: FloatArray = values / (1.0 + np.exp(-values))
-    return activated

@@ -15,13 +15,13 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
-from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, hold_out
-from palpate.learn.calibrate import DRAWS, LEVEL, MOST_IMAGES, SHARE
+from palpate.core import BoolArray, FloatArray, PalpateError, child_seed, generator
+from palpate.dataset import Dataset, draw_jitter, split_presses
+from palpate.learn.calibrate import LEVEL, MOST_IMAGES, SHARE, draw_images
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import press_quantile
 from palpate.learn.spec import TrainingSpec
-from palpate.learn.train import train_targets
+from palpate.learn.train import train_on
 
 FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
 """Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
@@ -101,17 +101,18 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
         raise PalpateError("The dataset has no forces.", "Generate it with forces.", code="dataset-no-forces")
     kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     inside, outside = _in_wall(kept), _in_wall(held)
-    network, _ = train_targets(kept, held, (inside, outside), _NETWORK, child_seed(seed, "forces"), device)
+    network = train_on(kept, held, _NETWORK, child_seed(seed, "forces"), device, (inside, outside))
     rows = generator(seed, "force scale").permutation(len(inside))[:MOST_IMAGES]
     noisy = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, generator(seed, "force jitter"))
     off = np.abs(network.predict(noisy) - inside[rows])
     size = np.column_stack([np.ones(len(rows)), np.abs(inside[rows, 2])])
     scale = np.array([nnls(size, column)[0] for column in off.T])
     scale[:, 0] += _LEAST_N
-    chosen = hold_out(held.press, SHARE, child_seed(seed, "force calibration"))
-    errors, found, press = _errors(network, held, outside, chosen, child_seed(seed, "force check"))
+    chosen = split_presses(held.press, child_seed(seed, "force calibration"), SHARE).validation
+    images, truth, press = draw_images(held, outside, chosen, child_seed(seed, "force check"))
+    found = network.predict(images)
     width = scale[:, 0] + scale[:, 1] * np.abs(found[:, 2:])
-    factor = np.array([press_quantile(column, press, LEVEL) for column in (np.abs(errors) / width).T])
+    factor = press_quantile(np.abs(found - truth) / width, press, LEVEL)
     head = ForceHead(network, factor * scale[:, 0], factor * scale[:, 1], LEVEL, {})
     return ForceHead(network, head.floor, head.share, LEVEL, _validate(head, held, outside, ~chosen, seed))
 
@@ -121,25 +122,17 @@ def _in_wall(part: Dataset) -> FloatArray:
     return turn_to_wall(part.forces, part.poses)
 
 
-def _errors(
-    network: Estimator, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Errors (n, 3), estimates (n, 3) and presses (n,) of some held-out images, with several draws of jitter each."""
-    images = draw_jitter(np.tile(held.images_px[rows], (DRAWS, 1, 1)), held.spec.jitter_px, generator(seed))
-    found = network.predict(images)
-    return found - np.tile(truth[rows], (DRAWS, 1)), found, np.tile(held.press[rows], DRAWS)
-
-
 def _validate(head: ForceHead, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int) -> dict[str, float]:
-    errors, found, press = _errors(head.network, held, truth, rows, child_seed(seed, "force judge"))
-    inside = np.abs(errors) <= head.floor + head.share * np.abs(found[:, 2:])
+    images, expected, press = draw_images(held, truth, rows, child_seed(seed, "force judge"))
+    found, half_width = head.predict(images)
+    errors = found - expected
     clean = head.network.predict(held.images_px[rows]) - truth[rows]
     kinds = {"": errors, "clean_": clean}
     return {
         **{f"{kind}normal_rmse_n": _rms(off[:, 2]) for kind, off in kinds.items()},
         **{f"{kind}tangential_rmse_n": _rms(off[:, :2]) for kind, off in kinds.items()},
         "normal_rms_n": _rms(truth[rows, 2]),
-        "coverage": float(inside.mean()),
+        "coverage": float((np.abs(errors) <= half_width).mean()),
         "presses": float(len(np.unique(press))),
     }
 

@@ -8,24 +8,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError
+from palpate.core import load_extra
 from palpate.dataset import Dataset
 from palpate.learn.force import FORCE_AXES, ForceHead, train_forces
-from palpate.learn.interval_graph import POSE
-from palpate.learn.io import INPUT, graph_of, tensor_of
-
-if TYPE_CHECKING:
-    from onnx import NodeProto
+from palpate.learn.graph import build_model
+from palpate.learn.io import INPUT, network_graph
 
 FORCE, FORCE_HALF_WIDTH = "force_n", "force_half_width_n"
 """Names of the outputs."""
-_OWN = "force/"
-"""What the head's names in the graph begin with."""
+_OWN = "force_network_"
+"""Start of the other names of the nodes."""
 
 
 def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
@@ -54,18 +49,24 @@ def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int 
 
 def add_forces(estimator: Path, head: ForceHead, path: Path) -> None:
     """Write an estimator's file anew to `path`, with the outputs of a head."""
-    try:
-        import onnx
-        from onnx import TensorProto, helper
-    except ImportError as error:
-        raise MissingExtraError("onnx", "predict") from error
+    onnx = load_extra("onnx", "predict")
     model = onnx.load_model_from_string(estimator.read_bytes())
-    nodes, constants = _nodes(head)
-    model.graph.node.extend(nodes)
-    model.graph.initializer.extend(tensor_of(name, values) for name, values in constants.items())
-    model.graph.output.extend(
-        helper.make_tensor_value_info(name, TensorProto.FLOAT, ["image", 3]) for name in (FORCE, FORCE_HALF_WIDTH)
-    )
+    body, arrays = network_graph(head.network, _OWN, FORCE)
+    arrays |= {
+        f"{_OWN}normal": np.array([2]),
+        f"{_OWN}floor": head.floor.astype(np.float32),
+        f"{_OWN}share": head.share.astype(np.float32),
+    }
+    body += f"""
+        {_OWN}push = Gather <axis = 1> ({FORCE}, {_OWN}normal)
+        {_OWN}size = Abs ({_OWN}push)
+        {_OWN}part = Mul ({_OWN}size, {_OWN}share)
+        {FORCE_HALF_WIDTH} = Add ({_OWN}part, {_OWN}floor)"""
+    markers = len(head.network.rest_px)
+    signature = f"(double[image,{markers},2] {INPUT}) => (float[image,3] {FORCE}, float[image,3] {FORCE_HALF_WIDTH})"
+    forces = build_model(f"force {signature}", body, arrays).graph
+    for part in ("node", "initializer", "output"):
+        getattr(model.graph, part).extend(getattr(forces, part))
     said = {
         "outputs": list(FORCE_AXES),
         "level": head.level,
@@ -75,28 +76,3 @@ def add_forces(estimator: Path, head: ForceHead, path: Path) -> None:
     entry = model.metadata_props.add()
     entry.key, entry.value = "forces", json.dumps(said)
     path.write_bytes(model.SerializeToString(deterministic=True))
-
-
-def _nodes(head: ForceHead) -> tuple[list[NodeProto], dict[str, NDArray[Any]]]:
-    from onnx import helper
-
-    nodes, constants = graph_of(head.network)
-    names = {_OWN + POSE: FORCE, _OWN + INPUT: INPUT}
-    for node in nodes:
-        for words in (node.input, node.output):
-            own = [names.get(_OWN + word, _OWN + word) for word in words]
-            del words[:]
-            words.extend(own)
-    arrays = {_OWN + name: values for name, values in constants.items()}
-    arrays |= {
-        _OWN + "normal": np.array([2]),
-        _OWN + "floor": head.floor.astype(np.float32),
-        _OWN + "share": head.share.astype(np.float32),
-    }
-    more = [
-        helper.make_node("Gather", [FORCE, _OWN + "normal"], [_OWN + "pushed"], axis=1),
-        helper.make_node("Abs", [_OWN + "pushed"], [_OWN + "size"]),
-        helper.make_node("Mul", [_OWN + "size", _OWN + "share"], [_OWN + "part"]),
-        helper.make_node("Add", [_OWN + "part", _OWN + "floor"], [FORCE_HALF_WIDTH]),
-    ]
-    return nodes + more, arrays

@@ -150,13 +150,13 @@ class Interval:
         return flags
 
 
-def press_quantile(scores: FloatArray, press: IntArray, level: float) -> float:
-    """Least number that at least a share of new presses' scores stays below.
+def press_quantile(scores: FloatArray, press: IntArray, level: float) -> FloatArray:
+    """Smallest numbers that at least a share of the scores of a new press stay below.
 
     Parameters
     ----------
     scores
-        (n,) one an image.
+        (n, …) scores of each image.
     press
         (n,) number of the press of each image.
     level
@@ -164,11 +164,12 @@ def press_quantile(scores: FloatArray, press: IntArray, level: float) -> float:
 
     Returns
     -------
-    float
-        Infinite where K presses are too few: K + 1 < 1 / (1 − level).
+    FloatArray
+        (…) of each column; infinite if K presses are too few: K + 1 < 1 / (1 − level).
     """
     _, member, images = np.unique(press, return_inverse=True, return_counts=True)
     weight = 1.0 / ((len(images) + 1) * images[member.reshape(-1)])
-    order = np.argsort(scores)
-    reached = np.flatnonzero(np.cumsum(weight[order]) >= level - 1e-12)
-    return float(scores[order][reached[0]]) if len(reached) else float("inf")
+    order = np.argsort(scores, axis=0)
+    below = np.asarray((np.cumsum(weight[order], axis=0) < level - 1e-12).sum(axis=0))
+    ascending = np.concatenate([np.take_along_axis(scores, order, axis=0), np.full((1, *scores.shape[1:]), np.inf)])
+    return np.asarray(np.take_along_axis(ascending, below[None], axis=0)[0])

@@ -9,7 +9,8 @@ The error by depth is linear between knots, hence a sum of hinges: error(z) = eâ
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,27 +18,64 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray
 from palpate.learn.interval import Interval, TrainedRange
 
-if TYPE_CHECKING:
-    from onnx import NodeProto
-
 Arrays = dict[str, NDArray[Any]]
 
 POSE, MEMBERS, HALF_WIDTH, OUT_OF_DISTRIBUTION = "pose", "member_poses", "half_width", "out_of_distribution"
 """Names of the graph's outputs: mean over the members, each member (r, n, 3), half-widths, flags."""
-MOVED = "moved_px"
-"""Name of the displacement from rest (n, m, 2) in the graph, double."""
+INTERVAL_NODES = """
+    apart = Sub (member_poses, pose)
+    apart_squared = Mul (apart, apart)
+    spread_squared = ReduceMean <axes = [0], keepdims = 0> (apart_squared)
+    depth = Gather <axis = 1> (pose, depth_axis)
+    beyond = Sub (depth, error_depths)
+    hinges = Relu (beyond)
+    error_change = MatMul (hinges, error_hinges)
+    error = Add (error_change, error_first)
+    error_squared = Mul (error, error)
+    scale_squared = Add (spread_squared, error_squared)
+    error_scale = Sqrt (scale_squared)
+    half_width = Mul (error_scale, factor)
+    moved_single = Cast <to = 1> (moved_px)
+    displacement = Reshape (moved_single, flat)
+    centred = Sub (displacement, range_centre)
+    coordinates = MatMul (centred, range_directions)
+    below = Sub (range_low, coordinates)
+    above = Sub (coordinates, range_high)
+    beyond_range = Max (below, above)
+    largest = ReduceMax <axes = [1], keepdims = 1> (beyond_range)
+    excess = Div (largest, range_noise_px)
+    explained = MatMul (coordinates, range_back)
+    rest = Sub (centred, explained)
+    rest_squared = Mul (rest, rest)
+    rest_mean_square = ReduceMean <axes = [1], keepdims = 1> (rest_squared)
+    rest_rms = Sqrt (rest_mean_square)
+    rest_above = Sub (rest_rms, range_rest_mean_px)
+    rest_score = Div (rest_above, range_rest_sd_px)
+    wall_pose = Gather <axis = 1> (pose, columns)
+    wall_scale = Gather <axis = 1> (scale_squared, columns)
+    rx, ry, z = Split <axis = 1> (wall_pose)
+    rx_scale, ry_scale, z_scale = Split <axis = 1> (wall_scale)
+    rx_squared = Mul (rx, rx)
+    ry_squared = Mul (ry, ry)
+    tilt_squared = Add (rx_squared, ry_squared)
+    tilt = Sqrt (tilt_squared)
+    tilt_variance = Mean (rx_scale, ry_scale)
+    tilt_scale = Sqrt (tilt_variance)
+    too_steep = Sub (tilt, range_tilt_deg)
+    tilt_score = Div (too_steep, tilt_scale)
+    too_shallow = Sub (range_min_depth_mm, z)
+    too_deep = Sub (z, range_max_depth_mm)
+    depth_excess = Max (too_shallow, too_deep)
+    depth_scale = Sqrt (z_scale)
+    depth_score = Div (depth_excess, depth_scale)
+    range_score = Max (excess, rest_score, tilt_score, depth_score)
+    flags = Greater (range_score, range_threshold)
+    out_of_distribution = Squeeze (flags, column)
+"""
+"""Nodes after those of the pose: `Interval` and `TrainedRange` in the same words."""
 
-_SCALARS = (
-    "noise_px",
-    "rest_mean_px",
-    "rest_sd_px",
-    "tilt_deg",
-    "min_depth_mm",
-    "max_depth_mm",
-    "threshold",
-    "false_alarm",
-)
-_VECTORS = ("centre", "directions", "low", "high")
+_FIELDS = [item.name for item in fields(TrainedRange)]
+_VECTORS, _SCALARS = _FIELDS[:4], _FIELDS[4:]
 
 
 def describe_interval(interval: Interval) -> dict[str, Any]:
@@ -61,96 +99,21 @@ def read_interval(content: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
     )
 
 
-def interval_nodes(interval: Interval) -> tuple[list[NodeProto], Arrays]:
-    """Nodes after those of the pose, in order, and the arrays that they read."""
-    width, width_arrays = _width_nodes(interval)
-    score, score_arrays = _score_nodes(interval.trained)
-    return width + score + _pose_nodes(len(interval.factor)), width_arrays | score_arrays
-
-
-def _width_nodes(interval: Interval) -> tuple[list[NodeProto], Arrays]:
-    from onnx import helper
-
-    node = helper.make_node
-    arrays: Arrays = {
+def interval_arrays(interval: Interval) -> Arrays:
+    """Arrays that the nodes of `INTERVAL_NODES` read."""
+    trained = interval.trained
+    arrays: Arrays = {f"range_{name}": _single(getattr(trained, name)) for name in _VECTORS}
+    arrays |= {f"range_{name}": _single(np.array(getattr(trained, name))) for name in _SCALARS[:-1]}
+    return arrays | {
+        "column": np.array([1]),
+        "columns": np.array([0, 1, 2]),
+        "range_back": _single(trained.directions.T),
         "depth_axis": np.array([2]),
         "error_depths": _single(interval.depths_mm),
         "error_first": _single(interval.error[0]),
         "error_hinges": _single(_to_hinges(interval.depths_mm, interval.error)),
         "factor": _single(interval.factor),
     }
-    nodes = [
-        node("Sub", [MEMBERS, POSE], ["apart"]),
-        node("Mul", ["apart", "apart"], ["apart_squared"]),
-        node("ReduceMean", ["apart_squared"], ["spread_squared"], axes=[0], keepdims=0),
-        node("Gather", [POSE, "depth_axis"], ["depth"], axis=1),
-        node("Sub", ["depth", "error_depths"], ["beyond"]),
-        node("Relu", ["beyond"], ["hinges"]),
-        node("MatMul", ["hinges", "error_hinges"], ["error_change"]),
-        node("Add", ["error_change", "error_first"], ["error"]),
-        node("Mul", ["error", "error"], ["error_squared"]),
-        node("Add", ["spread_squared", "error_squared"], ["scale_squared"]),
-        node("Sqrt", ["scale_squared"], ["error_scale"]),
-        node("Mul", ["error_scale", "factor"], [HALF_WIDTH]),
-    ]
-    return nodes, arrays
-
-
-def _score_nodes(trained: TrainedRange) -> tuple[list[NodeProto], Arrays]:
-    from onnx import TensorProto, helper
-
-    node = helper.make_node
-    arrays: Arrays = {f"range_{name}": _single(getattr(trained, name)) for name in _VECTORS}
-    arrays |= {f"range_{name}": _single(np.array(getattr(trained, name))) for name in _SCALARS[:-1]}
-    arrays["column"] = np.array([1])
-    arrays["range_back"] = _single(np.ascontiguousarray(trained.directions.T))
-    nodes = [
-        node("Cast", [MOVED], ["moved_single"], to=TensorProto.FLOAT),
-        node("Reshape", ["moved_single", "flat"], ["displacement"]),
-        node("Sub", ["displacement", "range_centre"], ["centred"]),
-        node("MatMul", ["centred", "range_directions"], ["coordinates"]),
-        node("Sub", ["range_low", "coordinates"], ["below"]),
-        node("Sub", ["coordinates", "range_high"], ["above"]),
-        node("Max", ["below", "above"], ["beyond_range"]),
-        node("ReduceMax", ["beyond_range"], ["greatest"], axes=[1], keepdims=1),
-        node("Div", ["greatest", "range_noise_px"], ["excess"]),
-        node("MatMul", ["coordinates", "range_back"], ["explained"]),
-        node("Sub", ["centred", "explained"], ["rest"]),
-        node("Mul", ["rest", "rest"], ["rest_squared"]),
-        node("ReduceMean", ["rest_squared"], ["rest_mean_square"], axes=[1], keepdims=1),
-        node("Sqrt", ["rest_mean_square"], ["rest_rms"]),
-        node("Sub", ["rest_rms", "range_rest_mean_px"], ["rest_above"]),
-        node("Div", ["rest_above", "range_rest_sd_px"], ["rest_score"]),
-    ]
-    return nodes, arrays
-
-
-def _pose_nodes(count: int) -> list[NodeProto]:
-    """The estimated pose (of so many components) against the trained ones, and the verdict over all of the score."""
-    from onnx import helper
-
-    node = helper.make_node
-    names = ["rx", "ry", "z", *(f"further_{k}" for k in range(3, count))]
-    return [
-        node("Split", [POSE], names, axis=1),
-        node("Split", ["scale_squared"], [f"{name}_scale" for name in names], axis=1),
-        node("Mul", ["rx", "rx"], ["rx_squared"]),
-        node("Mul", ["ry", "ry"], ["ry_squared"]),
-        node("Add", ["rx_squared", "ry_squared"], ["tilt_squared"]),
-        node("Sqrt", ["tilt_squared"], ["tilt"]),
-        node("Mean", ["rx_scale", "ry_scale"], ["tilt_variance"]),
-        node("Sqrt", ["tilt_variance"], ["tilt_scale"]),
-        node("Sub", ["tilt", "range_tilt_deg"], ["too_steep"]),
-        node("Div", ["too_steep", "tilt_scale"], ["tilt_score"]),
-        node("Sub", ["range_min_depth_mm", "z"], ["too_shallow"]),
-        node("Sub", ["z", "range_max_depth_mm"], ["too_deep"]),
-        node("Max", ["too_shallow", "too_deep"], ["depth_excess"]),
-        node("Sqrt", ["z_scale"], ["depth_scale"]),
-        node("Div", ["depth_excess", "depth_scale"], ["depth_score"]),
-        node("Max", ["excess", "rest_score", "tilt_score", "depth_score"], ["range_score"]),
-        node("Greater", ["range_score", "range_threshold"], ["flags"]),
-        node("Squeeze", ["flags", "column"], [OUT_OF_DISTRIBUTION]),
-    ]
 
 
 def _to_hinges(depths: FloatArray, values: FloatArray) -> FloatArray:

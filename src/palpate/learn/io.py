@@ -20,29 +20,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, MissingExtraError, PalpateError
+from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.dataset import Normalisation
 from palpate.design import PoseSpace
 from palpate.learn.estimator import Estimator
+from palpate.learn.graph import build_model
 from palpate.learn.interval_graph import (
     HALF_WIDTH,
+    INTERVAL_NODES,
     MEMBERS,
     OUT_OF_DISTRIBUTION,
     POSE,
     describe_interval,
-    interval_nodes,
+    interval_arrays,
     read_interval,
 )
 
 if TYPE_CHECKING:
-    from onnx import ModelProto, NodeProto
+    from onnx import ModelProto
 
 
 FORMAT, FORMAT_VERSION = "palpate estimator", "2"
 INPUT = "markers_px"
 """Name of the graph's input."""
-OPSET, IR_VERSION = 17, 8
-"""Old enough for runtimes since 2022."""
+_PLAIN = ("activation", "seed", "training_images", "validation_images", "version")
+"""Fields of `Estimator` that the metadata contain as they are."""
 AGAIN = "Train the estimator again: `palpate run`."
 
 
@@ -54,36 +56,18 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
     MissingExtraError
         If onnx is not installed.
     """
-    try:
-        from onnx import TensorProto, helper
-    except ImportError as error:
-        raise MissingExtraError("onnx", "predict") from error
+    load_extra("onnx", "predict")
+    from onnx import helper
+
     markers, count = len(estimator.rest_px), len(estimator.space.components)
-    nodes, constants = graph_of(estimator)
-    outputs = [
-        helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", count]),
-        helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", count]),
-    ]
+    body, arrays = network_graph(estimator)
+    outputs = f"float[image,{count}] {POSE}, float[{estimator.members},image,{count}] {MEMBERS}"
     if estimator.interval is not None:
-        more, values = interval_nodes(estimator.interval)
-        nodes, constants = nodes + more, constants | values
-        outputs.append(helper.make_tensor_value_info(HALF_WIDTH, TensorProto.FLOAT, ["image", count]))
-        outputs.append(helper.make_tensor_value_info(OUT_OF_DISTRIBUTION, TensorProto.BOOL, ["image"]))
-    graph = helper.make_graph(
-        nodes,
-        "estimator",
-        [helper.make_tensor_value_info(INPUT, TensorProto.DOUBLE, ["image", markers, 2])],
-        outputs,
-        [tensor_of(name, values) for name, values in constants.items()],
-    )
-    model = helper.make_model(
-        graph,
-        opset_imports=[helper.make_opsetid("", OPSET)],
-        ir_version=IR_VERSION,
-        producer_name="palpate",
-        producer_version=estimator.version,
-        doc_string=f"Pose of the {_pose_text(estimator.space)} from marker positions in pixels.",
-    )
+        body, arrays = body + INTERVAL_NODES, arrays | interval_arrays(estimator.interval)
+        outputs += f", float[image,{count}] {HALF_WIDTH}, bool[image] {OUT_OF_DISTRIBUTION}"
+    model = build_model(f"estimator (double[image,{markers},2] {INPUT}) => ({outputs})", body, arrays)
+    model.producer_name, model.producer_version = "palpate", estimator.version
+    model.doc_string = f"Pose of the {_pose_text(estimator.space)} from marker positions in pixels."
     helper.set_model_props(model, _metadata(estimator))
     path.write_bytes(model.SerializeToString(deterministic=True))
 
@@ -98,11 +82,9 @@ def read_estimator(path: Path) -> Estimator:
     MissingExtraError
         If onnx is not installed.
     """
-    try:
-        import onnx
-        from google.protobuf.message import DecodeError
-    except ImportError as error:
-        raise MissingExtraError("onnx", "predict") from error
+    onnx = load_extra("onnx", "predict")
+    from google.protobuf.message import DecodeError
+
     try:
         model = onnx.load_model_from_string(path.read_bytes())
         if any(weights.data_location == onnx.TensorProto.EXTERNAL for weights in model.graph.initializer):
@@ -122,59 +104,44 @@ def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
     return metadata
 
 
-def graph_of(estimator: Estimator) -> tuple[list[NodeProto], dict[str, NDArray[Any]]]:
-    """Nodes of a network in order, from the input to the mean over its members, and the arrays that they read."""
-    from onnx import TensorProto, helper
-
-    constants: dict[str, NDArray[Any]] = {
-        "rest_px": estimator.rest_px,
-        "scale_px": np.array(estimator.normalisation.scale_px),
-        "flat": np.array([-1, 2 * len(estimator.rest_px)]),
-        "output_sd": estimator.output_sd.astype(np.float32),
-        "output_mean": estimator.output_mean.astype(np.float32),
+def network_graph(estimator: Estimator, prefix: str = "", pose: str = POSE) -> tuple[str, dict[str, NDArray[Any]]]:
+    """Nodes of a network up to the mean `pose` of its members, and arrays; `prefix` begins other names."""
+    p = prefix
+    arrays: dict[str, NDArray[Any]] = {
+        f"{p}rest_px": estimator.rest_px,
+        f"{p}scale_px": np.array(estimator.normalisation.scale_px),
+        f"{p}flat": np.array([-1, 2 * len(estimator.rest_px)]),
+        f"{p}output_sd": estimator.output_sd.astype(np.float32),
+        f"{p}output_mean": estimator.output_mean.astype(np.float32),
     }
-    nodes = [
-        helper.make_node("Sub", [INPUT, "rest_px"], ["moved_px"]),
-        helper.make_node("Div", ["moved_px", "scale_px"], ["moved"]),
-        helper.make_node("Cast", ["moved"], ["single"], to=TensorProto.FLOAT),
-        helper.make_node("Reshape", ["single", "flat"], ["hidden_0"]),
-    ]
+    body = f"""
+        {p}moved_px = Sub ({INPUT}, {p}rest_px)
+        {p}moved = Div ({p}moved_px, {p}scale_px)
+        {p}single = Cast <to = 1> ({p}moved)
+        {p}hidden_0 = Reshape ({p}single, {p}flat)"""
     last = len(estimator.weights) - 1
-    for number, (weight, bias) in enumerate(zip(estimator.weights, estimator.biases, strict=True)):
+    for n, (weight, bias) in enumerate(zip(estimator.weights, estimator.biases, strict=True)):
         single = weight.astype(np.float32)
-        shift = _rest_input(estimator.normalisation, estimator.rest_px) @ single if number == 0 else 0.0
-        constants[f"weight_{number}"] = single
-        constants[f"bias_{number}"] = (bias + shift).astype(np.float32)[:, None, :]
-        nodes.append(helper.make_node("MatMul", [f"hidden_{number}", f"weight_{number}"], [f"product_{number}"]))
-        nodes.append(helper.make_node("Add", [f"product_{number}", f"bias_{number}"], [f"sum_{number}"]))
-        if number < last:
-            nodes.extend(_activation(estimator.activation, number))
-    nodes.append(helper.make_node("Mul", [f"sum_{last}", "output_sd"], ["scaled"]))
-    nodes.append(helper.make_node("Add", ["scaled", "output_mean"], [MEMBERS]))
-    nodes.append(helper.make_node("ReduceMean", [MEMBERS], [POSE], axes=[0], keepdims=0))
-    return nodes, constants
-
-
-def _activation(name: str, number: int) -> list[NodeProto]:
-    from onnx import helper
-
-    values, hidden = f"sum_{number}", f"hidden_{number + 1}"
-    if name == "relu":
-        return [helper.make_node("Relu", [values], [hidden])]
-    gate = helper.make_node("Sigmoid", [values], [f"gate_{number}"])
-    return [gate, helper.make_node("Mul", [values, f"gate_{number}"], [hidden])]
+        shift = _rest_input(estimator.normalisation, estimator.rest_px) @ single if n == 0 else 0.0
+        arrays[f"{p}weight_{n}"] = single
+        arrays[f"{p}bias_{n}"] = (bias + shift).astype(np.float32)[:, None, :]
+        body += f"""
+        {p}product_{n} = MatMul ({p}hidden_{n}, {p}weight_{n})
+        {p}sum_{n} = Add ({p}product_{n}, {p}bias_{n})"""
+        if n < last and estimator.activation == "relu":
+            body += f"\n{p}hidden_{n + 1} = Relu ({p}sum_{n})"
+        elif n < last:
+            body += f"\n{p}gate_{n} = Sigmoid ({p}sum_{n})\n{p}hidden_{n + 1} = Mul ({p}sum_{n}, {p}gate_{n})"
+    body += f"""
+        {p}scaled = Mul ({p}sum_{last}, {p}output_sd)
+        {p}{MEMBERS} = Add ({p}scaled, {p}output_mean)
+        {pose} = ReduceMean <axes = [0], keepdims = 0> ({p}{MEMBERS})"""
+    return body, arrays
 
 
 def _rest_input(normalisation: Normalisation, rest_px: FloatArray) -> FloatArray:
     """What the first layer reads at rest, (2m,)."""
     return normalisation.apply(rest_px).reshape(-1)
-
-
-def tensor_of(name: str, values: NDArray[Any]) -> Any:
-    """An array of the graph by its name."""
-    from onnx import numpy_helper
-
-    return numpy_helper.from_array(np.ascontiguousarray(values), name)
 
 
 def _metadata(estimator: Estimator) -> dict[str, str]:
@@ -183,16 +150,12 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
         "outputs": list(estimator.space.names),
         "units": {INPUT: "px", **{item.name: item.unit for item in estimator.space.components}},
         "marker_order_px": estimator.rest_px.tolist(),
-        "activation": estimator.activation,
+        **{name: getattr(estimator, name) for name in _PLAIN},
         "offset_px": estimator.normalisation.offset_px,
         "scale_px": estimator.normalisation.scale_px,
-        "seed": estimator.seed,
         "made_by": dict(estimator.made_by),
-        "training_images": estimator.training_images,
-        "validation_images": estimator.validation_images,
         "history": estimator.history,
         "repeat_rmse_deg": estimator.repeat_rmse_deg,
-        "version": estimator.version,
     }
     if estimator.interval is not None:
         content["interval"] = describe_interval(estimator.interval)
@@ -201,10 +164,8 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
 
 
 def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
-    from onnx import TensorProto, numpy_helper
+    from onnx import numpy_helper
 
-    if any(item.data_location == TensorProto.EXTERNAL for item in model.graph.initializer):
-        raise ValueError("its weights lie in another file")
     arrays = {item.name: numpy_helper.to_array(item) for item in model.graph.initializer}
     facts = {name: json.loads(text) for name, text in metadata.items() if not name.startswith("format")}
     layers = range(sum(name.startswith("weight_") for name in arrays))
@@ -216,18 +177,14 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
         normalisation=normalisation,
         weights=weights,
         biases=tuple(biases),
-        activation=facts["activation"],
         output_mean=arrays["output_mean"].astype(float),
         output_sd=arrays["output_sd"].astype(float),
         rest_px=arrays["rest_px"],
-        seed=facts["seed"],
         made_by=facts["made_by"],
-        training_images=facts["training_images"],
-        validation_images=facts["validation_images"],
         history=tuple(tuple(errors) for errors in facts["history"]),
         repeat_rmse_deg=tuple(facts["repeat_rmse_deg"]),
         interval=read_interval(facts["interval"], arrays) if "interval" in facts else None,
-        version=facts["version"],
+        **{name: facts[name] for name in _PLAIN},
         space=PoseSpace.from_names(facts["outputs"]),
     )
 

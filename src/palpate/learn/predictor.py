@@ -12,6 +12,7 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.design import PoseSpace
 from palpate.learn.force_graph import FORCE, FORCE_HALF_WIDTH
+from palpate.learn.graph import open_session
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUT_OF_DISTRIBUTION, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
@@ -86,15 +87,9 @@ def open_predictor(path: Path) -> Predictor:
     MissingExtraError
         If onnxruntime is not installed.
     """
-    onnxruntime = load_extra("onnxruntime", "predict")
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4  # what is wrong is reported below, once
-    nowhere = str(path / "nowhere")  # else the runtime reads weights from any file that the model names
-    options.add_session_config_entry("session.model_external_initializers_file_folder_path", nowhere)
+    load_extra("onnxruntime", "predict")
     try:
-        providers = ["CPUExecutionProvider"]
-        session = onnxruntime.InferenceSession(path.read_bytes(), options, providers, enable_fallback=0)
+        session = open_session(path.read_bytes())
         metadata = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
         level = float(json.loads(metadata["interval"])["level"]) if "interval" in metadata else None

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palpate.core import MissingExtraError, child_seed
-from palpate.dataset import Dataset, hold_out
+from palpate.dataset import Dataset, split_presses
 from palpate.learn.calibrate import calibrate_interval
 from palpate.learn.device import find_device
 from palpate.learn.estimator import Estimator
@@ -56,7 +56,8 @@ def _split_again(dataset: Dataset, seed: int) -> Dataset:
     """Only the presses for training, some of them held out anew."""
     kept = dataset.subset(validation=False)
     fraction = dataset.spec.validation_fraction
-    return replace(kept, validation=hold_out(kept.press, fraction, child_seed(seed, "inner split")))
+    inner = split_presses(kept.press, child_seed(seed, "inner split"), fraction)
+    return replace(kept, validation=inner.validation)
 
 
 def _best_setting(dataset: Dataset, space: HyperparameterSpace, spec: LearningSpec, journal: Path) -> dict[str, Any]:

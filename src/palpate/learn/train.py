@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import FloatArray, child_seed, generator
+from palpate.core import FloatArray, generator, load_extra
 from palpate.dataset import Dataset, draw_jitter
-from palpate.learn.components import find_components
+from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
+from palpate.learn.ridge import solve_ridge
 from palpate.learn.spec import TrainingSpec
-
-if TYPE_CHECKING:
-    from palpate.learn.network import TrainedNetwork
+from palpate.learn.training_set import TrainingSet
 
 
 def train(
@@ -52,68 +50,58 @@ def train(
     return train_on(dataset.subset(validation=False), dataset.subset(validation=True), spec, seed, device)
 
 
-def train_on(checkpoint: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
-    """Train on the images of `checkpoint` and judge epochs and repeats by those of `held`; for the rest see `train`.
-
-    Nothing says here that the two share no press: `train` takes them from one dataset, which does.
-    """
-    estimator, trained = train_targets(checkpoint, held, (checkpoint.poses, held.poses), spec, seed, device)
-    estimator = replace(estimator, repeat_rmse_deg=_validate_members(estimator, held))
-    if spec.members == "all":
-        return estimator
-    kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
-    return estimator.keep_members([int(np.argmin(kept_errors))])
-
-
-def train_targets(
+def train_on(
     checkpoint: Dataset,
     held: Dataset,
-    targets: tuple[FloatArray, FloatArray],
     spec: TrainingSpec,
-    seed: int,
-    device: str,
-) -> tuple[Estimator, TrainedNetwork]:
-    """Train on any targets (n, 3) of the images of `checkpoint`; those of `held` choose epochs. All repeats are
-    kept."""
-    from palpate.learn.network import TrainingData, train_network
+    seed: int = 0,
+    device: str = "cpu",
+    targets: tuple[FloatArray, FloatArray] | None = None,
+) -> Estimator:
+    """Train on the images of `checkpoint` and choose epochs and repeats by those of `held`; for the rest see `train`.
 
-    inputs = _normalised(checkpoint, checkpoint.images_px)
-    jitter = np.tile(
-        checkpoint.spec.jitter_px / np.array(checkpoint.normalisation.scale_px), checkpoint.images_px.shape[1]
-    )
-    components = find_components(inputs, jitter, spec.components)
-    mean, sd = _standard(targets[0])
+    `targets` (n, 3) and (m, 3) replace their poses. The caller ensures that they share no press: `train` takes them
+    from one dataset.
+    """
+    load_extra("torch", "learn")
+    from palpate.learn.network import collect_layers, train_network
+
     noisy = draw_jitter(held.images_px, checkpoint.spec.jitter_px, generator(seed, "judge"))
-    data = TrainingData(
-        inputs=inputs,
-        targets=(targets[0] - mean) / sd,
-        jitter=jitter,
-        mean=components.mean,
-        projection=components.projection,
-        held_inputs=_normalised(checkpoint, noisy),
-        held_targets=(targets[1] - mean) / sd,
-        device=device,
+    images = np.concatenate([checkpoint.images_px, noisy])
+    inside = np.arange(len(images)) < len(checkpoint.images_px)
+    samples = TrainingSet(
+        _normalised(checkpoint, images),
+        np.concatenate(targets or (checkpoint.poses, held.poses)),
+        inside,
+        ~inside,
+        seed,
     )
-    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
-    first, first_bias = components.fold(trained.weights[0], trained.biases[0])
-    return (
-        Estimator(
-            normalisation=checkpoint.normalisation,
-            weights=(first, *trained.weights[1:]),
-            biases=(first_bias, *trained.biases[1:]),
-            activation=spec.activation,
-            output_mean=mean,
-            output_sd=sd,
-            rest_px=checkpoint.rest_px,
-            seed=seed,
-            made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
-            training_images=len(checkpoint.poses),
-            validation_images=len(held.poses),
-            history=trained.history,
-            space=checkpoint.space,
-        ),
-        trained,
+    jitter, (mean, sd) = _jitter(checkpoint), samples.scale
+    components = _components(samples.inputs[inside], jitter, spec.components)
+    trained = train_network(samples, jitter, components, spec, device)
+    weights, biases = collect_layers(trained)
+    first, first_bias = components.fold(weights[0], biases[0])
+    estimator = Estimator(
+        normalisation=checkpoint.normalisation,
+        weights=(first, *weights[1:]),
+        biases=(first_bias, *biases[1:]),
+        activation=spec.activation,
+        output_mean=mean,
+        output_sd=sd,
+        rest_px=checkpoint.rest_px,
+        seed=seed,
+        made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
+        training_images=len(checkpoint.poses),
+        validation_images=len(held.poses),
+        history=tuple(tuple(member.errors) for member in trained),
+        space=checkpoint.space,
     )
+    if targets is None:
+        single = [measure_errors(one, held.poses, held.space) for one in estimator.predict_members(held.images_px)]
+        estimator = replace(estimator, repeat_rmse_deg=tuple(one.pooled.rmse for one in single))
+    if spec.members == "all":
+        return estimator
+    return estimator.keep_members([int(np.argmin([member.errors[member.best_epoch] for member in trained]))])
 
 
 def fit_ridge(dataset: Dataset) -> Estimator:
@@ -147,16 +135,14 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     """
     kept = dataset.subset(validation=False)
     inputs = _normalised(dataset, kept.images_px)
-    centre = inputs.mean(axis=0)
-    mean, sd = _standard(kept.poses)
-    jitter = np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
-    centred = inputs - centre
-    gram = centred.T @ centred + np.diag(len(inputs) * jitter**2 / 3 + 1e-12)
-    weight = np.linalg.solve(gram, centred.T @ ((kept.poses - mean) / sd))
+    every = np.ones(len(inputs), bool)
+    samples = TrainingSet(inputs, kept.poses, every, ~every)
+    mean, sd = samples.scale
+    [(weight, bias)] = solve_ridge(inputs, samples.standardised, [len(inputs) * _jitter(dataset) ** 2 / 3 + 1e-12])
     return Estimator(
         normalisation=dataset.normalisation,
         weights=(weight[None],),
-        biases=(-(centre @ weight)[None],),
+        biases=(bias[None],),
         activation="relu",
         output_mean=mean,
         output_sd=sd,
@@ -188,19 +174,19 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     return measure_errors(estimator.predict(images), held.poses, held.space)
 
 
-def _validate_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
-    """RMSE of the angle of every member by itself (degrees) on clean images."""
-    return tuple(
-        measure_errors(poses, held.poses, held.space).pooled.rmse
-        for poses in estimator.predict_members(held.images_px)
-    )
+def _components(inputs: FloatArray, jitter: FloatArray, count: int) -> PrincipalComponents:
+    """Whitened components of normalised inputs (n, 2m) with jitter (2m,); the inputs for count 0."""
+    if count == 0:
+        return PrincipalComponents(np.zeros(len(jitter)), np.eye(len(jitter)))
+    noise = float(np.mean(jitter**2)) / 3
+    covariance = np.cov(inputs, rowvar=False)
+    return find_components(inputs.mean(axis=0), covariance, count, lambda variance: np.sqrt(variance + noise))
 
 
 def _normalised(dataset: Dataset, images_px: FloatArray) -> FloatArray:
     return dataset.normalisation.apply(images_px).reshape(len(images_px), -1)
 
 
-def _standard(poses: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean and standard deviation (3,) of poses; an output that never changes keeps its unit."""
-    sd = poses.std(axis=0)
-    return poses.mean(axis=0), np.where(sd > 1e-9, sd, 1.0)
+def _jitter(dataset: Dataset) -> FloatArray:
+    """(2m,) half-width of the jitter, normalised."""
+    return np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])

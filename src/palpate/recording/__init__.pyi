@@ -3,11 +3,8 @@
 from palpate.recording.adapt import PretrainedModel, read_pretrained
 from palpate.recording.columns import ColumnMapping, PoseColumn
 from palpate.recording.conclude import EstimatorScore
-from palpate.recording.course import TrainerSpec
-from palpate.recording.curve import CurvePoint
 from palpate.recording.images import ImageSet
 from palpate.recording.learn_recording import RecordingResult, train_on_recording
-from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import PoseReading, RecordedModel, is_recorded_model, read_model, write_model
 from palpate.recording.read_recording import Recording, read_recording
 from palpate.recording.reader import READERS, RecordingReader
@@ -15,12 +12,10 @@ from palpate.recording.report import draw_recording_report, recording_page, reco
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.table import RecordingTable, read_table
-from palpate.recording.train_part import train_image_network
 
 __all__ = [
     "READERS",
     "ColumnMapping",
-    "CurvePoint",
     "EstimatorScore",
     "ImageSet",
     "PoseColumn",
@@ -33,8 +28,6 @@ __all__ = [
     "RecordingResult",
     "RecordingSpec",
     "RecordingTable",
-    "TrainerSpec",
-    "TrainingSet",
     "draw_recording_report",
     "is_recorded_model",
     "prepare_recording",
@@ -44,7 +37,6 @@ __all__ = [
     "read_table",
     "recording_page",
     "recording_report",
-    "train_image_network",
     "train_on_recording",
     "write_model",
 ]

@@ -8,7 +8,7 @@ slowly and tied to where it began; with very few presses only its outputs are co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +17,20 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.run import Progress
-from palpate.learn import Estimator, read_estimator
-from palpate.recording.course import TrainerSpec
-from palpate.recording.curve import PRESSES, CurvePoint
-from palpate.recording.lesson import TrainingSet
+from palpate.learn import (
+    CurvePoint,
+    Estimator,
+    MarkerNetwork,
+    TrainingSet,
+    compute_learning_curve,
+    read_estimator,
+    solve_ridge,
+)
 from palpate.recording.model import read_model
-from palpate.recording.part import MarkerNetwork
 from palpate.recording.see_recording import PreparedRecording
-from palpate.recording.train_part import fine_tune_marker_network
 from palpate.vision import MarkerMatcher, ObservedLayout
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
-_COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)
 _HOLD = 0.05
 """Weight of a correction's departure from none, over the number of presses that teach."""
 _DENSITY = 2.5
@@ -159,9 +161,7 @@ def fine_tune_members(
             code="recording-markers-unassigned",
         )
     carried = transfer_network(start, seen)
-    lesson = TrainingSet(
-        seen.moved, seen.targets, seen.split.train & seen.accepted, seen.split.validation & seen.accepted
-    )
+    lesson, _ = seen.samples(markers=True)
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
     for name, part in found.items():
         error = lesson.error(part.predict(seen.moved[lesson.validation]))
@@ -173,42 +173,30 @@ def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
     """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
     given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
-    basis = np.column_stack([given / scale, np.ones(len(given))])
-    hold = _HOLD * np.eye(basis.shape[1]) * np.sqrt(len(given))
-    hold[-1, -1] = 1e-6
-    left = (lesson.targets[lesson.train] - given) / scale
-    change = np.linalg.solve(basis.T @ basis + hold, basis.T @ left)
-    turn = np.eye(len(scale)) + change[:-1]
+    residual = (lesson.targets[lesson.train] - given) / scale
+    [(change, shift)] = solve_ridge(given / scale, residual, [_HOLD * len(given) ** 0.5])
+    turn = np.eye(len(scale)) + change
     arrays = dict(carried.arrays)
     last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
     # y = z sd + mean becomes ((z sd + mean) / scale · turn + shift) scale
     factor = (arrays["sd"][:, None] / scale[:, None]) * turn * scale / arrays["sd"]
     arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
     arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
-    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + change[-1] * scale
+    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + shift * scale
     return MarkerNetwork(CORRECTED, arrays)
 
 
 def _adapt(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
-    start = _correct(carried, lesson)
-    return fine_tune_marker_network(ADAPTED, lesson, start.arrays, _COURSE)
+    return _correct(carried, lesson).fine_tune(ADAPTED, lesson)
 
 
 def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
-    """Errors of the other network as it is and adapted with ever more presses, on the held-out presses."""
+    """Errors of the other network as it is and adapted with ever more presses, on the test presses."""
     if seen.assigned is None:
         return ()
     carried = transfer_network(start, seen)
-    taught = np.unique(seen.press[seen.split.train & seen.accepted])
-    judge = seen.split.test & seen.accepted
-
-    def rmse(part: MarkerNetwork) -> tuple[float, ...]:
-        errors: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
-        return tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0)))
-
-    points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
-    for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = seen.split.train & seen.accepted & np.isin(seen.press, taught[:count])
-        lesson = TrainingSet(seen.moved, seen.targets, teach, seen.split.validation & seen.accepted)
-        points.append(CurvePoint(count, "adapted", rmse(_adapt(carried, lesson))))
-    return tuple(points)
+    samples, test = seen.samples(markers=True)
+    errors: FloatArray = carried.predict(seen.moved[test]) - seen.targets[test]
+    first = CurvePoint(0, f"{start.name} as it is", tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0))))
+    adapted = compute_learning_curve(samples, seen.press, test, lambda some, _: [_adapt(carried, some)])
+    return (first, *(replace(point, estimator="adapted") for point in adapted))

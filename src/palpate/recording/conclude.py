@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, provenance
-from palpate.learn import ErrorSummary
-from palpate.recording.mix import EnsembleCandidate, press_quantile_of, select_ensemble
-from palpate.recording.model import EnsembleWeights, RecordedModel
-from palpate.recording.part import EnsembleMember
+from palpate.learn import Ensemble, EnsembleMember, ErrorSummary, press_quantile, select_ensemble
+from palpate.recording.model import RecordedModel
 from palpate.recording.see_recording import PreparedRecording
 from palpate.recording.spec import RecordingSpec
 from palpate.vision import marker_descriptor
@@ -64,20 +62,16 @@ def select_model(
         estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
         estimates[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
     scale = seen.targets[seen.split.train].std(axis=0)
-    options = select_ensemble(
+    ranked, best, fallback = select_ensemble(
         estimates, seen.targets, seen.split.validation, scale, {n for n, p in parts.items() if p.reads_markers}
     )
     scores = []
-    for option in options.ranked:
+    for option in ranked:
         found = option.combine(estimates)
         calm = seen.split.validation & np.isfinite(found).all(axis=1)
-        option.half_width = press_quantile_of(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
+        option.half_width = press_quantile(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
         score = _score(option, found, option.half_width, seen, seconds)
         scores += [score] if score is not None else []
-    best, fallback = options.with_dots, options.without
-
-    def choosing(option: Any) -> EnsembleWeights | None:
-        return None if option is None else EnsembleWeights(option.parts, option.weights, option.half_width)
 
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
@@ -87,15 +81,15 @@ def select_model(
         None if assigned is None else assigned.layout,
         bank,
         {name: parts[name] for name in parts if name in used},
-        choosing(best) if assigned is not None else None,
-        choosing(fallback),
+        best if assigned is not None else None,
+        fallback,
         _apart(best, fallback, estimates, seen),
         tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
         _about(seen, spec),
     )
     found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
     if assigned is not None and not by_dots[seen.split.test].all():
-        whole = EnsembleCandidate(WHOLE, (), np.zeros(0), float("nan"))
+        whole = Ensemble((), np.zeros(0), name=WHOLE)
         width = (
             model.image_ensemble.half_width
             if model.image_ensemble is not None
@@ -104,12 +98,12 @@ def select_model(
         widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
         score = _score(whole, found, widths, seen, {})
         scores += [score] if score is not None else []
-    return model, tuple(scores), (best or fallback or options.ranked[0]).name
+    return model, tuple(scores), (best or fallback or ranked[0]).name
 
 
 def _apart(
-    best: EnsembleCandidate | None,
-    fallback: EnsembleCandidate | None,
+    best: Ensemble | None,
+    fallback: Ensemble | None,
     estimates: dict[str, FloatArray],
     seen: PreparedRecording,
 ) -> FloatArray:
@@ -134,7 +128,7 @@ def _apart(
 
 
 def _score(
-    option: EnsembleCandidate,
+    option: Ensemble,
     found: FloatArray,
     width: FloatArray,
     seen: PreparedRecording,
@@ -178,8 +172,3 @@ def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
         "spec": spec.model_dump(mode="json"),
         "made_by": provenance(),
     }
-
-
-def estimate_all(model: RecordedModel, seen: PreparedRecording) -> FloatArray:
-    """Estimates (n, k) of the model for all images that are used; NaN where it has none."""
-    return model.estimate_all(seen.moved, seen.pictures, seen.accepted)[0]

@@ -6,30 +6,35 @@ Every stage lies in a store under what it was made from; a run that was interrup
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError
 from palpate.core.run import Progress
+from palpate.learn import (
+    EFFORTS,
+    ESTIMATORS,
+    CurvePoint,
+    EnsembleMember,
+    RotationAugmentation,
+    TrainingJob,
+    compute_learning_curve,
+    find_rotation,
+    pattern_order,
+    train_members,
+    train_quickly,
+)
 from palpate.recording.adapt import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.recording.columns import PoseColumn
-from palpate.recording.conclude import WHOLE, EstimatorScore, estimate_all, select_model
-from palpate.recording.curve import CurvePoint, compute_learning_curve
-from palpate.recording.lesson import RotationAugmentation, TrainingSet
-from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
+from palpate.recording.conclude import WHOLE, EstimatorScore, select_model
 from palpate.recording.model import RecordedModel
-from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
+from palpate.recording.row_offset import find_row_offset
 from palpate.recording.see_recording import PreparedRecording, prepare_recording
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.split import find_row_offset
-from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
 
-_ALIKE = ("rx", "ry"), ("depth", "rz", "force")
-"""Axes that turn with the sensor, and those that stay what they are."""
-_LEAST_TURNED = 20
-"""Images from which their turns teach: with fewer, the sense is not clear."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 """Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
 
@@ -98,81 +103,69 @@ def train_on_recording(
     parts: dict[str, EnsembleMember] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     early = 0.0 if first is None else first.seconds[0]
-    names, asked = _plan(seen, spec), seen.targets.shape[1]
-    jobs = [TrainingJob(name, make_training_set(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
+    jobs = list(plan_jobs(seen, spec))
     for part, spent in train_members(jobs, spec.threads, store, progress):
         name, parts[part.name] = part.name, part
         seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
             _report_errors(name, parts[name], seen, progress)
-        if first is None and "picture-network" not in name:
+        if first is None and part.effort != "all":
             early = time.monotonic() - begin
-    parts = {name: parts[name] for name in names}
+    parts = {job.name: parts[job.name] for job in jobs}
     if start is not None:
         parts |= fine_tune_members(start, seen, progress)
     model, scores, best = select_model(seen, spec, parts, seconds)
     _refuse_strangers(seen, scores)
     if first is None:
-        curve = compute_learning_curve(seen.moved, seen.pictures, seen.accepted, seen.targets, seen.press, seen.split)
+        samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))
+        curve = compute_learning_curve(samples, seen.press, test, train_quickly)
         curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
+    estimates, _ = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
     whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
-    return RecordingResult(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
+    return RecordingResult(seen, model, scores, best, estimates, curve, (early, whole))
 
 
-def _plan(seen: PreparedRecording, spec: RecordingSpec) -> list[str]:
-    names = [] if spec.estimators == "dots" else ["picture-ridge"]
-    if seen.assigned is not None:
-        names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
-        names += [f"dots-network{ROTATED}"] if spec.estimators != "ridge" and _turning(seen) else []
-    if spec.estimators in ("all", "picture"):
-        names += ["picture-network"]
-        turning = _turning(seen)
-        if turning is not None and pattern_order(turning.places_px) > 1:
-            names += [f"picture-network{ROTATED}"]
-        if seen.recording.others:
-            names += ["picture-network-all"]
-    return names or ["picture-ridge"]
+def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[TrainingJob]:
+    """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions."""
+    chosen, rotation = spec.estimators, _find_rotation(seen)
+    if chosen == "dots" and seen.assigned is None:
+        chosen = "ridge"
+    efforts = EFFORTS[: EFFORTS.index(chosen) + 1 if chosen in EFFORTS else None]
+    reads = {"dots": (True,), "picture": (False,)}.get(chosen, (True, False))
+    for kind_name, kind in ESTIMATORS.available():
+        reads_markers = kind.reads_markers
+        if kind.effort not in efforts or reads_markers not in reads or (reads_markers and seen.assigned is None):
+            continue
+        samples, _ = seen.samples(reads_markers, spec.seed)
+        yield TrainingJob(kind, kind_name, samples, spec.epochs)
+        if kind.takes_rotation and rotation is not None:
+            places = rotation.places_px
+            if not reads_markers:  # in px of the small images
+                scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
+                places = (places + 0.5) * scale - 0.5
+            if reads_markers or pattern_order(rotation.places_px) > 1:
+                turned = replace(samples, rotation=rotation._replace(places_px=places))
+                yield TrainingJob(kind, f"{kind_name}-turned", turned, spec.epochs)
+        if kind.takes_auxiliary and seen.recording.others:
+            others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
+            whole = replace(samples, targets=np.hstack([samples.targets, others]), auxiliary=others.shape[1])
+            yield TrainingJob(kind, f"{kind_name}-all", whole, spec.epochs)
 
 
-def _turning(seen: PreparedRecording) -> RotationAugmentation | None:
-    """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might.
-
-    Without an image at rest the layout is that of some press, which leans: dots are then told from where they are in
-    the mean of all.
-    """
-    axes, good = tuple(one.axis for one in seen.recording.poses), seen.accepted & seen.split.train
-    layout = seen.assigned.layout if seen.assigned is not None else None
-    if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
+def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
+    """How (rx, ry) turn with the images of the training."""
+    if seen.assigned is None:
         return None
-    if layout is None or len(layout) > MOST_DOTS or good.sum() < _LEAST_TURNED:
-        return None
-    at_rest = seen.assigned is not None and seen.assigned.reference >= len(seen.recording)
-    base = np.zeros_like(layout.rest_px) if at_rest else seen.moved[good].mean(axis=0)
-    sense = find_rotation_sense(layout.rest_px + base, seen.moved[good] - base, seen.targets[good, :2])
-    return RotationAugmentation(layout.rest_px + base, base, sense) if sense else None
-
-
-def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -> TrainingSet:
-    """What a part learns from: dots only where they are believed, and all motions where its name says so."""
-    turning = _turning(seen) if name.endswith(ROTATED) else None
-    if name.startswith("dots"):
-        teach, judge = seen.split.train & seen.accepted, seen.split.validation & seen.accepted
-        return TrainingSet(seen.moved, seen.targets, teach, judge, spec.seed, turning)
-    targets = seen.targets
-    if name.endswith("-all"):
-        others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
-        targets = np.hstack([targets, others])
-    if turning is not None:  # in px of the small pictures
-        scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
-        turning = turning._replace(places_px=(turning.places_px + 0.5) * scale - 0.5)
-    return TrainingSet(seen.pictures, targets, seen.split.train, seen.split.validation, spec.seed, turning)
+    rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
+    at_rest = seen.assigned.reference >= len(seen.recording)
+    return find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
 
 
 def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, progress: Progress) -> None:
-    use = seen.split.test & (seen.accepted if part.reads_markers else True)
-    off = part.predict((seen.moved if part.reads_markers else seen.pictures)[use]) - seen.targets[use]
+    samples, use = seen.samples(part.reads_markers)
+    off = part.predict(samples.inputs[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))
     progress.note(
         f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True))

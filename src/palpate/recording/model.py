@@ -20,32 +20,13 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
 from palpate.design import TILT_SPACE, PoseSpace
-from palpate.recording.part import PARTS, EnsembleMember
+from palpate.learn import Ensemble, EnsembleMember, open_member
 from palpate.recording.sight import Preprocessor
 from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
 _BANK = 200
 _STORED = ("fields", "seen", "motion", "usual")
-
-
-@dataclass(frozen=True, eq=False)
-class EnsembleWeights:
-    """Which parts give the pose, by what weights, and how far it may be wrong.
-
-    Attributes
-    ----------
-    parts
-        Names of the parts.
-    weights
-        (parts, k) of each component.
-    half_width
-        (k,) half-widths of the intervals.
-    """
-
-    parts: tuple[str, ...]
-    weights: FloatArray
-    half_width: FloatArray
 
 
 class PoseReading(NamedTuple):
@@ -88,8 +69,8 @@ class RecordedModel:
     layout: ObservedLayout | None
     reference_bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     parts: Mapping[str, EnsembleMember]
-    marker_ensemble: EnsembleWeights | None
-    image_ensemble: EnsembleWeights | None
+    marker_ensemble: Ensemble | None
+    image_ensemble: Ensemble | None
     max_disagreement: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
@@ -171,13 +152,10 @@ class RecordedModel:
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
-    def estimate(self, use: EnsembleWeights, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
+    def estimate(self, use: Ensemble, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
         """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
-        total = np.zeros((len(pictures), len(self.outputs)))
-        for name, weight in zip(use.parts, use.weights, strict=True):
-            part = self.parts[name]
-            total += weight * part.predict(moved if part.reads_markers else pictures)
-        return total
+        parts = [self.parts[name] for name in use.parts]
+        return use.combine({one.name: one.predict(moved if one.reads_markers else pictures) for one in parts})
 
 
 def write_model(path: Path, model: RecordedModel) -> None:
@@ -234,7 +212,7 @@ def read_model(path: Path) -> RecordedModel:
                 raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
             parts = {
-                name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
+                name: open_member(kind, name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
                 for name, kind in facts["parts"]
             }
             layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
@@ -270,9 +248,9 @@ def is_recorded_model(path: Path) -> bool:
         return False
 
 
-def _plain(use: EnsembleWeights | None) -> Any:
+def _plain(use: Ensemble | None) -> Any:
     return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
 
 
-def _choosing(found: Any) -> EnsembleWeights | None:
-    return None if found is None else EnsembleWeights(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
+def _choosing(found: Any) -> Ensemble | None:
+    return None if found is None else Ensemble(tuple(found[0]), np.array(found[1]), np.array(found[2], float))

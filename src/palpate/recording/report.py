@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from palpate.core import PalpateError, wrap_write_errors
 from palpate.core.report import Report
+from palpate.learn import extrapolate_learning_curve
 from palpate.recording.conclude import EstimatorScore
-from palpate.recording.curve import extrapolate_learning_curve
 from palpate.recording.learn_recording import RecordingResult
 from palpate.recording.read_recording import Recording
 

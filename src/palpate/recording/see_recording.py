@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
+from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
-from palpate.recording.arrays import read_arrays, write_arrays
+from palpate.dataset import PressSplit, split_presses
+from palpate.learn import TrainingSet
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
-from palpate.recording.sight import Detections, Preprocessor, choose_preprocessor, preprocess_images
+from palpate.recording.sight import Detections, Preprocessor, choose_preprocessor, first_duplicate, preprocess_images
 from palpate.recording.spec import RecordingSpec
-from palpate.recording.split import PressSplit, find_duplicate_images, split_presses
 from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
 _LEAST_GOOD = 0.25
@@ -57,6 +58,12 @@ class PreparedRecording:
     split: PressSplit
     notes: tuple[str, ...]
 
+    def samples(self, markers: bool, seed: int = 0) -> tuple[TrainingSet, BoolArray]:
+        """Displacements that are believed, or all images, as samples of a training; and (n,) the test samples."""
+        rows = self.accepted if markers else np.ones(len(self.targets), bool)
+        inputs, split = self.moved if markers else self.pictures, self.split
+        return TrainingSet(inputs, self.targets, split.train & rows, split.validation & rows, seed), split.test & rows
+
 
 def prepare_recording(
     recording: Recording, spec: RecordingSpec, store: ArtefactStore, progress: Progress
@@ -78,13 +85,13 @@ def prepare_recording(
     notes += told
     kept = sight.readable[:count].copy()
     if not kept.all():
-        first = int(np.argmin(kept))
+        broken = int(np.argmin(kept))
         notes.append(
-            f"{int((~kept).sum())} images cannot be read, the first is {recording.names[first]}: "
-            f"{sight.faults[first]}"
+            f"{int((~kept).sum())} images cannot be read, the first is {recording.names[broken]}: "
+            f"{sight.faults[broken]}"
         )
-    double, apart = find_duplicate_images(sight.digests[:count], recording.targets)
-    double &= kept
+    first = first_duplicate(sight.digests[:count])
+    double, apart = kept & (first != np.arange(count)), np.abs(recording.targets - recording.targets[first])
     if double.any():
         off = ", ".join(
             f"{one.axis} {apart[double, k].max():.3g} {one.unit}" for k, one in enumerate(recording.poses)
@@ -103,7 +110,7 @@ def prepare_recording(
         )
     good = np.zeros(len(rows), bool) if assigned is None else assigned.good[:count][rows]
     moved: FloatArray = np.zeros((len(rows), 0, 2)) if assigned is None else assigned.moved_px[:count][rows]
-    split = split_presses(press, spec.test_share, spec.validation_share, spec.seed)
+    split = split_presses(press, spec.seed, spec.validation_share, spec.test_share)
     pictures = sight.pictures[:count][rows]
     return PreparedRecording(
         recording,

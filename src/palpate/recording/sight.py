@@ -26,8 +26,8 @@ from palpate.core import (
     load_opencv,
     stage_version,
 )
+from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
-from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
 from palpate.vision import Detector, DetectSpec, prepare_detector
 

@@ -3,6 +3,7 @@
 A test class inherits a suite and gives its fixtures; pytest, which this room alone needs, collects the rest.
 """
 
+from palpate.testing.estimator import EstimatorSuite
 from palpate.testing.law import LawSuite
 from palpate.testing.lens import LensSuite
 from palpate.testing.linear_solver import LinearSolverSuite
@@ -13,6 +14,7 @@ from palpate.testing.skin import SkinSuite
 from palpate.testing.source import SourceSuite
 
 __all__ = [
+    "EstimatorSuite",
     "LawSuite",
     "LensSuite",
     "LinearSolverSuite",

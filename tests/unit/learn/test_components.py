@@ -17,8 +17,13 @@ def inputs(symmetric: bool) -> np.ndarray:
 
 @pytest.mark.parametrize("symmetric", [False, True])
 def test_signs_do_not_depend_on_the_library(symmetric: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    eigh, given, jitter = np.linalg.eigh, inputs(symmetric), np.full(6, 0.1)
-    found = [find_components(given, jitter, 6).projection]
+    eigh, given = np.linalg.eigh, inputs(symmetric)
+    mean, covariance = given.mean(axis=0), np.cov(given, rowvar=False)
+
+    def project():
+        return find_components(mean, covariance, 6, np.sqrt).projection
+
+    found = [project()]
     for seed in range(4):
         signs = np.random.default_rng(seed).choice([-1.0, 1.0], 6)
         noise = 1.0 + 1e-13 * np.random.default_rng(seed).normal(size=(6, 6))
@@ -28,7 +33,7 @@ def test_signs_do_not_depend_on_the_library(symmetric: bool, monkeypatch: pytest
             return values, directions * signs * noise
 
         monkeypatch.setattr(np.linalg, "eigh", other)
-        found.append(find_components(given, jitter, 6).projection)
+        found.append(project())
         monkeypatch.setattr(np.linalg, "eigh", eigh)
     assert all(each == pytest.approx(found[0], rel=1e-9, abs=1e-12) for each in found[1:])
     if not symmetric:

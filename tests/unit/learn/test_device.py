@@ -53,7 +53,7 @@ def test_every_tensor_of_a_training_is_made_on_the_device_it_is_given(schedule):
     with Factories() as factories:
         train(make_dataset(presses=20), spec, device="cpu:0")
     assert {"as_tensor", "tensor", "zeros", "empty", "randn", "randperm"} <= {name for name, _ in factories.made}
-    assert {device for _, device in factories.made} == {"cpu:0"}
+    assert {device for _, device in factories.made} <= {"cpu", "cpu:0"}  # "cpu" is that of another tensor of it
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no CUDA device")

@@ -23,7 +23,18 @@ from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import page_markdown
 from palpate.core.run import Progress
 from palpate.dataset import Normalisation
-from palpate.learn import Estimator, write_estimator
+from palpate.learn import (
+    ESTIMATORS,
+    Estimator,
+    ImageNetwork,
+    RotationAugmentation,
+    TrainingJob,
+    TrainingRun,
+    TrainingSet,
+    train_members,
+    write_estimator,
+)
+from palpate.learn.member import MarkerRidge
 from palpate.recording import (
     PretrainedModel,
     RecordingResult,
@@ -35,10 +46,6 @@ from palpate.recording import (
     train_on_recording,
     write_model,
 )
-from palpate.recording.course import TrainerSpec
-from palpate.recording.lesson import RotationAugmentation, TrainingSet, fit_ridge_part
-from palpate.recording.make_parts import TrainingJob, train_members
-from palpate.recording.train_part import train_image_network
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 150
@@ -223,33 +230,43 @@ def test_grey_images_with_black_dots_are_learnt_alike(tmp_path: Path) -> None:
     assert found.seen.accepted.mean() > 0.95
 
 
-def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> None:
+class StoppedError(Exception):
+    """A training is stopped."""
+
+
+class Stopping(Progress):
+    """Stops a training after three epochs."""
+
+    def advance(self, what: str, done: float, text: str = "") -> None:
+        super().advance(what, done, text)
+        if "epoch 3 of" in text:
+            raise StoppedError
+
+
+@pytest.mark.parametrize("kind", ["markers", "images"])
+def test_networks_resume_where_they_were_stopped(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     needs("torch")
-    from palpate.recording.course import Trainer, TrainerSpec, load_torch
-    from palpate.recording.lesson import TrainingSet
+    from palpate.learn import trainer
+    from palpate.learn.train_member import ImageTask, train_marker_network
 
-    torch, rng = load_torch(), np.random.default_rng(0)
-    inputs = rng.normal(size=(60, 6)).astype(np.float32)
-    targets = inputs[:, :2] ** 2
-    lesson = TrainingSet(inputs, targets, np.arange(60) < 45, np.arange(60) >= 45)
+    monkeypatch.setattr(trainer, "_BETWEEN_S", -1.0)
+    samples = {job.kind.reads_markers: job.samples for job in _small_jobs()}[kind == "markers"]
 
-    def course() -> Trainer:
-        torch.manual_seed(3)
-        net = torch.nn.Sequential(torch.nn.Linear(6, 16), torch.nn.SiLU(), torch.nn.Linear(16, 2))
-        data = torch.as_tensor(inputs), torch.as_tensor(targets)
-        return Trainer(net, lesson, *data, TrainerSpec(8, noise=0.1), torch.Generator().manual_seed(4))
+    def run(checkpoint: Path | None, progress: Progress | None = None) -> list[np.ndarray]:
+        if kind == "markers":
+            run_once = trainer.Trainer.run
+            with monkeypatch.context() as patch:
+                patch.setattr(trainer.Trainer, "run", lambda self, path: run_once(self, path, progress))
+                return list(train_marker_network("n", samples, epochs=6, members=2, checkpoint=checkpoint).values())
+        task = ImageTask("n", samples)
+        [found] = trainer.Trainer(task, task.spec(6, 1), task.random).run(checkpoint, progress)
+        return [np.asarray(one) for one in found.state]
 
-    whole = course().run()
-    stopped = course()
-    for _ in range(3):
-        stopped._train()
-        stopped.best = min(stopped.best, stopped._validate())
-        stopped.state = {key: value.clone() for key, value in stopped.net.state_dict().items()}
-        stopped.epoch += 1
-    stopped._keep(tmp_path / "kept.epochs")
-    rest = course().run(tmp_path / "kept.epochs")
-    for key, value in whole.items():
-        assert torch.equal(value, rest[key])
+    whole = run(None)
+    with pytest.raises(StoppedError):
+        run(tmp_path / "kept", Stopping())
+    for one, other in zip(whole, run(tmp_path / "kept"), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_picture_network_in_the_file_says_what_the_trained_one_said(
@@ -282,7 +299,8 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
     assert layout is not None
     assert assigned is not None
     good = learnt.seen.accepted
-    part = fit_ridge_part("ridge", TrainingSet(learnt.seen.moved, learnt.seen.targets, good, good), False)
+    samples = TrainingSet(learnt.seen.moved, learnt.seen.targets, good, good)
+    part = MarkerRidge.train("ridge", samples, TrainingRun())
     rest, weight = layout.rest_px, part.arrays["weight"].astype(float)
     normal = Normalisation((210.0, 210.0), (100.0, 100.0))
     bias = part.arrays["bias"] - normal.apply(rest).reshape(-1) @ (100.0 * weight)
@@ -364,47 +382,47 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
     pictures = (255 * down[:, :, None] * across[:, None, :]).astype(np.uint8)
     lesson = TrainingSet(pictures, places, np.arange(300) < 240, np.arange(300) >= 240)
     said = Said()
-    part = train_image_network("picture-network", lesson, 2, TrainerSpec(8), tmp_path / "kept", said)
+    part = ImageNetwork.train("picture-network", lesson, TrainingRun(8, 1, tmp_path / "kept", said))
     least = min(float(text.split("error ")[1].split()[0]) for text in said.texts if "error" in text)
     assert lesson.error(part.predict(pictures[240:])) == pytest.approx(least, abs=2e-4)
     assert least < 0.1
 
 
-@pytest.mark.parametrize(("taught", "passes"), [(1460, 160), (2920, 85), (20_000, 60)])
-def test_turned_pictures_are_passed_over_longer_but_not_for_hours(taught: int, passes: int) -> None:
-    lesson = TrainingSet(
-        np.zeros((taught, 1, 1)), np.zeros((taught, 3)), np.ones(taught, bool), np.zeros(taught, bool)
-    )
-    assert TrainingJob("picture-network-turned", lesson, 3, 60, 0).passes == passes
-    assert TrainingJob("picture-network", lesson, 3, 60, 0).passes == 60
+@pytest.mark.parametrize(("count", "passes"), [(1460, 160), (2920, 85), (20_000, 60)])
+def test_rotated_images_are_passed_over_longer_but_not_for_hours(count: int, passes: int) -> None:
+    samples = TrainingSet(np.zeros((count, 1, 1)), np.zeros((count, 3)), np.ones(count, bool), np.zeros(count, bool))
+    rotation = RotationAugmentation(np.zeros((1, 2)), np.zeros((1, 2)), 1)
+    assert ImageNetwork.passes(replace(samples, rotation=rotation), 60) == passes
+    assert ImageNetwork.passes(samples, 60) == 60
 
 
-def _turned_job(sense: int = 1, aside_px: float = 0.0, asked: int = 3) -> TrainingJob:
+def _turned_job(sense: int = 1, aside_px: float = 0.0, auxiliary: int = 1) -> TrainingJob:
     rng, teach = np.random.default_rng(0), np.arange(60) < 45
     turning = RotationAugmentation(rng.normal(size=(9, 2)) + aside_px, np.zeros((9, 2)), sense)
-    lesson = TrainingSet(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning)
-    return TrainingJob("picture-network-turned", lesson, asked, 2, 0)
+    samples = TrainingSet(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning, auxiliary)
+    return TrainingJob(ImageNetwork, "picture-network-turned", samples, 2)
 
 
 def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn() -> None:
-    jobs = _turned_job(), _turned_job(sense=-1), _turned_job(aside_px=1.0), _turned_job(asked=2)
+    jobs = _turned_job(), _turned_job(sense=-1), _turned_job(aside_px=1.0), _turned_job(auxiliary=2)
     assert len({job.recipe.key for job in jobs}) == len(jobs)
     assert _turned_job().recipe.key == _turned_job().recipe.key
 
 
 def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
-    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], n_outputs=asked) for asked in (2, 3)]
-    made = [next(iter(train_members([job], 1, store, Progress()))).part for job in jobs]
-    assert [part.predict(jobs[0].training_set.inputs).shape[1] for part in made] == [2, 3]
+    store, job = ArtefactStore(tmp_path), _small_jobs()[1]
+    jobs = [replace(job, samples=replace(job.samples, auxiliary=auxiliary)) for auxiliary in (1, 0)]
+    made = [next(iter(train_members([job], 1, store, Progress())))[0] for job in jobs]
+    assert [part.predict(job.samples.inputs).shape[1] for part in made] == [2, 3]
 
 
-def _small_jobs(kind: type[TrainingJob] = TrainingJob) -> list[TrainingJob]:
+def _small_jobs(job: type[TrainingJob] = TrainingJob) -> list[TrainingJob]:
     rng = np.random.default_rng(0)
     teach = np.arange(60) < 45
     moved = TrainingSet(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 3)), teach, ~teach)
     pictures = TrainingSet(rng.integers(0, 255, (60, 32, 32)).astype(np.uint8), moved.targets, teach, ~teach)
-    lessons = {"dots-ridge": moved, "picture-network": pictures, "dots-network": moved}
-    return [kind(name, lesson, 3, 2, 0) for name, lesson in lessons.items()]
+    samples = {"dots-ridge": moved, "picture-network": pictures, "dots-network": moved}
+    return [job(ESTIMATORS.get(name), name, own, 2) for name, own in samples.items()]
 
 
 def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: Path) -> None:
@@ -413,8 +431,8 @@ def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: P
     for seed in (1, 2):
         torch.manual_seed(seed)
         before = torch.get_rng_state()
-        jobs = [job for job in _small_jobs() if job.is_network]
-        found.append([job.train(1, tmp_path / f"{seed} {job.name}", Progress()) for job in jobs])
+        jobs = [job for job in _small_jobs() if job.cost]
+        found.append([job.train(1, tmp_path / f"{seed} {job.name}", Progress()).arrays for job in jobs])
         assert torch.equal(torch.get_rng_state(), before)
     for one, other in zip(*found, strict=True):
         assert all(np.array_equal(one[key], other[key]) for key in one)
@@ -426,7 +444,7 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
     said = Said()
     stores = [ArtefactStore(tmp_path / f"{threads}") for threads in (1, 2)]
     alone, beside = (
-        {made.part.name: made.part for made in train_members(_small_jobs(), threads, store, said)}
+        {member.name: member for member, _ in train_members(_small_jobs(), threads, store, said)}
         for threads, store in zip((1, 2), stores, strict=True)
     )
     assert list(alone) == ["dots-ridge", "picture-network", "dots-network"]

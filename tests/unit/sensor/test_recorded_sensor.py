@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
+from palpate.learn import Ensemble
 from palpate.recording import RecordedModel
-from palpate.recording.model import EnsembleWeights, PoseReading
+from palpate.recording.model import PoseReading
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
 
@@ -15,10 +16,10 @@ FAULT = "no dots"
 
 def model(reads_markers: bool) -> RecordedModel:
     """A model of poses from -1 to 1 that reads by dots as well, or by pictures alone."""
-    by = EnsembleWeights(("picture-ridge",), np.ones((1, 2)), WIDTH)
+    by = Ensemble(("picture-ridge",), np.ones((1, 2)), WIDTH)
     outputs = (("rx", "deg", "rx"), ("ry", "deg", "ry"))
     about = {"range": [[-1.0, -1.0], [1.0, 1.0]]}
-    dots = EnsembleWeights(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_markers else None
+    dots = Ensemble(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_markers else None
     return RecordedModel(None, None, (), {}, dots, by, np.full(2, np.inf), outputs, about)
 
 

@@ -7,6 +7,7 @@ import pytest
 from palpate_guest.carroll import Carroll
 from palpate_guest.cosine import Bell
 from palpate_guest.division import Division
+from palpate_guest.neighbours import Neighbours
 from palpate_guest.table_robot import TableRobot
 from palpate_guest.wheel import WheelSpec
 
@@ -17,6 +18,7 @@ from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_m
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.recording import read_recording
 from palpate.testing import (
+    EstimatorSuite,
     LawSuite,
     LensSuite,
     ObstacleSuite,
@@ -40,6 +42,12 @@ class TestDivision(LensSuite):
     @pytest.fixture(params=[-0.3, 0.0, 0.2])
     def lens(self, request: pytest.FixtureRequest) -> Division:
         return Division(request.param)
+
+
+class TestNeighbours(EstimatorSuite):
+    @pytest.fixture
+    def kind(self) -> type[Neighbours]:
+        return Neighbours
 
 
 class TestStack(SourceSuite):

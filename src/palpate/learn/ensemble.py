@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import nnls
 
-from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.core import BoolArray, FloatArray
 
 MIXTURE, PICTURES = "mixture", "mixture of pictures"
 """Mixtures of all estimators, and of those that read pictures."""
@@ -19,26 +19,25 @@ _GAIN = 0.97
 
 
 @dataclass(eq=False)
-class EnsembleCandidate:
-    """One way to a pose.
+class Ensemble:
+    """Weighted estimators that give a pose together.
 
     Attributes
     ----------
-    name
-        Estimator, or ``mixture``.
     parts, weights
         Names, and (parts, k) weights of each component.
-    error
-        Root mean square error of the images that choose, over the range's deviations.
     half_width
         (k,) half-widths of its intervals.
+    name, error
+        The estimator, or ``mixture``; its root mean square error on the validation images, over the deviations of the
+        targets.
     """
 
-    name: str
     parts: tuple[str, ...]
     weights: FloatArray
-    error: float
     half_width: FloatArray = field(default_factory=lambda: np.zeros(0))
+    name: str = ""
+    error: float = float("nan")
 
     def combine(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
         """Estimates (n, k) from those of the parts."""
@@ -47,19 +46,10 @@ class EnsembleCandidate:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class EnsembleRanking:
-    """All ways to a pose by their error, and those taken where dots are numbered and where not (`None`: none)."""
-
-    ranked: tuple[EnsembleCandidate, ...]
-    with_dots: EnsembleCandidate | None
-    without: EnsembleCandidate | None
-
-
 def select_ensemble(
     estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
-) -> EnsembleRanking:
-    """Choose by the error on the images that choose.
+) -> tuple[list[Ensemble], Ensemble | None, Ensemble | None]:
+    """All by their error on the validation images; the best of all, and of those that read images (`None`: no such).
 
     Parameters
     ----------
@@ -79,10 +69,10 @@ def select_ensemble(
         off = ((found - targets) / scale)[whole]
         return float(np.sqrt(np.nanmean(off**2)))
 
-    ranked = [EnsembleCandidate(name, (name,), ones, error(found)) for name, found in estimates.items()]
+    ranked = [Ensemble((name,), ones, name=name, error=error(found)) for name, found in estimates.items()]
     ranked.sort(key=lambda option: option.error)
 
-    def best_of(names: list[str], rows: BoolArray, title: str) -> EnsembleCandidate | None:
+    def best_of(names: list[str], rows: BoolArray, title: str) -> Ensemble | None:
         """The best of some alone, or their mixture where it is clearly better; the mixture is ranked too."""
         alone = next((option for option in ranked if option.name in names), None)
         mixed = _mix(title, {name: estimates[name] for name in names}, targets, rows)
@@ -95,12 +85,10 @@ def select_ensemble(
     pictures = [name for name in estimates if name not in dots]
     best = best_of(list(estimates), whole, MIXTURE)
     without = best_of(pictures, choose, PICTURES) if len(pictures) < len(estimates) else best
-    return EnsembleRanking(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
+    return sorted(ranked, key=lambda option: option.error), best, without
 
 
-def _mix(
-    title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray
-) -> EnsembleCandidate | None:
+def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Ensemble | None:
     """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
     names = list(estimates)
     if len(names) < 2 or rows.sum() < 10:
@@ -116,23 +104,4 @@ def _mix(
     used = np.asarray(weights.any(axis=1))
     if used.sum() < 2:
         return None
-    return EnsembleCandidate(
-        title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf
-    )
-
-
-def press_quantile_of(errors: FloatArray, press: IntArray, level: float) -> FloatArray:
-    """Half-widths (k,) that cover a share of the values of a press to come, from errors (n, k) of K presses.
-
-    Each press weighs 1 / (K + 1), shared by its images, see `palpate.learn.interval`; infinite where K is too small.
-    """
-    _, member, images = np.unique(press, return_inverse=True, return_counts=True)
-    if not len(images):
-        return np.full(errors.shape[1], np.inf)
-    weight = 1.0 / ((len(images) + 1) * images[member.reshape(-1)])
-    widths = []
-    for column in errors.T:
-        order = np.argsort(column)
-        reached = np.flatnonzero(np.cumsum(weight[order]) >= level - 1e-12)
-        widths.append(float(column[order][reached[0]]) if len(reached) else np.inf)
-    return np.array(widths)
+    return Ensemble(tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], name=title)

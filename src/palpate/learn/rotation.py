@@ -9,8 +9,10 @@ recording itself tells.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
@@ -18,6 +20,10 @@ from scipy.spatial import Delaunay, cKDTree
 
 from palpate.core import FloatArray
 
+_TURNING, _FIXED = ("rx", "ry"), ("depth", "rz", "force")
+"""Axes that turn with the sensor, and those that stay as they are."""
+_LEAST_TURNED = 20
+"""Images that find the sense: with fewer, it is not clear."""
 COUNT = 36
 """Turns that are drawn from, evenly around."""
 MOST_DOTS = 800
@@ -30,6 +36,24 @@ _MOST_ALIKE, _ALIKE = 0.9, 0.3
 """Share of the dots that must come to lie on others when a pattern is turned, and how near, over their spacing."""
 _RINGS, _CLEAR = 5, 0.8
 """Rings over which fields are pooled to tell the sense, and residual over the other sense's that makes it clear."""
+
+
+class RotationAugmentation(NamedTuple):
+    """How poses turn with images about the middle of the dots (`palpate.learn.rotation`).
+
+    Attributes
+    ----------
+    places_px
+        (m, 2) dots as they stand when nothing favours a side, px of the images or pictures that teach.
+    base_px
+        (m, 2) displacement by which a lesson on dots tells of these places; 0 where they are those at rest.
+    sense
+        Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
+    """
+
+    places_px: FloatArray
+    base_px: FloatArray
+    sense: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,3 +146,27 @@ def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatAr
     if min(left) > _CLEAR * max(left):
         return 0
     return 1 if left[0] < left[1] else -1
+
+
+def find_rotation(
+    rest_px: FloatArray, moved_px: FloatArray, targets: FloatArray, axes: Sequence[str], at_rest: bool
+) -> RotationAugmentation | None:
+    """How (rx, ry) turn with the images; `None` if they cannot, or if another target might.
+
+    Parameters
+    ----------
+    rest_px, moved_px, targets
+        (m, 2) layout, (n, m, 2) displacements, (n, k) poses.
+    axes
+        Axis of each target.
+    at_rest
+        Whether the layout is that of a rest image. The layout of a press leans; its markers are then counted from
+        their mean positions.
+    """
+    if tuple(axes[:2]) != _TURNING or any(axis not in _FIXED for axis in axes[2:]):
+        return None
+    if len(rest_px) > MOST_DOTS or len(moved_px) < _LEAST_TURNED:
+        return None
+    base = np.zeros_like(rest_px) if at_rest else moved_px.mean(axis=0)
+    sense = find_rotation_sense(rest_px + base, moved_px - base, targets[:, :2])
+    return RotationAugmentation(rest_px + base, base, sense) if sense else None

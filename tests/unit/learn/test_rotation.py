@@ -7,9 +7,16 @@ import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
-from palpate.recording.lesson import RotationAugmentation, TrainingSet
-from palpate.recording.train_part import train_marker_network, train_rotated_network
-from palpate.recording.turns import COUNT, RotationOperators, find_rotation_sense, pattern_order, rotation
+from palpate.learn.member import MarkerNetwork, TrainingRun
+from palpate.learn.rotation import (
+    COUNT,
+    RotationAugmentation,
+    RotationOperators,
+    find_rotation_sense,
+    pattern_order,
+    rotation,
+)
+from palpate.learn.training_set import TrainingSet
 
 SENSOR = DrawnSensor(rings=5)
 STILL = np.zeros((4, 2))
@@ -58,6 +65,12 @@ def test_the_recording_tells_in_which_sense_tilts_turn():
     assert find_rotation_sense(rest, moved, shuffled) == 0
 
 
+def train_rotated(samples):
+    from palpate.learn.train_member import train_marker_network
+
+    return MarkerNetwork("turned", train_marker_network("turned", samples, epochs=200))
+
+
 def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_not():
     needs("torch")
     rest, moved, poses = drawn(400, 2)
@@ -70,13 +83,9 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
     def error(part):
         return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
 
-    plain = error(train_marker_network("plain", lesson))
+    plain = error(MarkerNetwork.train("plain", lesson, TrainingRun()))
     turned, wrong = (
-        error(
-            train_rotated_network(
-                "turned", replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one)), epochs=200
-            )
-        )
+        error(train_rotated(replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one))))
         for one in (sense, -sense)
     )
     assert turned < 0.75 * plain
@@ -90,16 +99,14 @@ def test_a_pattern_tells_its_own_symmetry(pattern, order):
 
 
 def test_pictures_turn_as_their_dots_do():
-    torch = needs("torch")
+    needs("torch")
     cv2 = needs("cv2")
-    from palpate.recording.train_part import _turn_pictures
+    from palpate.learn.train_member import rotate_images
 
     picture, middle = np.zeros((64, 64), np.uint8), np.array([30.0, 33.0])
     cv2.circle(picture, (44, 33), 2, 255, -1)
     for number in range(6):
-        turned = (
-            _turn_pictures(torch, picture[None], middle, 6, torch.tensor([0]), number)[0, 0].numpy().astype(float)
-        )
+        turned = rotate_images(picture[None], middle, 6, number)[0, 0].numpy().astype(float)
         rows, columns = np.mgrid[:64, :64]
         found = np.array([(columns * turned).sum(), (rows * turned).sum()]) / turned.sum()
         expected = middle + rotation(6 * number) @ [14.0, 0.0]
@@ -119,8 +126,8 @@ def test_a_layout_that_leans_is_told_from_the_mean():
     turning = RotationAugmentation(
         places, base, find_rotation_sense(places, moved[:80] - lean - base, poses[:80, :2])
     )
-    part = train_rotated_network("turned", replace(lesson, rotation=turning), epochs=200)
-    plain = train_marker_network("plain", lesson)
+    part = train_rotated(replace(lesson, rotation=turning))
+    plain = MarkerNetwork.train("plain", lesson, TrainingRun())
 
     def error(one):
         return float(np.sqrt(np.mean((one.predict(lesson.inputs[140:]) - poses[140:])[:, :2] ** 2)))

@@ -1,0 +1,87 @@
+"""The learning curve: how the error falls with the number of presses, and what more of them would bring."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.core import BoolArray, IntArray, MissingExtraError, load_extra
+from palpate.learn.member import EnsembleMember, ImageRidge, MarkerNetwork, MarkerRidge, TrainingRun
+from palpate.learn.training_set import TrainingSet
+
+PRESSES = (10, 30, 100, 300, 1000, 3000)
+"""Numbers of presses that are tried, as far as there are so many."""
+_EPOCHS = 150
+"""Epochs of the one network by which the curve is drawn: fewer than those of the model, so its errors are larger."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """Errors after a number of presses.
+
+    Attributes
+    ----------
+    presses, estimator
+        Number of presses that taught, and what learnt from them.
+    rmse
+        One a component, on the presses held out.
+    """
+
+    presses: int
+    estimator: str
+    rmse: tuple[float, ...]
+
+
+def compute_learning_curve(
+    samples: TrainingSet,
+    press: IntArray,
+    test: BoolArray,
+    train: Callable[[TrainingSet, int], Iterable[EnsembleMember]],
+) -> tuple[CurvePoint, ...]:
+    """Errors after ever more presses, on the same test presses.
+
+    Parameters
+    ----------
+    samples, press, test
+        All samples, their presses (n,), and the test samples (n,).
+    train
+        Estimators trained on samples of a number of presses; that of least validation error is taken.
+    """
+    presses, points = np.unique(press[samples.train]), []
+    for count in (*(number for number in PRESSES if number < len(presses)), len(presses)):
+        some = replace(samples, train=samples.train & np.isin(press, presses[:count]))
+        validation = samples.inputs[samples.validation]
+        best = min(train(some, count), key=lambda member: some.error(member.predict(validation)))
+        error = best.predict(samples.inputs[test]) - samples.targets[test]
+        points.append(CurvePoint(count, best.name, tuple(float(x) for x in np.sqrt(np.mean(error**2, axis=0)))))
+    return tuple(points)
+
+
+def train_quickly(samples: TrainingSet, presses: int) -> Iterator[EnsembleMember]:
+    """Ridge, and a network on markers if there are enough presses and torch is installed."""
+    ridge = ImageRidge if samples.inputs.dtype == np.uint8 else MarkerRidge
+    yield ridge.train("ridge", samples, TrainingRun())
+    if ridge is MarkerRidge and presses >= 30:
+        with contextlib.suppress(MissingExtraError):
+            load_extra("torch", "learn")
+            from palpate.learn.train_member import train_marker_network
+
+            yield MarkerNetwork("network", train_marker_network("network", samples, epochs=_EPOCHS, members=1))
+
+
+def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
+    """What twice as many presses would bring, by the law of the last two points; empty for fewer than two."""
+    if len(points) < 2:
+        return ""
+    first, last = points[-2:]
+    fell = 1 - np.median(np.array(last.rmse) / first.rmse)
+    falls = np.log(np.array(first.rmse) / np.array(last.rmse)) / np.log(last.presses / first.presses)
+    gain = float(1.0 - 2.0 ** -max(float(np.median(falls)), 0.0))
+    verdict = "more presses would pay" if gain > 0.1 else "it is nearly enough" if gain > 0.04 else "it is enough"
+    return (
+        f"From {first.presses} to {last.presses} presses the error fell by {fell:.0%}; "
+        f"twice as many would bring about {gain:.0%}: {verdict}."
+    )
