@@ -208,14 +208,15 @@ class Trainer:
         """One step of AdamW with a learning rate for each member."""
         factor = self.spec.learning_rate * self.spec.schedule(step, steps)
         rates = torch.tensor([factor * member.rate for member in self.active], device=self.parameters[0].device)
+        corrected = rates / (1.0 - BETA_1**step)
         for parameter, gradient, (mean, square) in zip(self.parameters, gradients, self.moments, strict=True):
-            rate = rates.view(-1, *(1,) * (parameter.dim() - 1))
+            shape = (-1, *(1,) * (parameter.dim() - 1))
             mean.lerp_(gradient, 1.0 - BETA_1)
             square.mul_(BETA_2).addcmul_(gradient, gradient, value=1.0 - BETA_2)
             size = (square / (1.0 - BETA_2**step)).sqrt_().add_(EPSILON)
             if self.spec.weight_decay:
-                parameter.mul_(1.0 - rate * self.spec.weight_decay)
-            parameter.sub_(rate / (1.0 - BETA_1**step) * mean / size)
+                parameter.mul_(1.0 - rates.view(shape) * self.spec.weight_decay)
+            parameter.sub_(corrected.view(shape) * mean / size)
 
     @torch.no_grad()
     def _validate(self) -> float:
