@@ -1,6 +1,6 @@
 """Kinds of estimators: each is trained on samples, and estimates from displacements or images.
 
-An installed package adds a kind by an entry point in the group ``palpate.estimators``; `palpate learn` then trains it
+An installed package adds a kind by an entry point in the group ``palpate.estimators``; `palpate recording train` then trains it
 with the kinds of the package, and it may become a part of the model.
 """
 
