@@ -1,7 +1,7 @@
 """Kinds of estimators: each is trained on samples, and estimates from displacements or images.
 
-An installed package adds a kind by an entry point in the group ``palpate.estimators``; `palpate recording train` then trains it
-with the kinds of the package, and it may become a part of the model.
+An installed package adds a kind by an entry point in the group ``palpate.estimators``. `palpate recording train` then
+trains it with the kinds of palpate, and it may become a part of the model.
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ def read_model(path: Path) -> RecordedModel:
     PalpateError
         If the file is not such a model.
     """
-    again = "Make it again by palpate learn."
+    again = "Make it again by palpate recording train."
     try:
         with h5py.File(path, "r") as file:
             reject_external_links(file, path)

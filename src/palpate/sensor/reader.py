@@ -292,7 +292,7 @@ def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
     if is_recorded_model(path):
         raise PalpateError(
             f"{path.name} was learnt from a recording and knows no design.",
-            "Use it by palpate sensor live or palpate accept.",
+            "Use it by palpate sensor live or palpate calibration accept.",
             code="model-no-design",
         )
     return read_twin(path)

@@ -11,7 +11,7 @@ from palpate.core import PalpateError
 from palpate.recording import RecordedModel, is_recorded_model, read_model
 
 MODEL = "model.h5"
-_AGAIN = "Make it again by palpate learn."
+_AGAIN = "Make it again by palpate recording train."
 PICTURES = {
     "correspondence.png": "Dots of six images, with their ways from rest",
     "errors.png": "Errors over the truth, and over the presses that taught",
@@ -62,7 +62,7 @@ def read_trained_sensor(folder: Path) -> TrainedSensor:
     except (OSError, ValueError) as error:
         raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN, code="file-unreadable") from error
     if not isinstance(report, dict) or not isinstance(report.get("estimators"), list):
-        raise PalpateError(f"{path} is no report of palpate learn.", _AGAIN, code="report-unreadable")
+        raise PalpateError(f"{path} is no report of palpate recording train.", _AGAIN, code="report-unreadable")
     return TrainedSensor(folder, model, report)
 
 

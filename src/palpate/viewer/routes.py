@@ -64,7 +64,9 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
         found = {} if sensors is None else sensors.pictures
         if name not in found:
             raise PalpateError(
-                "There is no such picture.", "Make the report again by palpate learn.", code="picture-missing"
+                "There is no such picture.",
+                "Make the report again by palpate recording train.",
+                code="picture-missing",
             )
         return Response(found[name].read_bytes(), media_type="image/png")
 
