@@ -6,12 +6,15 @@ import importlib
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent / "src"), str(HERE)]
 
 from palpate import __version__  # noqa: E402
+from palpate.cli.app import app  # noqa: E402
 from palpate.core import Spec, parameters  # noqa: E402
 
 project, author, copyright, release = "palpate", "The palpate developers", "The palpate developers", __version__
@@ -38,7 +41,7 @@ STAGES = [
     "fea",
     "deck",
     "camera",
-    "markers",
+    "vision",
     "twin",
     "built",
     "dataset",
@@ -47,7 +50,7 @@ STAGES = [
     "ros",
     "fabricate",
     "sensor",
-    "bench",
+    "simulation",
     "study",
     "grid",
     "claims",
@@ -58,10 +61,15 @@ STAGES = [
     "verify",
     "testing",
 ]
-COMMANDS = (
-    "run status view press stability convergence deck design limit claims optimise fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live serve learn bench benchmark align export accept verify doctor".split()
-)
+
+
+def commands(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Words of every verb."""
+    for name in part:
+        if part[name].default_command is not None:
+            yield (*words, name)
+        elif not name.startswith("-"):
+            yield from commands(part[name], (*words, name))
 
 
 def write_reference() -> None:
@@ -79,10 +87,10 @@ def write_reference() -> None:
                 lines += [f"```{{{kind}}} {title}.{name}", *([":members:"] if kind == "autoclass" else []), "```", ""]
         _write(HERE / "reference" / f"{stage}.md", "\n".join(lines))
     lines = ["# Commands", "", "`palpate COMMAND --help`, as the program prints it.", ""]
-    for command in COMMANDS:
-        call = [sys.executable, "-c", "from palpate.cli import main; main()", command, "--help"]
+    for words in commands():
+        call = [sys.executable, "-m", "palpate", *words, "--help"]
         text = subprocess.run(call, capture_output=True, text=True, check=True, cwd=HERE.parent, env=_plain()).stdout
-        lines += [f"## palpate {command}", "", "```text", text.strip(), "```", ""]
+        lines += [f"## palpate {' '.join(words)}", "", "```text", text.strip(), "```", ""]
     _write(HERE / "reference" / "commands.md", "\n".join(lines))
 
 
