@@ -6,7 +6,7 @@ from palpate.fabricate import ProcessSpec, build_mold
 
 def main() -> float:
     dome, mount, process = build_skin(DomeSpec(height=20, thickness=2)), MountSpec(), ProcessSpec()
-    part = build_contact_module(dome, mount).build_solid()
+    part = build_contact_module(dome, mount).solid()
     scale = 1 / (1 - process.shrinkage_percent / 100)
     mold = build_mold(build_contact_module(dome, mount, scale), process)
     print(f"part {part.volume / 1000:.2f} mL, mold holds {mold.hollow() / 1000:.2f} mL")

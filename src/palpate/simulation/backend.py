@@ -16,7 +16,7 @@ from scipy.signal import resample
 
 from palpate.core import FloatArray
 from palpate.core.state import State
-from palpate.design import TILT_SPACE, wall_normal
+from palpate.design import TILT_SPACE, turn_about_axis
 from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulation.simulated_unit import SimulatedUnit
@@ -133,10 +133,8 @@ class SolverBackend(UnitBackend):
         if contact["depth_mm"] <= 0.0:
             return np.zeros(3)
         press, depth = self._press(contact, inverted)
-        normal_force = press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)
-        return interpolate_depths(press, normal_force, depth) * wall_normal(
-            *np.radians(contact[("rx_deg", "ry_deg")])
-        )
+        azimuth = float(np.arctan2(contact["ry_deg"], contact["rx_deg"]))
+        return turn_about_axis(azimuth) @ interpolate_depths(press, press.force, depth)[0]  # solved at azimuth 0
 
     def _press(self, contact: State, inverted: bool) -> tuple[Press, FloatArray]:
         """Increments of a press about a depth, and the depth (1,) mm, no deeper than the press."""
