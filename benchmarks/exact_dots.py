@@ -32,41 +32,37 @@ from palpate.material import get_material
 from palpate.optimise import RequirementsSpec
 from palpate.optimise.prove import _Candidate
 from palpate.simulation import SimulatedUnit
-from palpate.simulation import bench as virtual
+from palpate.simulation import run_trial as virtual
 from palpate.study import find_artefact
 
 KNOWN_ROBOT = {"robot_tilt_deg": 1e-6, "robot_depth": 1e-6}
 
 
-class ExactDots:
-    """A scene whose images are the places (m, 2) px of the layout's dots; NaN for those that are not printed."""
-
-    def __init__(self, scene: SimulatedUnit) -> None:
-        self.scene = scene
+class ExactDots(SimulatedUnit):
+    """A unit whose images are the places (m, 2) px of the layout's dots; NaN for those that are not printed."""
 
     def predict(self, edges: FloatArray) -> FloatArray:
         """Centres of area of the traces of dots; the last is the orientation mark."""
-        found = np.full((len(self.scene.printed), 2), np.nan)
-        found[self.scene.printed] = project_markers(self.scene.camera, edges).centres[:-1]
+        found = np.full((len(self.printed), 2), np.nan)
+        found[self.printed] = project_markers(self.camera, edges).centres[:-1]
         return found
 
-    def render_press(self, press: Press) -> Iterator[FloatArray]:
+    def render_press(self, press: Press) -> list[FloatArray]:
         """Dots in every image of a press."""
-        for points in press.positions(self.scene.edges.reshape(-1, 3)):
-            yield self.predict(points.reshape(self.scene.edges.shape))
+        return [self.predict(edges) for edges in self.press_edges(press)]
 
 
 def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
     spec, twin = bench.spec, bench.opened_model
-    dots = ExactDots(SimulatedUnit(Design.of_skin(bench.nominal, bench.layout, bench.camera), deviation, spec.render))
-    rest = dots.predict(dots.scene.edges)
-    belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
+    dots, design = ExactDots(bench.design, deviation, spec.render), bench.design
+    rest = dots.predict(dots.edges)
+    belief = infer_from_rest(twin, design.layout, design.camera_spec, rest, spec.tolerance, NOISE_PX)
     model, rng = (
-        build_unit_model(twin, bench.layout, belief, spec.tolerance),
+        build_unit_model(twin, design.layout, belief, spec.tolerance),
         generator(spec.seed, "directions", deviation.unit),
     )
-    known = virtual._known(bench, dots, None, deviation, rng)
+    known = virtual._known(bench, dots, rng)
     presses = [CalibrationPress(poses, np.array(seen)) for poses, seen, _ in known]
     found = identify(model, presses, NOISE_PX, virtual._robot(bench))
     fitter, errors = PoseFitter(model.with_posterior(found.posterior), NOISE_PX, found.mounting, None), []

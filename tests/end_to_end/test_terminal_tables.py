@@ -159,8 +159,8 @@ def verbs_with_tables() -> dict[str, bool]:
 
 def verb_of(words: str) -> str:
     """The verb of a command line."""
-    first = words.split()[0]
-    return first if first in verbs_with_tables() else " ".join(words.split()[:2])
+    starts = (" ".join(words.split()[:count]) for count in (1, 2, 3))
+    return next(start for start in starts if start in verbs_with_tables())
 
 
 def every_verb() -> dict[str, str]:
@@ -169,7 +169,7 @@ def every_verb() -> dict[str, str]:
     return {
         name: words.format(data=DATA)
         for name, words in found.items()
-        if verb_of(words) == "live" or verbs_with_tables()[verb_of(words)]
+        if verb_of(words) == "sensor live" or verbs_with_tables()[verb_of(words)]
     }
 
 

@@ -249,21 +249,21 @@ LIVE: dict[str | Callable[[], Any], tuple[object, ...]] = {
     "press --points none.csv": ("file-unreadable", "none.csv"),
     "press --points points.csv": ("point-outside-skin", "points.csv", 25),
     "press --export taken": ("folder-exists", "taken"),
-    "deck -o none/press.inp": ("folder-missing", "none"),
-    "design --markers 8": ("marker-count-not-rings", 8, 7, 19),
-    "design --hight 20": ("usage", "--hight"),
+    "design deck -o none/press.inp": ("folder-missing", "none"),
+    "design show --markers 8": ("marker-count-not-rings", 8, 7, 19),
+    "design show --hight 20": ("usage", "--hight"),
     "run second": ("file-unreadable", "second"),
     "run first --workers 0": ("option-out-of-bounds", "--workers", 0),
-    "grid show taken": ("grid-missing", "taken", "grid.json"),
-    "fit none.csv": ("file-unreadable", "none.csv"),
-    "fit points.csv --tension points.csv": ("column-missing", "points.csv", "--strain"),
-    "find taken": ("folder-no-image", "taken"),
-    "calibrate taken --board chess": ("board-unknown", "chess"),
+    "study show taken": ("grid-missing", "taken", "grid.json"),
+    "material fit none.csv": ("file-unreadable", "none.csv"),
+    "material fit points.csv --tension points.csv": ("column-missing", "points.csv", "--strain"),
+    "sensor detect taken": ("folder-no-image", "taken"),
+    "calibration camera taken --board chess": ("board-unknown", "chess"),
     "verify --only doom": ("case-unknown", "doom"),
     "material show yeoh:1": ("law-constant-count", "yeoh", 1),
 }
 """What a person or a program asks for, and the code and values of the answer."""
-OF_IMAGES = (missing_image, "find taken", "calibrate taken --board chess")
+OF_IMAGES = (missing_image, "sensor detect taken", "calibration camera taken --board chess")
 """Those that need OpenCV."""
 
 
