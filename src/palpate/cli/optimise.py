@@ -97,7 +97,7 @@ def optimise(
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours
     folder = keep_results(out or RESULTS / spec.name)
-    command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
+    command = shlex.join(["palpate", "search", requirements, "--out", str(folder), *search.words()])
     workers, cluster = worker_flags.workers, worker_flags.cluster or ""
     with show_progress() as progress:
         front = optimise_design(spec, folder, workers, progress, sampler=search.sampler, cluster=cluster)
