@@ -113,9 +113,9 @@ def press_unit(drawn: TwinBackend, press: UnitPress, depth: float) -> tuple[Floa
     force, normal = drawn.force(contact, press.inverted), wall_normal(*np.radians([press.rx, press.ry]))
     pressing = float(force @ normal)
     shear = float(np.linalg.norm(force - pressing * normal))
-    told = (press.rx, press.ry, depth, round(pressing, _DIGITS), round(shear, _DIGITS), press.friction)
-    assert len(told) == len(LABELS)
-    return drawn.edges(contact, press.inverted), told
+    labels = (press.rx, press.ry, depth, round(pressing, _DIGITS), round(shear, _DIGITS), press.friction)
+    assert len(labels) == len(LABELS)
+    return drawn.edges(contact, press.inverted), labels
 
 
 def _seed_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> int:

@@ -79,16 +79,16 @@ def predict_by_images(
     MissingExtraError
         If torch is not installed.
     """
-    teach, judge, test = (_look(benchmark, split, spec.picture_px) for split in ("train", "calibrate", "test"))
+    teach, calibrate, test = (_look(benchmark, split, spec.picture_px) for split in ("train", "calibrate", "test"))
     lesson = TrainingSet(
-        inputs=np.concatenate([teach[1], judge[1]]),
-        targets=np.concatenate([teach[2], judge[2]]),
-        train=np.repeat([True, False], [len(teach[0]), len(judge[0])]),
-        validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
+        inputs=np.concatenate([teach[1], calibrate[1]]),
+        targets=np.concatenate([teach[2], calibrate[2]]),
+        train=np.repeat([True, False], [len(teach[0]), len(calibrate[0])]),
+        validation=np.repeat([False, True], [len(teach[0]), len(calibrate[0])]),
         seed=spec.seed,
     )
     part = ImageNetwork.train("picture", lesson, TrainingRun(spec.picture_epochs, 1, checkpoint, progress))
-    half = press_quantile(np.abs(part.predict(judge[1]) - judge[2]), judge[3], _LEVEL)
+    half = press_quantile(np.abs(part.predict(calibrate[1]) - calibrate[2]), calibrate[3], _LEVEL)
     poses = part.predict(test[1])
     return _predictions(test[0], poses, np.broadcast_to(half, poses.shape))
 

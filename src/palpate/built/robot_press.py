@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from palpate.core import FloatArray
 
 CALIBRATION_TILTS = (0.35, 0.8)
-"""Tilts of calibration presses over the greatest tilt, in turn."""
+"""Tilts of calibration presses in turn, as shares of the maximum tilt."""
 _CALIBRATION_TURN_DEG = 144.0
 """Azimuth from one calibration press to the next, degrees: two fifths of a turn."""
 

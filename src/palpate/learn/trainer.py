@@ -102,7 +102,7 @@ class TrainingTask(ABC):
         """Batches of validation samples: inputs (1, b, …) and targets (b, k)."""
 
 
-@dataclass
+@dataclass(eq=False)
 class TrainedState:
     """One member in training.
 
@@ -271,6 +271,7 @@ class Trainer:
         self.active, self.epoch = [self.members[row] for row in found["active"]], found["epoch"]
         self.parameters = [one.requires_grad_() for one in found["parameters"]]
         self.moments = found["moments"]
+        self.start = [one[found["active"]] for one in self.start]
         for own, value in zip(self.task.buffers, found["buffers"], strict=True):
             own.copy_(value)
 
