@@ -16,7 +16,7 @@ _GRAIN = 0.865
 """Share of its variance by the noise of pixels, over the root of the diameter as the Cramer-Rao bound says; the rest
 grows with the diameter, by light that is uneven across a dot. From `benchmarks/dot_noise.py`: 24 diameters of 3.2
 to
-15.5 px on degraded images of the bench, within 19 % of the law (docs/decisions/0074)."""
+15.5 px on degraded images of the bench, within 19 % of the law (docs/design_notes/calibration.md)."""
 MODEL_ERROR_PX = 0.02
 """What the twin itself may be off, px, of a skin and in an image of the sizes in `palpate.built.scale`."""
 FREEDOM = 30.0

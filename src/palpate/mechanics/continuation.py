@@ -43,7 +43,8 @@ _ROUNDING = 1e-6
 _ORDER = 2
 """Order of the predictor."""
 _GROWTH = ((10, 2.0), (15, 1.4))
-"""Factor on the next increment after one of at most so many iterations (docs/decisions/0016)."""
+"""Factor on the next increment after one of at most so many iterations
+(docs/design_notes/mechanics.md)."""
 _STIFFENING = 2.0
 """Exponent of force over depth beyond which a skin stiffens, and increments shrink by its square."""
 _SHRINK = 0.8

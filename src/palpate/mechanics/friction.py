@@ -98,7 +98,8 @@ def correct_history(
     the solution, in which the patch sticks only up to its old edge. Beside the edge of what sticks a free surface
     moves as the root of the distance from it. So while the edge sweeps on at the rate L, a point at x, reached at the
     share a = x / L of the increment, moves ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, where the solution gives
-    ``sqrt(x)`` (docs/decisions/0063). In the first increment nothing sticks yet, and a point slides up to its time.
+    ``sqrt(x)`` (docs/design_notes/mechanics.md). In the first increment nothing sticks yet, and a point slides up to
+    its time.
     """
     reach0, place0 = before.obstacle.closest_points(before.points)
     reach1, place1 = after.obstacle.closest_points(after.points)

@@ -46,7 +46,7 @@ class PathLoading(ABC):
         """Longest increment in mm from a depth in mm: the patch's edge advances by some `edge` mm in it.
 
         On a sphere of that radius in mm the patch has the radius ``sqrt(2 R d)``, so its edge goes `edge` on while
-        the depth grows by ``edge sqrt(2 d / R)`` (docs/decisions/0063). Infinite where nothing touches.
+        the depth grows by ``edge sqrt(2 d / R)`` (docs/design_notes/mechanics.md). Infinite where nothing touches.
         """
 
     @abstractmethod

@@ -42,7 +42,7 @@ class SolverSpec(Spec):
         unit="1",
         meaning="advance of the patch's edge in an increment over the wall's thickness, at most; 1.5 times "
         "that without friction, 0.8 times where points slip",
-        source="docs/decisions/0063",
+        source="docs/design_notes/mechanics.md",
         gt=0.01,
         le=10,
     )

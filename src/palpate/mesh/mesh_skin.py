@@ -17,7 +17,8 @@ from palpate.mesh.spec import MeshSpec
 from palpate.mesh.tube import CELLS, CORE, grid_tube
 
 _MOST_CELLS_OF_A_CORE = 36
-"""Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
+"""Most cells of a meridian for which four cells are enough along half a turn
+(docs/design_notes/mesh.md)."""
 _LOW = 0.75
 """Height over base radius below which a skin is low."""
 _FARTHEST_POLE = 0.35
@@ -29,7 +30,7 @@ _FILLED_CELLS, _FILLED_CORE = 10, 3
 """Cells of a meridian of a filled skin, and its core: a block of cells stands under it."""
 _CELLS, _MORE_CELLS, _THICK = 14.0, 40.0, 0.1
 """Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
-(docs/decisions/0063)."""
+(docs/design_notes/mesh.md)."""
 
 
 def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None = None) -> Mesh:

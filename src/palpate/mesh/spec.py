@@ -17,7 +17,7 @@ class MeshSpec(Spec):
         None,
         unit="1",
         meaning="cells along a meridian from pole to rim; empty: chosen from the wall's thickness",
-        source="convergence study, docs/decisions",
+        source="convergence study, docs/design_notes/mesh.md",
         ge=4,
         le=200,
     )
@@ -25,7 +25,7 @@ class MeshSpec(Spec):
         None,
         unit="1",
         meaning="half the cells along a side of the square in the middle; four times as many lie along half a turn",
-        source="docs/decisions/0063",
+        source="docs/design_notes/mesh.md",
         ge=1,
         le=40,
     )

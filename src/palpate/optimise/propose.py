@@ -53,7 +53,7 @@ from palpate.twin import Twin, read_twin
 
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
-of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
+of a twin at full fidelity, whose figures they meet within some per cent (docs/design_notes/optimise.md)."""
 _EVALUATED_BY = (
     "seed",
     "calibration_presses",
