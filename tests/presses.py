@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate import fea
-from palpate import twin as twins
+from palpate import surrogate as twins
 from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec

@@ -232,7 +232,7 @@ WIDER = {
     "mechanics": 37,
     "sensor": 66,
     "study": 77,
-,}
+}
 """Rooms that are still to be trimmed."""
 
 
