@@ -16,9 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.deck import CalculixSpec, DeckSpec, Dialect, solve_press_calculix
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import CalculixSpec, DeckSpec, Dialect, Press, WallSpec, solve_press, solve_press_calculix
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 

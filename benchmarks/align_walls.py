@@ -19,7 +19,7 @@ import numpy as np
 from palpate.core import PalpateError
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.simulation import AlignmentScenario, VirtualUnit, describe_wall
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 ROBOT_DEG = 0.05
 """Of the robot's turns, about each axis."""

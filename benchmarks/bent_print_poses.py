@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.calibration import Deviation, PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec, marker_outlines
 from palpate.core import generator
 from palpate.design import Design, MarkerSpec, place_markers, place_orientation_mark
@@ -24,8 +24,8 @@ from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import SensorSpec, Unit, open_sensor
-from palpate.simulation import Deviation, SimulatedUnit
-from palpate.twin import read_twin
+from palpate.simulation import SimulatedUnit
+from palpate.surrogate import read_twin
 
 PRINTS = 6
 WALLS = ((3.0, 40.0), (6.0, 160.0), (9.0, 285.0))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, generator
-from palpate.dataset import Dataset, DatasetSpec, draw_jitter, generate_dataset
+from palpate.datasets import Dataset, DatasetSpec, draw_jitter, generate_dataset
 from palpate.fea import read_press
 from palpate.learn import (
     Estimator,

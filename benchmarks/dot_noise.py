@@ -7,7 +7,7 @@ noise. What is found is held against the centroid of each dot's trace. `noise_px
 off on the average (root of the mean square over dots, each robust against specks of dirt), `constant_px` the spread
 of these averages, which light and dirt make and which is the same wherever the dot hardly moves; `both_px` has both.
 `bound_px` is the Cramer-Rao bound of the centre of a disc of diameter d, contrast C and edge s under the noise of a
-pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.built.noise.noise_by_diameter` says.
+pixel alone, sqrt(4 s / (sqrt(pi) d)) sigma / C, and `law_px` what `palpate.calibration.noise.noise_by_diameter` says.
 """
 
 import csv
@@ -17,11 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.built.noise import noise_by_diameter
+from palpate.calibration import Deviation
+from palpate.calibration.noise import noise_by_diameter
 from palpate.camera import CameraSpec, project_markers, render
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.simulation import DEGRADED, Deviation, SimulatedUnit
+from palpate.simulation import DEGRADED, SimulatedUnit
 from palpate.vision import DetectSpec, prepare_detector
 
 DIAMETERS_MM, DISTANCES_MM = (0.8, 1.0, 1.3, 1.6, 2.0, 2.5), (30.0, 38.0, 48.0, 54.0)

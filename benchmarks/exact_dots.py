@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.built import (
+from palpate.calibration import (
     CalibrationPress,
     Deviation,
     PoseFitter,
@@ -23,14 +23,14 @@ from palpate.built import (
     infer_from_rest,
     sample_deviation,
 )
-from palpate.built.noise import NOISE_PX
+from palpate.calibration.noise import NOISE_PX
 from palpate.camera import project_markers
 from palpate.core import ArtefactStore, FloatArray, generator
 from palpate.design import Design, MarkerSpec, skin_from_data
 from palpate.fea import Press
 from palpate.material import get_material
 from palpate.optimise import RequirementsSpec
-from palpate.optimise.prove import _Candidate
+from palpate.optimise.validate_designs import _Candidate
 from palpate.simulation import SimulatedUnit
 from palpate.simulation import run_trial as virtual
 from palpate.study import find_artefact

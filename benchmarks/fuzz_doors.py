@@ -128,7 +128,7 @@ def _find_dots(path: Path) -> object:
 
 
 def _read_grid(path: Path) -> object:
-    from palpate.grid import read_grid
+    from palpate.study import read_grid
 
     os.replace(path, path.with_name("grid.sqlite"))
     return read_grid(path.parent)
@@ -173,8 +173,8 @@ def _image_door(folder: Path) -> Door:
 
 
 def _grid_door(folder: Path) -> Door:
-    from palpate.grid import SpecificationGrid
-    from palpate.grid.database import write_database
+    from palpate.study import SpecificationGrid
+    from palpate.study.grid_database import write_database
 
     rows = tuple({"height_mm": 20.0, "markers": count, "rmse_deg": 0.1, "dome": "hemisphere"} for count in (7, 37))
     write_database(folder / "grid.sqlite", SpecificationGrid(rows))
@@ -296,7 +296,7 @@ def _press_door(folder: Path) -> Door:
 
 
 def _dataset(presses: int = 40, markers: int = 7):  # type: ignore[no-untyped-def]
-    from palpate.dataset import Dataset, DatasetSpec, sample_poses
+    from palpate.datasets import Dataset, DatasetSpec, sample_poses
 
     spec = DatasetSpec(n_presses=presses)
     poses = np.column_stack([sample_poses(spec), np.full(presses, 4.0)])
@@ -318,7 +318,7 @@ def _dataset(presses: int = 40, markers: int = 7):  # type: ignore[no-untyped-de
 
 
 def _dataset_door(folder: Path) -> Door:
-    from palpate.dataset import read_dataset, write_dataset
+    from palpate.datasets import read_dataset, write_dataset
 
     write_dataset(folder / "dataset.h5", _dataset())
     return Door("dataset", ".h5", ((folder / "dataset.h5").read_bytes(),), read_dataset)

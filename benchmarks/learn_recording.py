@@ -25,11 +25,11 @@ from drawn_gel import DrawnGel, draw_gel_recording
 from drawn_tactip import DrawnSensor, another_unit, draw_motions, draw_recording
 from palpate.cli.progress import TerminalProgress
 from palpate.core import ArtefactStore
-from palpate.recording import (
+from palpate.datasets import read_recording
+from palpate.learn import (
     RecordingSpec,
     prepare_recording,
     read_pretrained,
-    read_recording,
     recording_report,
     train_on_recording,
     write_model,

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, read_dataset, split_presses
+from palpate.datasets import Dataset, draw_jitter, read_dataset, split_presses
 from palpate.learn import Metrics, TrainingSet, TrainingSpec, fit_ridge, measure_errors
 from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.network import collect_layers, train_network

@@ -80,10 +80,10 @@ def tabulate_images(presses: dict[str, list[Any]]) -> list[dict[str, Any]]:
     import numpy as np
 
     from palpate.camera import CameraSpec, build_camera
-    from palpate.dataset import DatasetSpec, sample_poses
+    from palpate.datasets import DatasetSpec, sample_poses
     from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
     from palpate.learn import compute_error_bounds
-    from palpate.twin import build_field, image_jacobian
+    from palpate.surrogate import build_field, image_jacobian
 
     camera = build_camera(CameraSpec())
     spec = DatasetSpec(max_tilt_deg=REACH_DEG)

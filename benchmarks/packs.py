@@ -21,10 +21,9 @@ import lib3mf
 import meshio
 import numpy as np
 
-from palpate.cad import read_step
 from palpate.core import PalpateError
-from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec
-from palpate.fabricate import PadMapping, ProcessSpec, project_to_skin, write_pack
+from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec, read_step
+from palpate.fabrication import PadMapping, ProcessSpec, project_to_skin, write_pack
 
 HEIGHTS, THICKNESSES, MARKERS = (10, 20, 30), (1, 2, 3, 4), (7, 37, 91, 169)
 COLUMNS = [
@@ -104,8 +103,7 @@ def check(folder: Path, design: Design, process: ProcessSpec) -> dict[str, float
 
 def hollow(parts: dict, design: Design, process: ProcessSpec) -> float:
     """Volume in mm³ that cavity and core leave between them: block minus both, pins and holes left out."""
-    from palpate.cad import cylinder, revolve
-    from palpate.design import build_contact_module
+    from palpate.design import build_contact_module, cylinder, revolve
 
     module = build_contact_module(design.skin, MountSpec(), 1 / (1 - process.shrinkage_percent / 100))
     top = module.skin.height + module.skin.thickness

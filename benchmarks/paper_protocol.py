@@ -17,7 +17,7 @@ import numpy as np
 
 from palpate.camera import build_camera
 from palpate.core import generator
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainingSet, paper_training

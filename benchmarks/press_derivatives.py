@@ -20,10 +20,10 @@ from pathlib import Path
 import numpy as np
 
 from palpate.design import DomeSpec, build_skin, skin_from_data
-from palpate.fea import Press, SolverSpec, WallSpec, solve_press
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.fea.solve_press import start_press
 from palpate.material import Material, get_material, material_from_data
-from palpate.mechanics import Obstacle
+from palpate.mechanics import Obstacle, SolverSpec
 from palpate.mesh import Mesh, centre_mesh, mesh_skin, reshape_mesh
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.calibration import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec
-from palpate.dataset import draw_jitter, read_dataset
+from palpate.datasets import draw_jitter, read_dataset
 from palpate.design import TILT_SPACE, MarkerSpec, place_markers
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 
 def main(dataset_path: str, twin_path: str) -> None:

@@ -20,7 +20,7 @@ from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.sensor import Unit, open_sensor
 from palpate.simulation import SimulatedSource
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 WALLS = ((3.0, 20.0, 0.8), (6.0, 140.0, 0.5), (9.0, 260.0, 1.2))
 """Tilt and azimuth (degrees) and friction of the three presses."""

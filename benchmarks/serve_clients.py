@@ -18,13 +18,13 @@ import numpy as np
 import uvicorn
 import websockets
 
-from palpate.built import Deviation
+from palpate.calibration import Deviation
 from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
 from palpate.design import Design, MarkerSpec, place_markers
 from palpate.sensor import Unit, open_sensor
 from palpate.simulation import SimulatedUnit
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 from palpate.viewer import Feed, ServeSpec, build_readings_app
 from palpate.viewer.guard import Guard
 from palpate.viewer.serve_readings import bound_backlog

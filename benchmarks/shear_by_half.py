@@ -12,8 +12,9 @@ import sys
 import numpy as np
 
 from palpate.design import DomeSpec, MarkerSpec, place_markers
-from palpate.fea import Press, SolverSpec, WallSpec, solve_press
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 
 SKIN = DomeSpec().build()

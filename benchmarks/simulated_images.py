@@ -14,7 +14,7 @@ import torch
 
 from palpate.camera import build_camera
 from palpate.design import MarkerSpec, place_markers
-from palpate.twin import BatchTwin, read_twin
+from palpate.surrogate import BatchTwin, read_twin
 
 COUNT, ONE_BY_ONE = 20_000, 2_000
 EXAMPLE = Path(__file__).parents[1] / "examples" / "ex14_mujoco.py"

@@ -20,10 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.deck import DeckSpec, Dialect, solve_press_calculix
-from palpate.deck.calculix import CalculixSpec
 from palpate.design import ConeSpec, DomeSpec, EllipsoidSpec, MarkerSpec, Skin, SkinSpec, SplineSpec, place_markers
-from palpate.fea import ObstacleSpec, Press, WallSpec, solve_press
+from palpate.fea import DeckSpec, Dialect, ObstacleSpec, Press, WallSpec, solve_press, solve_press_calculix
+from palpate.fea.calculix import CalculixSpec
 from palpate.material import Material, get_material
 from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
 from palpate.study import plan_study, read_study

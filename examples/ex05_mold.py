@@ -1,7 +1,7 @@
 """Volumes of a contact module and of the mold that casts it."""
 
 from palpate.design import DomeSpec, MountSpec, build_contact_module, build_skin
-from palpate.fabricate import ProcessSpec, build_mold
+from palpate.fabrication import ProcessSpec, build_mold
 
 
 def main() -> float:

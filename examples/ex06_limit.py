@@ -4,13 +4,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec
+from palpate.datasets import DatasetSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import compute_error_bounds
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 
 
 def main() -> float:

@@ -1,13 +1,13 @@
 """From presses to an estimator: dataset, training, its error on presses it never saw, and the limit."""
 
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainingSpec, compute_error_bounds, evaluate, pool_bounds, train
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 
 
 def main() -> float:

@@ -2,7 +2,7 @@
 
 import palpate as pp
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.learn import TrainingSpec, evaluate, train
 
 

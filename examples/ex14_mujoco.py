@@ -11,9 +11,9 @@ import palpate as pp
 from palpate.camera import build_camera
 from palpate.fea import Press
 from palpate.mechanics import SolverSpec
-from palpate.robot import tilt_from_normal
-from palpate.simulator import AssetFormat, build_asset, export_asset
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+from palpate.sensor import tilt_from_normal
+from palpate.study import AssetFormat, build_asset, export_asset
+from palpate.surrogate import TWIN_DERIVATIVES, Twin, build_twin
 
 TILTS, STEPS = (0.0, 4.0, 8.0, 12.0), 2000
 

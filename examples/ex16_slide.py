@@ -4,8 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import palpate as pp
-from palpate.fea import SolverSpec
 from palpate.fea.route import RouteSpec
+from palpate.mechanics import SolverSpec
 
 
 def main() -> float:

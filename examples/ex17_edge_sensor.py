@@ -4,7 +4,7 @@ import numpy as np
 
 import palpate as pp
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.fea import obstacle_from_data
 from palpate.learn import TrainingSpec, train
 

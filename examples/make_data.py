@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from palpate.built import ToleranceSpec, sample_deviation
+from palpate.calibration import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec, RenderSpec, render
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press

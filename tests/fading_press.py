@@ -1,4 +1,4 @@
-"""A press of a skin that relaxes, integrated point by point: the way that `palpate.relaxation` does not go.
+"""A press of a skin that relaxes, integrated point by point: the way that `palpate.material` does not go.
 
 At every Gauss point the second Piola-Kirchhoff stress of the law's isochoric part has a history of its own, carried
 along with the material (Simo 1987, doi 10.1016/0045-7825(87)90107-1), and equilibrium is solved anew at every time;
@@ -15,11 +15,11 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, SolverSpec, WallSpec
+from palpate.fea import Press, WallSpec
 from palpate.fea.solve_press import start_press
-from palpate.material import Law, get_material
+from palpate.material import Law, Relaxation, get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
-from palpate.relaxation import Relaxation
 from presses import solve_press
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))

@@ -21,12 +21,12 @@ from pathlib import Path
 from typing import Any
 
 from palpate import fea
-from palpate import twin as twins
+from palpate import surrogate as twins
 from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 from source_stamp import SOURCE, source_stamp
 
 OLD_S = 14 * 86400.0
@@ -62,7 +62,7 @@ def solve_press(
 
 
 def build_twin(presses: Iterable[Press], inverted: Iterable[Press] = ()) -> Twin:
-    """Twin of presses, as `palpate.twin.build_twin` returns it, from the store if it was built before."""
+    """Twin of presses, as `palpate.surrogate.build_twin` returns it, from the store if it was built before."""
     flat, mirrored = list(presses), list(inverted)
     inputs = [hashlib.sha256(pickle.dumps(one)).hexdigest() for one in (flat, mirrored)]
     return stored("twin", inputs, lambda: twins.build_twin(flat, mirrored))

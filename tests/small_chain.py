@@ -4,7 +4,7 @@ import numpy as np
 
 from palpate.camera import build_camera
 from palpate.core import ArtefactStore
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.learn import fit_ridge, write_estimator
@@ -12,7 +12,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulation import VirtualBench, VirtualBenchSpec
-from palpate.twin import TWIN_DERIVATIVES, write_twin
+from palpate.surrogate import TWIN_DERIVATIVES, write_twin
 from presses import build_twin, solve_press
 
 DOME = DomeSpec()

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from palpate.built import PredictedAccuracy
+from palpate.calibration import PredictedAccuracy
 from palpate.design import MarkerSpec
 from palpate.optimise import (
     Evaluation,

@@ -18,22 +18,20 @@ if TYPE_CHECKING:
     from palpate.core import __version__
     from palpate.design import Design, DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers  # type: ignore[no-redef, unused-ignore]
     from palpate.fea import BallSpec, WallSpec, solve_press  # type: ignore[no-redef, unused-ignore]
-    from palpate.grid import evaluate_grid, read_grid  # type: ignore[no-redef, unused-ignore]
     from palpate.material import get_material  # type: ignore[no-redef, unused-ignore]
     from palpate.mesh import MeshSpec, mesh_skin  # type: ignore[no-redef, unused-ignore]
     from palpate.sensor import open_sensor  # type: ignore[no-redef, unused-ignore]
-    from palpate.study import read_study, run_study  # type: ignore[no-redef, unused-ignore]
+    from palpate.study import evaluate_grid, read_grid, read_study, run_study  # type: ignore[no-redef, unused-ignore]
 
 _ROOMS = {
     "core": ("__version__",),
     "camera": ("CameraSpec", "build_camera"),
     "design": ("Design", "DomeSpec", "EllipsoidSpec", "MarkerSpec", "build_skin", "place_markers"),
     "fea": ("BallSpec", "WallSpec", "solve_press"),
-    "grid": ("evaluate_grid", "read_grid"),
     "material": ("get_material",),
     "mesh": ("MeshSpec", "mesh_skin"),
     "sensor": ("open_sensor",),
-    "study": ("read_study", "run_study"),
+    "study": ("evaluate_grid", "read_grid", "read_study", "run_study"),
 }
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 

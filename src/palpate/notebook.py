@@ -7,7 +7,7 @@ from typing import Any
 
 from palpate.core import PalpateError
 from palpate.fea import Press, tabulate_press
-from palpate.grid import SpecificationGrid, html_rows
+from palpate.study import SpecificationGrid, html_rows
 
 
 def enable() -> None:

@@ -11,7 +11,7 @@ FILES = sorted(path for path in SOURCE.rglob("*.py") if ">>> " in path.read_text
 VERBS = {
     "camera": ["build_camera", "flat_marker_outlines", "render", "tangent_pair"],
     "core": ["child_seed", "flag_name", "generator", "parameters", "provenance"],
-    "dataset": ["draw_jitter", "generate_dataset", "sample_poses", "split_presses"],
+    "datasets": ["draw_jitter", "generate_dataset", "sample_poses", "split_presses"],
     "design": [
         "build_contact_module",
         "build_skin",
@@ -23,10 +23,9 @@ VERBS = {
         "turn_about_axis",
         "wall_normal",
     ],
-    "grid": ["design_label", "grid_column"],
     "learn": ["fit_ridge", "measure_errors"],
     "sensor": ["find_depth_zero", "score_readings"],
-    "study": ["read_study"],
+    "study": ["design_label", "grid_column", "read_study"],
 }
 
 

@@ -37,7 +37,7 @@ def test_other_stages_are_imported_through_their_public_names() -> None:
 
 
 def test_presses_are_interpolated_in_one_stage() -> None:
-    """Splines above `palpate.fea` are those of `palpate.twin`: of fields, of twins, and of modes along the skin."""
+    """Splines above `palpate.fea` are in `palpate.surrogate`: of fields, of twins, and of modes along the skin."""
     splines = {
         name(path)
         for path in FILES
@@ -48,9 +48,9 @@ def test_presses_are_interpolated_in_one_stage() -> None:
     }
     below = {"design", "deck", "fea", "verify"}  # shapes, and the work of a press along its own increments
     assert {file for file in splines if Path(file).parts[0] not in below} == {
-        "twin/tensor_spline.py",
-        "twin/tilt_runs.py",
-        "twin/twin.py",
+        "surrogate/tensor_spline.py",
+        "surrogate/tilt_runs.py",
+        "surrogate/twin.py",
     }
 
 

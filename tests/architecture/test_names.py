@@ -15,7 +15,7 @@ TERMS = {
     "predictor": "mechanics/continuation.py",
     "limit point": "mechanics/continuation.py",
     "snap-through": "mechanics/continuation.py",
-    "domain randomisation": "dataset/vary.py",
+    "domain randomisation": "datasets/randomise.py",
     "conformal": "learn/interval.py",
     "assignment": "vision/assign_markers.py",
     "out of distribution": "learn/interval.py",

@@ -20,16 +20,17 @@ from palpate.benchmark import PRESETS, make_benchmark, read_set
 from palpate.benchmark.draw_unit import simulate_unit
 from palpate.benchmark.learnt_baselines import predict_by_markers
 from palpate.benchmark.spec import TINY_BASELINES
-from palpate.built import AccuracySpec, predict_accuracy, sample_deviation
+from palpate.calibration import AccuracySpec, ToleranceSpec, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
 from palpate.core.named_arrays import read_arrays
 from palpate.core.run import Progress
-from palpate.dataset import DatasetSpec, PerturbedPresses, RandomisationSpec, generate_dataset
+from palpate.datasets import DatasetSpec, PerturbedPresses, RandomisationSpec, generate_dataset, read_recording
 from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
 from palpate.fea import BallSpec, Branch, CylinderSpec, Press, WallSpec, read_obstacle
 from palpate.fea.route import RouteSpec
 from palpate.learn import (
+    RecordingSpec,
     calibrate_interval,
     compute_error_bounds,
     evaluate,
@@ -38,18 +39,18 @@ from palpate.learn import (
     open_predictor,
     read_estimator,
     train_force_output,
+    train_on_recording,
     write_estimator,
 )
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.optimise import RequirementsSpec
-from palpate.optimise.proposal import SkinEvaluation
-from palpate.optimise.propose import evaluate_skin
-from palpate.recording import RecordingSpec, read_recording, train_on_recording
-from palpate.simulation import ToleranceSpec, run_unit_trial
+from palpate.optimise.evaluate_skin import evaluate_skin
+from palpate.optimise.skin_evaluation import SkinEvaluation
+from palpate.simulation import run_unit_trial
 from palpate.simulation.trial import COLUMNS
-from palpate.twin import TWIN_DERIVATIVES, build_field
+from palpate.surrogate import TWIN_DERIVATIVES, build_field
 from presses import run_tiny_study, solve_press, stored_folder
 from small_chain import small_bench, small_twin, write_small_twin
 

@@ -10,9 +10,9 @@ import pytest
 from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
-from palpate.grid import design_label
 from palpate.sensor import Unit
 from palpate.simulation import SimulatedSource, sample_presses
+from palpate.study import design_label
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.results import read_results
 from presses import run_tiny_study

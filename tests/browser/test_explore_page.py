@@ -23,7 +23,7 @@ from walk import (
 )
 
 from errors import check_values
-from palpate.viewer.words import column_label
+from palpate.viewer.labels import column_label
 
 
 def test_a_dome_is_on_the_screen_with_everything_around_it(page, link):

@@ -8,9 +8,10 @@ from viewer_process import viewer
 from walk import dots, open_page, slide, wait_for_motion
 
 from palpate.design import SkinSpec, skin_from_data
-from palpate.fea import ObstacleSpec, SolverSpec, WallSpec, write_press
+from palpate.fea import ObstacleSpec, WallSpec, write_press
 from palpate.fea.side_wall import SideWallSpec
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
 

@@ -13,7 +13,7 @@ from needs import needs
 from palpate.cli import main
 from palpate.mechanics import EndReason
 from palpate.optimise import read_search
-from palpate.viewer.words import column_label
+from palpate.viewer.labels import column_label
 from small_search import write_search
 
 

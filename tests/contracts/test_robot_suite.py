@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.robot import Placement, Robot
+from palpate.sensor import Placement, Robot
 from palpate.simulation import SimulatedRobot, SimulatedRobotSpec
 from palpate.testing import RobotSuite
 

@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 
+import palpate.optimise.evaluate_skin as evaluation
+import palpate.optimise.validate_designs as validation
 from errors import check_values
 from palpate.core import ArtefactStore
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, propose, prove, read_requirements, validate_front, write_front
+from palpate.optimise import optimise_design, read_requirements, validate_front, write_front
 from palpate.simulation import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.simulation.result import pool_units
 from palpate.study import find_artefact, read_study
@@ -41,16 +43,17 @@ finalists: 0
 CUT = """
 import sys
 from pathlib import Path
-from palpate.optimise import optimise_design, propose, read_requirements
+from palpate.optimise import optimise_design, read_requirements
+from palpate.optimise import evaluate_skin as evaluation
 if __name__ == "__main__":
-    propose._COARSE_CELLS = 5
+    evaluation._COARSE_CELLS = 5
     optimise_design(read_requirements(sys.argv[1]), Path(sys.argv[2]), workers=1)
 """
 
 
 @pytest.fixture
 def wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(propose, "_COARSE_CELLS", 5)
+    monkeypatch.setattr(evaluation, "_COARSE_CELLS", 5)
     file = tmp_path / "wanted.yaml"
     file.write_text(WANTED)
     return file
@@ -117,9 +120,11 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
-    monkeypatch.setattr(prove, "VirtualBenchSpec", small)
-    monkeypatch.setattr(prove, "UNITS", 3)
-    monkeypatch.setattr(prove, "plan_skin_evaluation", lambda *design, full: propose.plan_skin_evaluation(*design))
+    monkeypatch.setattr(validation, "VirtualBenchSpec", small)
+    monkeypatch.setattr(validation, "UNITS", 3)
+    monkeypatch.setattr(
+        validation, "plan_skin_evaluation", lambda *design, full: evaluation.plan_skin_evaluation(*design)
+    )
     text = (
         WANTED.replace("skins: 5", "skins: 1")
         .replace("[2, 3]", "[2.5, 3]")
@@ -154,7 +159,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     # the same units by the bench itself
     twin = find_artefact(
         ArtefactStore(out / "store"),
-        prove.plan_skin_evaluation(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
+        validation.plan_skin_evaluation(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
     )
     bench = VirtualBench(
         small(units=3, max_tilt_deg=9.0, depth=3.0, min_depth=1.0),

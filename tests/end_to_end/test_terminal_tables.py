@@ -61,7 +61,7 @@ NOT_RUN = {
 
 def make_grid(folder: Path) -> None:
     """Write a grid of four designs of the paper."""
-    from palpate.grid import evaluate_grid, write_grid
+    from palpate.study import evaluate_grid, write_grid
 
     write_grid(folder / "small", evaluate_grid(PAPER[:4]))
 
@@ -91,7 +91,7 @@ def numbers(values: Iterable[Any], form: str) -> set[str]:
 
 
 def test_a_grid_keeps_the_figures_that_decide(cheap: dict[tuple[str, int], Shown]) -> None:
-    from palpate.grid import evaluate_grid
+    from palpate.study import evaluate_grid
 
     designs = evaluate_grid(PAPER[:4]).designs
     for width in WIDTHS:

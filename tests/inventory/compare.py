@@ -46,10 +46,14 @@ def renames(kind: str) -> dict[str, str]:
 
 def compare_names(old: dict[str, list[str]], new: dict[str, list[str]]) -> Iterator[str]:
     """Names that have no place in the new inventory."""
+    packages = renames("subpackage")
     for kind, names in old.items():
         table, verbs = renames(kind), renames("verb")
         for name in names:
             moved = table.get(name, name)
+            if kind == "name" and moved:
+                package, _, attribute = moved.rpartition(".")
+                moved = f"{packages.get(package, package)}.{attribute}"
             if kind == "flag" and moved:
                 verb, _, flag = moved.rpartition(" ")
                 moved = f"{verbs.get(verb, verb)} {flag}"

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 DATA = ROOT / "examples" / "data"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 PRESSES = """
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.camera import build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
@@ -41,7 +41,7 @@ PROGRAMS = {
     + "from palpate.learn import fit_ridge, open_predictor, write_estimator; from pathlib import Path\n"
     "write_estimator(Path('m.onnx'), fit_ridge(dataset))\n"
     "print(open_predictor(Path('m.onnx')).predict(dataset.images_px[:2]).poses)",
-    "parquet": "from palpate.grid import evaluate_grid, export_grid; from pathlib import Path\n"
+    "parquet": "from palpate.study import evaluate_grid, export_grid; from pathlib import Path\n"
     + GRID
     + "export_grid(Path('grid.parquet'), evaluate_grid(PAPER[:4]))",
     "cad": "from palpate.cli import main; main('specimens --out molds --json'.split())",

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from needs import needs
-from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.calibration import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
-from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.datasets import DatasetSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.fea import EndReason, WallSpec, solve_press
+from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainingSpec, train
-from palpate.mechanics import SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, read_twin
+from palpate.surrogate import TWIN_DERIVATIVES, read_twin
 from palpate.vision import assign_markers, build_pattern, prepare_detector
 from small_chain import DOME, MATERIAL, TILTS, solve, write_small_twin
 

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from lerobot_camera_palpate.config import PalpateCameraConfig
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
-from palpate.robot import SensorLaunchSpec, open_from_parameters, parse_launch_spec
-from palpate.sensor import Sensor, describe_reading
+from palpate.sensor import Sensor, SensorLaunchSpec, describe_reading, open_from_parameters, parse_launch_spec
 
 _LONGEST_S, _PATIENCE_S = 10.0, 2.0
 """Longest wait for an image, and for the thread to end: a camera that hangs is left to it."""

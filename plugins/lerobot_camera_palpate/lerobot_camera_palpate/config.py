@@ -19,7 +19,7 @@ class PalpateCameraConfig(CameraConfig):
     twin
         File of the design's twin; with it, `PalpateCamera.reading` has the pose of the wall of the newest image.
     markers, lens, unit, rest_images
-        As in `palpate.robot.SensorLaunchSpec`; the first images show the untouched dome.
+        As in `palpate.sensor.SensorLaunchSpec`; the first images show the untouched dome.
     color_mode
         Order of the colours; a grey image has three that are the same.
     warmup_s

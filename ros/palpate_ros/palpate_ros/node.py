@@ -1,7 +1,7 @@
 """The lifecycle node: parameters from `RosSpec`, a thread that reads, a publisher a topic.
 
 Configured, it has the images at rest and reads on; active, it publishes. What it says and when is decided in
-`palpate.robot.RosSensor`, which needs no ROS.
+`palpate.sensor.RosSensor`, which needs no ROS.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from palpate.core import PalpateError, parameters
-from palpate.robot import TOPICS, RosSensor, RosSpec, parse_launch_spec
-from palpate.ros import Message, build_message
+from palpate.sensor import TOPICS, Message, RosSensor, RosSpec, build_message, parse_launch_spec
 from palpate_ros.convert import make_message, message_type
 
 _QUEUE = 10

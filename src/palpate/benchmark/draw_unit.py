@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate.benchmark.unit_images import LABELS, UnitImages
-from palpate.built import CONTACT_STATE, Deviation, sample_deviation
+from palpate.calibration import CONTACT_STATE, Deviation, sample_deviation
 from palpate.camera import project_markers
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.core.state import State
 from palpate.design import Design, PoseDensity, rotation_vector, wall_normal
 from palpate.simulation import SimulatedUnit, TwinBackend
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 _DIGITS = 4
 """Digits of the labels behind the point; they are rounded before anything is drawn."""

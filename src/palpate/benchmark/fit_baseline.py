@@ -7,11 +7,11 @@ import numpy as np
 from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_width_column
 from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers
 from palpate.benchmark.spec import BenchmarkDesign
-from palpate.built import PoseFitter, build_unit_model, infer_from_rest
+from palpate.calibration import PoseFitter, build_unit_model, infer_from_rest
 from palpate.core import FloatArray, IntArray
 from palpate.core.run import Progress
 from palpate.design import place_markers
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 
 def predict_by_fit(benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, progress: Progress) -> Predictions:

@@ -15,7 +15,7 @@ from palpate.benchmark.score import select_track
 from palpate.benchmark.spec import BaselineSpec, BenchmarkDesign, Split
 from palpate.core import FloatArray, IntArray
 from palpate.core.run import Progress
-from palpate.dataset import Dataset
+from palpate.datasets import Dataset
 from palpate.learn import (
     Estimator,
     ImageNetwork,

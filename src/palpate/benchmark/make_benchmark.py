@@ -24,7 +24,7 @@ from palpate.benchmark.write_croissant import write_croissant
 from palpate.core import ArtefactStore, IntArray, PalpateError, atomic_folder, child_seed, generator
 from palpate.core.run import Progress
 from palpate.study import find_artefact, run_tasks, write_json
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers
 from palpate.benchmark.spec import BenchmarkDesign, Split
 from palpate.camera import build_camera
 from palpate.core import FloatArray
-from palpate.dataset import Dataset, DatasetSpec
+from palpate.datasets import Dataset, DatasetSpec
 from palpate.design import build_skin, place_markers
 
 _NEIGHBOURS = 6

@@ -23,7 +23,7 @@ from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.core.run import Progress
 from palpate.sensor import write_report
 from palpate.study import find_artefact, run_tasks
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 BASELINES = {
     "ridge": "ridge regression on dots",

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, Split
 from palpate.benchmark.unit_images import LABELS, UnitImages
-from palpate.built import UNIT_PARAMETERS, Deviation
+from palpate.calibration import UNIT_PARAMETERS, Deviation
 from palpate.core import IntArray, PalpateError, load_opencv
 from palpate.core.report import write_csv
 from palpate.design import build_skin, place_markers

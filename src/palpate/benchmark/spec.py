@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import ToleranceSpec
+from palpate.calibration import ToleranceSpec
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import Spec, parameter
 from palpate.design import DomeSpec, MarkerSpec

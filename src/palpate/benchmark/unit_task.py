@@ -11,7 +11,7 @@ from palpate.benchmark.unit_images import write_unit_images
 from palpate.core import ArtefactStore, Recipe, stage_version
 from palpate.mesh import MeshSpec
 from palpate.study import AsBuiltSpec, MaterialSpec, Task, TwinTask, find_artefact, plan_twin, single_design_study
-from palpate.twin import read_twin
+from palpate.surrogate import read_twin
 
 _ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_units", "calibrate_units", "test_units"}
 """What one unit does not depend on, beside its side, which its seed tells."""

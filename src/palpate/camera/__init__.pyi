@@ -6,15 +6,10 @@ from palpate.camera.calibrate import CalibrationSpec, calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
-from palpate.camera.dot_traces import (
-    flat_marker_outlines,
-    marker_outlines,
-    project_markers,
-    tangent_pair,
-)
 from palpate.camera.draw_board import write_board
 from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
+from palpate.camera.marker_traces import flat_marker_outlines, marker_outlines, project_markers, tangent_pair
 from palpate.camera.preset import camera_preset, list_presets
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
 from palpate.camera.read_image import decode_image, list_images, read_image

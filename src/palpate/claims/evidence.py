@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from palpate.core import PalpateError, rename_columns
-from palpate.grid import Cell, Row, SpecificationGrid, design_spec, rows_for_design
+from palpate.study import Cell, Row, SpecificationGrid, design_spec, rows_for_design
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""

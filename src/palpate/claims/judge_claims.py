@@ -18,7 +18,7 @@ from palpate.claims.judge_presses import (
     assess_travel_by_markers,
     assess_travel_by_thickness,
 )
-from palpate.grid import read_grid
+from palpate.study import read_grid
 
 ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
     "C3": assess_stress,

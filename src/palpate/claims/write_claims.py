@@ -14,7 +14,7 @@ from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import name_sources
 from palpate.core import PAPER, PalpateError, atomic_write, atomic_write_into, wrap_write_errors
 from palpate.core.report import Column, Report, page_markdown, report_html
-from palpate.grid import SpecificationGrid, check_plot_request, draw_plot, plot_file_name
+from palpate.study import SpecificationGrid, check_plot_request, draw_plot, plot_file_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -189,7 +189,7 @@ def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
 
 def _write_picture(path: Path, figure: Figure) -> None:
     # imported here because a drawing library loads slowly
-    from palpate.grid import write_picture
+    from palpate.study import write_picture
 
     with atomic_write_into(path.parent) as folder:
         write_picture(folder / path.name, figure)

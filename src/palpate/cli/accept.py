@@ -17,7 +17,7 @@ from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.core.report import plain_page
 from palpate.design import TILT_SPACE
-from palpate.recording import RecordedModel, is_recorded_model, read_model
+from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import AcceptanceSpec
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from palpate.learn import Predictor
     from palpate.sensor import GroundTruth, Unit
-    from palpate.twin import Twin
+    from palpate.surrogate import Twin
 
 OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""

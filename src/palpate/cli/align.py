@@ -14,8 +14,7 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.robot import AlignSpec, list_touches
-from palpate.sensor import Unit, check_model, open_model
+from palpate.sensor import AlignSpec, Unit, check_model, list_touches, open_model
 from palpate.simulation import (
     AlignmentScenario,
     AlignmentTrial,
@@ -25,7 +24,7 @@ from palpate.simulation import (
     list_wall_touches,
     write_alignments,
 )
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 _OUT = "Folder for touches.csv and alignment.json."
 _WALLS = "Walls to square to, each of another tilt, friction and distance."
@@ -84,7 +83,7 @@ def align(
 ) -> None:
     """Touch, read, turn and touch again until a drill is square: a virtual unit on a simulated robot.
 
-    On a robot of your own: `palpate.robot.Aligner`.
+    On a robot of your own: `palpate.sensor.Aligner`.
     """
     run.check()
     designed = design.design(reads.material)

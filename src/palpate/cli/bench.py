@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from palpate.built import AccuracySpec, predict_budget
+from palpate.calibration import AccuracySpec, ToleranceSpec, predict_budget
 from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
@@ -19,8 +19,8 @@ from palpate.cli.progress import show_progress
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import Column, Report, plain_page, write_csv
-from palpate.simulation import ToleranceSpec, VirtualBenchSpec
-from palpate.twin import Twin, twin_path
+from palpate.simulation import VirtualBenchSpec
+from palpate.surrogate import Twin, twin_path
 
 if TYPE_CHECKING:
     from palpate.simulation import VirtualBench

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from palpate.cli.output import JsonOutput
 from palpate.cli.press import PressFlags
-from palpate.deck import DeckElement, DeckSpec, Dialect, write_deck
+from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
 
 _ELEMENT = "Bricks through the wall, or shells on the mid surface as in the paper (abaqus only)."
 

@@ -15,16 +15,16 @@ from palpate.cli.output import JsonOutput
 from palpate.cli.unit import MaterialFlags, SkinFlags
 from palpate.fea import WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.simulator import (
+from palpate.study import (
     AssetFormat,
     AssetSpec,
+    MaterialSpec,
     build_asset,
     check_asset,
     check_force_curve_press,
     describe_asset,
     export_asset,
 )
-from palpate.study import MaterialSpec
 
 _TO = "Language: MuJoCo's mjcf, urdf with what Gazebo reads of contacts, or usd with UsdPhysics."
 _OUT = "New folder for the asset."

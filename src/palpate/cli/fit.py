@@ -35,6 +35,7 @@ from palpate.material import (
     TestFileSpec,
     compare_secants,
     draw_fit,
+    draw_relaxation,
     extrapolate_modes,
     fit_material,
     list_models,
@@ -44,7 +45,6 @@ from palpate.material import (
     save_figure,
     write_material,
 )
-from palpate.relaxation import draw_relaxation
 
 _FILES = "Files of tests; which test is read from the file's name or preamble."
 _MODEL = f"Model: {', '.join(list_models())}."

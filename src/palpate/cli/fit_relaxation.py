@@ -14,8 +14,16 @@ from cyclopts import Parameter
 
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.material import Material, TestFileSpec, get_material, read_relaxation
-from palpate.relaxation import Moduli, RelaxationFit, RelaxationTest, fit_relaxation
+from palpate.material import (
+    Material,
+    Moduli,
+    RelaxationFit,
+    RelaxationTest,
+    TestFileSpec,
+    fit_relaxation,
+    get_material,
+    read_relaxation,
+)
 
 _FILES = "Files of relaxation tests: time and stress under a strain that stays; also known by 'relax' in their names."
 _MODULI = "Which moduli the law's constants are: long-term (a slow bench) or instantaneous."

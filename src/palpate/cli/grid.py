@@ -12,7 +12,7 @@ from palpate.cli.output import JsonOutput, Output
 from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
-    from palpate.grid import Comparison, SpecificationGrid
+    from palpate.study import Comparison, SpecificationGrid
 
 Directory = Annotated[Path, Parameter(help="Result folder of a study, with its grid.")]
 Where = Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")]
@@ -23,7 +23,7 @@ Sort = Annotated[
 
 def show(directory: Directory, *, where: Where = None, sort: Sort = None, output: Output = Output()) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
-    from palpate.grid import grid_report
+    from palpate.study import grid_report
 
     rows = _choose(directory, where, sort).designs
     output.show(rows, grid_report(rows, title=str(directory), file=str(directory / "grid.csv")))
@@ -42,7 +42,7 @@ def plot(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Draw one metric of a grid as PNG and SVG."""
-    from palpate.grid import default_metric, plot_grid
+    from palpate.study import default_metric, plot_grid
 
     grid = _choose(directory, where, None)
     first = {"travel": "travel_mm", "depth": "rmse_deg", "tilt": "rmse_deg"}
@@ -60,7 +60,7 @@ def export(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write a grid for other programs: CSV, Parquet or Markdown."""
-    from palpate.grid import export_grid
+    from palpate.study import export_grid
 
     grid = _choose(directory, where, sort)
     files = [str(path) for path in export_grid(to, grid)]
@@ -76,7 +76,7 @@ def model(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Take the trained estimator of the best design, or of the first that is chosen, as an ONNX file."""
-    from palpate.grid import copy_model
+    from palpate.study import copy_model
 
     design = copy_model(directory, _choose(directory, where, sort), out)
     output.show({"file": str(out), "design": design}, f"{out}: {design}")
@@ -92,7 +92,7 @@ def compare(
     output: Output = Output(),
 ) -> None:
     """Put two grids side by side: ratios of the same designs, and what differs in spec, seeds and versions."""
-    from palpate.grid import compare_grids, read_grid
+    from palpate.study import compare_grids, read_grid
 
     comparison = compare_grids(read_grid(first), read_grid(second), *([metric] if metric else []))
     output.show(_describe(comparison), *_reports(comparison, (str(first), str(second))))
@@ -100,7 +100,7 @@ def compare(
 
 def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
     """The grid of a folder with its designs chosen and sorted."""
-    from palpate.grid import filter_rows, read_grid, sort_rows
+    from palpate.study import filter_rows, read_grid, sort_rows
 
     grid = read_grid(directory)
     rows = grid.designs if where is None else filter_rows(grid.designs, where)
@@ -108,7 +108,7 @@ def _choose(directory: Path, where: str | None, sort: str | None) -> Specificati
 
 
 def _reports(comparison: Comparison, names: tuple[str, str]) -> Iterator[Report | str]:
-    from palpate.grid import grid_column
+    from palpate.study import grid_column
 
     yield f"A is {names[0]}, B is {names[1]}."
     columns = [grid_column(name) for name in ("height_mm", "thickness_mm", "markers")]

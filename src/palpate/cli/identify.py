@@ -17,7 +17,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
-    from palpate.built import RobotUncertainty
+    from palpate.calibration import RobotUncertainty
     from palpate.sensor import GroundTruth
 
 _COLUMNS = (
@@ -57,7 +57,7 @@ class RobotFlags:
 
     def spec(self) -> RobotUncertainty:
         """The robot of these flags."""
-        from palpate.built import RobotUncertainty
+        from palpate.calibration import RobotUncertainty
 
         return RobotUncertainty(self.robot_tilt, self.robot_depth, self.robot_force)
 
@@ -81,7 +81,7 @@ def identify(
     output: Output = Output(),
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
-    from palpate.built import IdentifiedUnit, write_unit
+    from palpate.calibration import IdentifiedUnit, write_unit
     from palpate.sensor import identify_unit, open_model, open_sensor, read_ground_truth, write_identification
 
     check_file(files.out, ".json")

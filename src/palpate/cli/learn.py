@@ -15,10 +15,11 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.progress import show_progress
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
 from palpate.core.report import page_markdown, plain_page
-from palpate.recording import ColumnMapping, RecordingSpec
+from palpate.datasets import ColumnMapping
+from palpate.learn import RecordingSpec
 
 if TYPE_CHECKING:
-    from palpate.recording import RecordingResult
+    from palpate.learn import RecordingResult
 
 _RECORDING = (
     "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or "
@@ -72,13 +73,8 @@ def learn(
     output: Output = Output(),
 ) -> None:
     """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
-    from palpate.recording import (
-        read_pretrained,
-        read_recording,
-        recording_page,
-        recording_report,
-        train_on_recording,
-    )
+    from palpate.datasets import read_recording
+    from palpate.learn import read_pretrained, recording_page, recording_report, train_on_recording
 
     check_folder(out)
     begin = read_pretrained(start) if start is not None else None
@@ -99,7 +95,7 @@ def learn(
 def _write(out: Path, result: RecordingResult) -> None:
     import json
 
-    from palpate.recording import draw_recording_report, recording_page, recording_report, write_model
+    from palpate.learn import draw_recording_report, recording_page, recording_report, write_model
 
     write_model(out / "model.h5", result.model)
     draw_recording_report(out, result)

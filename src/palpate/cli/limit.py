@@ -17,8 +17,7 @@ from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
-    from palpate.grid import Row
-    from palpate.study import DesignBounds
+    from palpate.study import DesignBounds, Row
 
 _SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
 _COLUMNS = (
@@ -104,7 +103,7 @@ def _unit(columns: Container[str]) -> str:
 
 def _read(folder: Path) -> list[dict[str, Any]]:
     """The limits that stand in the grid of a finished study."""
-    from palpate.grid import read_grid, rows_for_design
+    from palpate.study import read_grid, rows_for_design
 
     grid = read_grid(folder)
     bound = f"bound_{_unit(grid.columns)}"

@@ -13,7 +13,7 @@ from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, check_folder
 from palpate.cli.unit import DesignFlags
 from palpate.design import Design, MountSpec
-from palpate.fabricate import FabricationPack, ProcessSpec, write_pack
+from palpate.fabrication import FabricationPack, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."

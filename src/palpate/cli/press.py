@@ -16,18 +16,9 @@ from palpate.cli.unit import MaterialFlags, SkinFlags
 from palpate.core import FloatArray, PalpateError, flag_name
 from palpate.core.report import Column, Report
 from palpate.design import Skin, read_points
-from palpate.fea import (
-    PRESS_SOLVERS,
-    Branch,
-    ObstacleSpec,
-    PalpateSolver,
-    PressSolver,
-    SolverSpec,
-    WallSpec,
-    read_obstacle,
-)
+from palpate.fea import PRESS_SOLVERS, Branch, ObstacleSpec, PalpateSolver, PressSolver, WallSpec, read_obstacle
 from palpate.material import Material
-from palpate.mechanics import make_linear_solver
+from palpate.mechanics import SolverSpec, make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 

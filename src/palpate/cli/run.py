@@ -15,8 +15,16 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
-from palpate.grid import evaluate_grid, grid_report, write_grid
-from palpate.study import StudyResult, available_cores, check_cluster_address, read_study, run_study
+from palpate.study import (
+    StudyResult,
+    available_cores,
+    check_cluster_address,
+    evaluate_grid,
+    grid_report,
+    read_study,
+    run_study,
+    write_grid,
+)
 
 MOST_WORKERS = 1024
 

@@ -20,7 +20,7 @@ from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 from palpate.design import Design, PoseSpace
-from palpate.recording import RecordedModel, is_recorded_model, read_model
+from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import SensorSpec
 from palpate.vision import DetectSpec, prepare_detector
 

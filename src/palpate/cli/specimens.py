@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, check_folder
-from palpate.fabricate import ProcessSpec, write_specimen_molds
+from palpate.fabrication import ProcessSpec, write_specimen_molds
 
 _OUT = "New folder for the molds."
 _COUNT = "Specimens of each kind a tray casts."

@@ -22,7 +22,7 @@ from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
     from palpate.study import DesignAccuracy, Study
-    from palpate.twin import Twin
+    from palpate.surrogate import Twin
 
 _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
@@ -130,7 +130,7 @@ def twin(
 
 @cache
 def _read(path: Path) -> Twin:
-    from palpate.twin import read_twin
+    from palpate.surrogate import read_twin
 
     return read_twin(path)
 

@@ -96,7 +96,7 @@ class UnitFlags(PrintFlags):
 
     def unit(self, material: MaterialSpec = MaterialSpec()) -> Unit:
         """The unit of these flags."""
-        from palpate.built import read_unit
+        from palpate.calibration import read_unit
 
         known = read_unit(self.unit_file) if self.unit_file else None
         return replace(super().unit(material), identified=known)
@@ -121,7 +121,7 @@ class ModelFlags:
         if self.model is not None:
             return self.model
         skin = build_skin(design.skin_spec())
-        from palpate.twin import find_twin
+        from palpate.surrogate import find_twin
 
         found = find_twin(RESULTS, skin, self.material.material(), _pass_over)
         if found is None:

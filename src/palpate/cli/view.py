@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.recording import is_recorded_model
+from palpate.learn import is_recorded_model
 
 _RESULTS = (
     "Result folder of a study, a search or a recording that was learnt; without one, only a dome can be designed and "

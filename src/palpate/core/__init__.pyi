@@ -3,12 +3,12 @@
 from palpate.core.arrays import BoolArray, FloatArray, IntArray, TextArray
 from palpate.core.behaviour import stage_version
 from palpate.core.errors import MissingExtraError, PalpateError
+from palpate.core.external_links import reject_external_links
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, create_hdf5, wrap_write_errors
 from palpate.core.kernel import kernel
 from palpate.core.kinds import data_from_text, spec_from_data
 from palpate.core.lazy_front import lazy_front
-from palpate.core.outside_links import reject_external_links
 from palpate.core.paper import PAPER
 from palpate.core.parameter import Spec, flag_name, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
@@ -16,7 +16,7 @@ from palpate.core.registry import Registry
 from palpate.core.renamed_keys import new_column, rename_columns
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe
-from palpate.core.store_care import StoreContents, check_store, clean_store, list_store
+from palpate.core.store_maintenance import StoreContents, check_store, clean_store, list_store
 from palpate.core.version import __version__
 
 __all__ = [

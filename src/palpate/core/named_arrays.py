@@ -10,7 +10,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import create_hdf5, reject_external_links
+from palpate.core.external_links import reject_external_links
+from palpate.core.files import create_hdf5
 
 _TEXT = "text"
 

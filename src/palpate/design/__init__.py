@@ -1,4 +1,4 @@
-"""Design: from height, base radius, thickness and markers to the geometry of a dome and its limits."""
+"""Design: skins, marker layouts, poses and the geometry of solids."""
 
 from palpate.core import lazy_front
 

@@ -20,8 +20,8 @@ from typing import Any, ClassVar, Literal, Self, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Arc, Outline
 from palpate.core import FloatArray, PalpateError, parameter
+from palpate.design.outline import Arc, Outline
 from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec

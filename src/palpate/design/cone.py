@@ -8,8 +8,8 @@ from typing import Any, Literal, Self, final
 
 import numpy as np
 
-from palpate.cad import Arc, Outline
 from palpate.core import FloatArray, PalpateError, parameter
+from palpate.design.outline import Arc, Outline
 from palpate.design.revolved import RevolvedSkin, plain_numbers
 from palpate.design.spec import TaperedSpec
 

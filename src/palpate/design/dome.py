@@ -19,8 +19,8 @@ from typing import Any, Self, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Arc, Outline
 from palpate.core import FloatArray
+from palpate.design.outline import Arc, Outline
 from palpate.design.ray import leave_sphere
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec

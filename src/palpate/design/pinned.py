@@ -19,9 +19,9 @@ from typing import Any, Literal, Self, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Outline
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.dome import Dome
+from palpate.design.outline import Outline
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Outline, SmoothCurve
 from palpate.core import FloatArray
+from palpate.design.outline import Outline, SmoothCurve
 from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
 

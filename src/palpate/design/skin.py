@@ -14,8 +14,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import CadSolid, Outline, loft, revolve
 from palpate.core import FloatArray, PalpateError
+from palpate.design.outline import Outline
+from palpate.design.solid import CadSolid, loft, revolve
 from palpate.design.superellipse import Superellipse
 
 PAPER_BASE = 20.0

@@ -1,4 +1,4 @@
-"""Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
+"""Finite elements: presses of a skin on a rigid obstacle, by the own solver or by CalculiX decks."""
 
 from palpate.core import lazy_front
 

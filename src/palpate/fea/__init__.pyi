@@ -1,11 +1,13 @@
-"""Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
+"""Finite elements: presses of a skin on a rigid obstacle, by the own solver or by CalculiX decks."""
 
 from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.branch import Branch
+from palpate.fea.calculix import CalculixSolver, CalculixSpec, calculix_recipe, solve_press_calculix
 from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.export import check_export, export_press
-from palpate.fea.first_touch import find_first_contact
+from palpate.fea.first_contact import find_first_contact
 from palpate.fea.io import read_press, write_press
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.nodal_stress import nodal_von_mises
@@ -15,10 +17,11 @@ from palpate.fea.plot_press import plot_press, render_press_3d, tabulate_press
 from palpate.fea.press import Press
 from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
-from palpate.fea.solve_press import increment_depths, solve_press
+from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import ObstacleSpec, check_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
+from palpate.fea.write_deck import deck_text, write_deck
 from palpate.mechanics import EndReason, SolverSpec
 
 __all__ = [
@@ -28,8 +31,13 @@ __all__ = [
     "Ball",
     "BallSpec",
     "Branch",
+    "CalculixSolver",
+    "CalculixSpec",
     "Cylinder",
     "CylinderSpec",
+    "DeckElement",
+    "DeckSpec",
+    "Dialect",
     "EndReason",
     "MeshResult",
     "ObstacleSpec",
@@ -41,12 +49,13 @@ __all__ = [
     "SolverSpec",
     "Stability",
     "WallSpec",
+    "calculix_recipe",
     "check_contact",
     "check_export",
+    "deck_text",
     "export_press",
     "find_first_contact",
     "find_stability",
-    "increment_depths",
     "nodal_von_mises",
     "obstacle_from_data",
     "plot_convergence",
@@ -56,7 +65,9 @@ __all__ = [
     "read_press",
     "render_press_3d",
     "solve_press",
+    "solve_press_calculix",
     "study_convergence",
     "tabulate_press",
+    "write_deck",
     "write_press",
 ]

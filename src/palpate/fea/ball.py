@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.design import turn_about_axis
-from palpate.fea.first_touch import find_first_contact
+from palpate.fea.first_contact import find_first_contact
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads, tangents
 from palpate.mesh import Mesh

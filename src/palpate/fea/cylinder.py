@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.lying import LevelObstacleSpec
+from palpate.fea.level_obstacle import LevelObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
 
 

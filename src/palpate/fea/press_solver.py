@@ -69,7 +69,7 @@ class PalpateSolver(PressSolver):
 PRESS_SOLVERS: Registry[type[PressSolver]] = Registry(
     "palpate.press_solvers",
     "press solver",
-    {"palpate": "palpate.fea.press_solver:PalpateSolver", "calculix": "palpate.deck.calculix:CalculixSolver"},
+    {"palpate": "palpate.fea.press_solver:PalpateSolver", "calculix": "palpate.fea.calculix:CalculixSolver"},
     lambda found: isinstance(found, type) and issubclass(found, PressSolver),
 )
 """Press solvers by name."""

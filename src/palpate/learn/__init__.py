@@ -1,4 +1,4 @@
-"""Learning: from images of markers to the pose of the wall, and how good any estimator could be."""
+"""Learning: from images of markers, simulated or recorded, to the pose of the wall with an honest interval."""
 
 from palpate.core import lazy_front
 

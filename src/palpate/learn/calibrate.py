@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, split_presses
+from palpate.datasets import Dataset, draw_jitter, split_presses
 from palpate.learn.components import principal_directions
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import Interval, TrainedRange, press_quantile

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import generator
-from palpate.dataset import Dataset
+from palpate.datasets import Dataset
 from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_on

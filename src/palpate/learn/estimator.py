@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError, stage_version
-from palpate.dataset import Normalisation
+from palpate.datasets import Normalisation
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.interval import Interval, Prediction
 from palpate.learn.perceptron import evaluate_perceptrons

@@ -16,7 +16,7 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 from palpate.core import BoolArray, FloatArray, PalpateError, child_seed, generator
-from palpate.dataset import Dataset, draw_jitter, split_presses
+from palpate.datasets import Dataset, draw_jitter, split_presses
 from palpate.learn.calibrate import LEVEL, MOST_IMAGES, SHARE, draw_images
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import press_quantile

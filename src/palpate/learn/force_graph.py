@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import load_extra
-from palpate.dataset import Dataset
+from palpate.datasets import Dataset
 from palpate.learn.force import FORCE_AXES, ForceHead, train_forces
 from palpate.learn.graph import build_model
 from palpate.learn.io import INPUT, network_graph

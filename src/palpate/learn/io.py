@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError, load_extra
-from palpate.dataset import Normalisation
+from palpate.datasets import Normalisation
 from palpate.design import PoseSpace
 from palpate.learn.estimator import Estimator
 from palpate.learn.graph import build_model

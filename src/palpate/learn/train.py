@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.core import FloatArray, generator, load_extra
-from palpate.dataset import Dataset, draw_jitter
+from palpate.datasets import Dataset, draw_jitter
 from palpate.learn.components import PrincipalComponents, find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
@@ -118,7 +118,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
 
     Examples
     --------
-    >>> from palpate.dataset import Dataset, DatasetSpec, Normalisation
+    >>> from palpate.datasets import Dataset, DatasetSpec, Normalisation
     >>> rng = np.random.default_rng(0)
     >>> poses = np.column_stack([rng.uniform(-9, 9, (40, 2)), np.full(40, 4.0)])
     >>> moved = (poses @ rng.normal(size=(3, 8))).reshape(40, 4, 2)

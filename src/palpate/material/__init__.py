@@ -1,4 +1,4 @@
-"""Material: cured elastomers as nearly incompressible hyperelastic laws, with the pedigree of their numbers."""
+"""Material: laws of elastomers, fitted to test files, and their relaxation."""
 
 from palpate.core import lazy_front
 

@@ -12,7 +12,7 @@ from palpate.material.io import read_material
 from palpate.material.library import library_names, read_library
 from palpate.material.make_law import LAWS
 from palpate.material.material import Material
-from palpate.relaxation import Relaxation
+from palpate.material.relaxation import Relaxation
 
 FILE_ENDINGS = (".yaml", ".yml")
 """Endings by which a text is known to name a material file."""

@@ -14,7 +14,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from palpate.core import PalpateError, wrap_write_errors
 from palpate.material.make_law import LAWS
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
-from palpate.relaxation import Moduli, Relaxation
+from palpate.material.relaxation import Moduli, Relaxation
 
 _TEXTS = ("source", "licence", "quality", "caution")
 _KEYS = ("name", "law", "constants", "bulk_ratio", "stretch_range", "relaxation", *_TEXTS)

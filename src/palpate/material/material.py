@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.law import Law
-from palpate.relaxation import Relaxation
+from palpate.material.relaxation import Relaxation
 
 DEFAULT_BULK_RATIO = 2000.0
 """K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""

@@ -10,9 +10,9 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.columns import STRETCH, find_column, seek_column, units_of_column
+from palpate.material.relaxation_test import RelaxationTest
 from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit
 from palpate.material.table import Table, read_table
-from palpate.relaxation import RelaxationTest
 
 _TIME = re.compile(r"time|zeit|temps|\bt\b|\bt[ _(\[]", re.I)
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)

@@ -10,14 +10,14 @@ from palpate.optimise.choose_rings import (
 )
 from palpate.optimise.design_study import write_packs
 from palpate.optimise.front import DesignCandidate, Front, SkinTrial
-from palpate.optimise.influence import compute_sobol_indices
 from palpate.optimise.optimise_design import optimise_design, validate_front
-from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
-from palpate.optimise.proposal import LayoutOption, SkinEvaluation
 from palpate.optimise.search_folder import SearchFolder, is_search, read_search
 from palpate.optimise.search_skins import Evaluation, SearchPlan, SearchTrial, search_skins
+from palpate.optimise.skin_evaluation import LayoutOption, SkinEvaluation
+from palpate.optimise.sobol import compute_sobol_indices
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.spec import BaselineDesignSpec, CameraChoice, RequirementsSpec, read_requirements
+from palpate.optimise.validation import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
 from palpate.optimise.write_front import FRONT_COLUMNS, describe_front, write_front
 
 __all__ = [

@@ -1,8 +1,8 @@
 """The rings of markers that read best on a skin: chosen by exchange, with a bound on what any choice could reach.
 
-A ring is one of many that might be printed: so many dots, so far along the meridian. `palpate.built.RingInformation`
-gives the expected error of any set of them in half a millisecond, so that rings are moved, one at a time, to the
-place where the error is least, until none can be moved.
+A ring is one of many that might be printed: so many dots, so far along the meridian.
+`palpate.calibration.RingInformation` gives the expected error of any set of them in half a millisecond, so that rings
+are moved, one at a time, to the place where the error is least, until none can be moved.
 
 The expected square is a convex function of how much of each ring is printed, where parts of rings are allowed (the
 trace of an inverse of a sum; see Boyd and Vandenberghe, Convex Optimization, section 7.5). Its least over mixtures of
@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built import AccuracySpec, RingInformation, ToleranceSpec, compute_ring_information
+from palpate.calibration import AccuracySpec, RingInformation, ToleranceSpec, compute_ring_information
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 _SWEEPS = 12
 """Most rounds of exchanges."""

@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 
 from palpate.camera import CameraSpec
 from palpate.design import Design, MarkerSpec
-from palpate.fabricate import FabricationPack, write_pack
+from palpate.fabrication import FabricationPack, write_pack
 from palpate.material import get_material
 from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.spec import RequirementsSpec

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from palpate.built import PredictedAccuracy
-from palpate.optimise.proof import ValidationResult
-from palpate.optimise.proposal import LayoutOption, SkinEvaluation
+from palpate.calibration import PredictedAccuracy
+from palpate.optimise.skin_evaluation import LayoutOption, SkinEvaluation
 from palpate.optimise.spec import RequirementsSpec
+from palpate.optimise.validation import ValidationResult
 
 WORDS = {
     "force": "the force on the workpiece is too great",

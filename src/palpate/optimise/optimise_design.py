@@ -11,10 +11,8 @@ from pathlib import Path
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
 from palpate.core.run import Progress
 from palpate.design import DomeSpec
+from palpate.optimise.evaluate_skin import SkinEvaluationTask, plan_skin_evaluation
 from palpate.optimise.front import Front, SearchBaselines, SkinTrial
-from palpate.optimise.proposal import SkinEvaluation
-from palpate.optimise.propose import SkinEvaluationTask, plan_skin_evaluation
-from palpate.optimise.prove import predict_baseline, validate_designs
 from palpate.optimise.search_skins import (
     Evaluation,
     Sampler,
@@ -24,8 +22,10 @@ from palpate.optimise.search_skins import (
     rewrite_journal,
     search_skins,
 )
+from palpate.optimise.skin_evaluation import SkinEvaluation
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
+from palpate.optimise.validate_designs import predict_baseline, validate_designs
 from palpate.study import Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"

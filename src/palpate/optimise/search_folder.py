@@ -20,7 +20,7 @@ from palpate.design import Design, MarkerSpec, SkinSpec, skin_from_data
 from palpate.material import get_material
 from palpate.optimise.front import DesignCandidate, Front, SkinTrial
 from palpate.optimise.optimise_design import ASKED, JOURNAL
-from palpate.optimise.proposal import SkinEvaluation
+from palpate.optimise.skin_evaluation import SkinEvaluation
 from palpate.optimise.spec import RequirementsSpec
 from palpate.optimise.write_front import FRONT, describe_entry
 

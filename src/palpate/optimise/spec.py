@@ -9,11 +9,11 @@ from typing import Literal
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import ToleranceSpec
+from palpate.calibration import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, parameter
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
-from palpate.fabricate import ProcessSpec
+from palpate.fabrication import ProcessSpec
 from palpate.material import get_material
 from palpate.study import DesignsSpec, read_spec
 

@@ -10,13 +10,13 @@ from typing import Any
 
 from palpate.core import provenance, wrap_write_errors
 from palpate.core.report import Column, Report, page_markdown, write_csv
-from palpate.grid import grid_column
 from palpate.optimise.design_study import camera_of, winner_study
 from palpate.optimise.draw_front import draw_design, draw_front, draw_search
 from palpate.optimise.front import WORDS, DesignCandidate, Front, find_best
-from palpate.optimise.influence import SobolIndices, compute_sobol_indices
-from palpate.optimise.proof import validation_page
+from palpate.optimise.sobol import SobolIndices, compute_sobol_indices
 from palpate.optimise.space import SkinSpace
+from palpate.optimise.validation import validation_page
+from palpate.study import grid_column
 
 FRONT = "front.json"
 """File of the front in the folder of a search."""

@@ -1,4 +1,4 @@
-"""Sensor: a built unit at work: from its images to readings, with what may be wrong about them."""
+"""Sensor: a built unit at work: readings of its images, its acceptance, robots that it guides, ROS messages."""
 
 from palpate.core import lazy_front
 

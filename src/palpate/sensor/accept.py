@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import PAPER, BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
+from palpate.sensor.depth_zero import DepthZero, find_depth_zero
 from palpate.sensor.recording import GroundTruth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
-from palpate.sensor.touch import DepthZero, find_depth_zero
 
 TABLE_3 = f"{PAPER}, Table 3"
 

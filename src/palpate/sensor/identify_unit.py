@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import (
+from palpate.calibration import (
     CalibrationPress,
     IdentificationResult,
     PoseFitter,
@@ -20,7 +20,7 @@ from palpate.built import (
     update_stiffness_scale,
 )
 from palpate.core import FloatArray, PalpateError
-from palpate.sensor.reader import TwinEstimator
+from palpate.sensor.pose_estimator import TwinEstimator
 from palpate.sensor.reading import Flag
 from palpate.sensor.sensor import Sensor
 
@@ -58,7 +58,7 @@ def identify_unit(
     Raises
     ------
     PalpateError
-        If the sensor reads by a network, an image has no pose, or where `palpate.built.identify` fails.
+        If the sensor reads by a network, an image has no pose, or where `palpate.calibration.identify` fails.
     """
     reader, noise, robot = sensor.estimator, sensor.spec.noise_px, robot or RobotUncertainty()
     if not isinstance(reader, TwinEstimator):

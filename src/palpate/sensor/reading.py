@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from palpate.built import Force, PoseFit
+from palpate.calibration import Force, PoseFit
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.sensor.rest_drift import RestDrift
 from palpate.vision import TrackedMarkers

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.recording import PoseReading, RecordedModel
+from palpate.learn import PoseReading, RecordedModel
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import SensorSpec
 from palpate.vision import TrackedMarkers

@@ -5,8 +5,8 @@
     001.png,1,5.0,0.0,0.8
 
 `image` is a file's name, or the number that `palpate sensor live` gave to the image; rows whose press is ``rest``
-show the untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows
-it. A column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
+show the untouched dome. The depth may be on any scale (see `palpate.sensor.depth_zero`), or left empty where nobody
+knows it. A column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
 """
 
 from __future__ import annotations

@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built import UNIT_PARAMETERS, UnitModel
+from palpate.calibration import UNIT_PARAMETERS, UnitModel
 from palpate.core import BoolArray, FloatArray
 from palpate.core.state import State
 from palpate.design import TILT_SPACE, rotation_vector
-from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
+from palpate.sensor.drift_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
 
 _CAMERA = UNIT_PARAMETERS[:-1]
 _MOVES = {
@@ -40,7 +40,7 @@ _MOVES = {
 }
 """Numbers of the camera that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
 _LENGTHS = ("offset_x", "offset_y", "distance")
-"""Those that are mm, for a skin of the size in `palpate.built.scale`, as the depths of the touches are."""
+"""Those that are mm, for a skin of the size in `palpate.calibration.scale`, as the depths of the touches are."""
 _TOUCHES = ((0.05, 0.15, 0.35, 0.7), (0.0, 5.0, 10.0), 8)
 """Depths (mm), tilts (degrees) and number of directions of the touches that are kept apart from drift."""
 _MOST_STEPS = 10.0
@@ -189,7 +189,7 @@ class DriftTracker:
         """Dots (m, 2) px where they would be had the rest not moved.
 
         The shift of a dot by a drift of the camera depends on its place: that of the contact of the last image
-        (`palpate.built.CONTACT_STATE`), or that at rest.
+        (`palpate.calibration.CONTACT_STATE`), or that at rest.
         """
         if state.motion.rms_px < _NOTHING_PX:
             return seen_px

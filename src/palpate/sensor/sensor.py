@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import FitState, PoseFitter
+from palpate.calibration import FitState, PoseFitter
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
-from palpate.recording import RecordedModel
-from palpate.sensor.fading_force import ForceRelaxation
-from palpate.sensor.known_press import ReferencePress, disambiguate
-from palpate.sensor.reader import (
+from palpate.learn import RecordedModel
+from palpate.sensor.force_relaxation import ForceRelaxation
+from palpate.sensor.pose_estimator import (
     PoseEstimate,
     PoseEstimator,
     PoseModel,
@@ -29,6 +28,7 @@ from palpate.sensor.reader import (
 )
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
+from palpate.sensor.reference_press import ReferencePress, disambiguate
 from palpate.sensor.rest_drift import RestDrift
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from palpate.built import NOISE_PX
+from palpate.calibration import NOISE_PX
 from palpate.core import Spec, parameter
 
 

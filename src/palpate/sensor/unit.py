@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from palpate.built import IdentifiedUnit, ToleranceSpec
+from palpate.calibration import IdentifiedUnit, ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.design import Design
 

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import PalpateError, load_extra, wrap_write_errors
-from palpate.ros import Message, build_message, header_of, pose_message, pose_stamped, wrench_stamped
 from palpate.sensor.reading import Reading
+from palpate.sensor.ros_message import Message, build_message, header_of
+from palpate.sensor.ros_reading import pose_message, pose_stamped, wrench_stamped
 
 _VERSION = 9
 """Version of the bag's metadata: ROS 2 Jazzy and later."""

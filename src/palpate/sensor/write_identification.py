@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.built import AccuracySpec, IdentificationResult, RobotUncertainty, rank_next_presses
+from palpate.calibration import AccuracySpec, IdentificationResult, RobotUncertainty, rank_next_presses
 from palpate.core import FloatArray, PalpateError, wrap_write_errors
 from palpate.core.report import Report
-from palpate.sensor.reader import TwinEstimator
+from palpate.sensor.pose_estimator import TwinEstimator
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.sensor import Sensor
 

@@ -1,6 +1,6 @@
 """Simulation: manufactured units, their images and forces by a twin or solved presses, and trials."""
 
-from palpate.built import Deviation, ToleranceSpec
+from palpate.calibration import Deviation, ToleranceSpec
 from palpate.simulation.alignment_trial import (
     AlignmentScenario,
     AlignmentTrial,

@@ -14,34 +14,31 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built import (
-    Deviation,
-    RobotUncertainty,
-    ToleranceSpec,
-    calibration_pose,
-    sample_deviation,
-)
+from palpate.calibration import Deviation, RobotUncertainty, ToleranceSpec, calibration_pose, sample_deviation
 from palpate.core import FloatArray, PalpateError, atomic_write, generator, provenance
 from palpate.core.report import write_csv
 from palpate.design import Design, PoseDensity, rotation_vector, wall_normal
-from palpate.robot import (
+from palpate.sensor import (
     TOUCH_COLUMNS,
     Aligner,
     Alignment,
     AlignSpec,
     Placement,
+    SensorSpec,
     Tool,
+    Unit,
     describe_alignment,
+    identify_unit,
     list_touches,
+    open_sensor,
     rotation_from_vector,
 )
-from palpate.sensor import SensorSpec, Unit, identify_unit, open_sensor
 from palpate.simulation.backend import SolverBackend, TwinBackend, UnitBackend
 from palpate.simulation.simulated_cell import FlatWall, SimulatedCell
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
 """Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
@@ -235,7 +232,7 @@ def _angle(first: FloatArray, second: FloatArray) -> float:
 
 
 def list_wall_touches(walls: Sequence[AlignmentTrial]) -> list[dict[str, Any]]:
-    """A row a touch of every wall, by ``wall`` (from 1) and `palpate.robot.TOUCH_COLUMNS`."""
+    """A row a touch of every wall, by ``wall`` (from 1) and `palpate.sensor.TOUCH_COLUMNS`."""
     return [{"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)]
 
 

@@ -20,7 +20,7 @@ from palpate.design import TILT_SPACE, turn_about_axis
 from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulation.simulated_unit import SimulatedUnit
-from palpate.twin import LATERAL, MarkerState, MarkerTwin, Twin, interpolate_depths
+from palpate.surrogate import LATERAL, MarkerState, MarkerTwin, Twin, interpolate_depths
 
 _CARRIED = 8
 """Points of an edge that the twin moves; the edge is the trigonometric polynomial through them. On the dome of
@@ -45,7 +45,7 @@ class UnitBackend(ABC):
 
     @abstractmethod
     def edges(self, contact: State, inverted: bool = False) -> FloatArray:
-        """Edges (m, k, 3) mm of the dots at a contact (`palpate.built.CONTACT_STATE`)."""
+        """Edges (m, k, 3) mm of the dots at a contact (`palpate.calibration.CONTACT_STATE`)."""
 
     @abstractmethod
     def force(self, contact: State, inverted: bool = False) -> FloatArray:

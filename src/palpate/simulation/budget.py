@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
+from palpate.calibration import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, parameters
 from palpate.simulation.run_trial import VirtualBench, run_unit_trial
@@ -135,7 +135,7 @@ _TRAINED = (
     "camera_tilt_deg",
     "focal",
 )
-"""Imperfections that `palpate.dataset.RandomisationSpec` varies; others look like a pose, or are gone after rest."""
+"""Imperfections that `palpate.datasets.RandomisationSpec` varies; others look like a pose, or are gone after rest."""
 
 
 def recommend_randomisation(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:

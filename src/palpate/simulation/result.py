@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import Deviation, ToleranceSpec, sample_deviation
+from palpate.calibration import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
 from palpate.core.report import Report
 from palpate.sensor import PAPER_TABLE_3, Score, provenance_line, score_readings, write_report

@@ -5,7 +5,7 @@ those of the training (or by CalculiX), at tilts, directions and depths that no 
 images go through detection, naming, registration and the model, which know the design and nothing else.
 
 The robot's frame is the frame of the truth: it does not know how the dome is seated, nor where the first touch is.
-The latter is found, if wished, by one press beforehand (`palpate.sensor.touch`), as one would on a real bench.
+The latter is found, if wished, by one press beforehand (`palpate.sensor.depth_zero`), as one would on a real bench.
 
 Every press and every played unit is an artefact of a store: a bench that was stopped goes on where it was.
 """
@@ -23,9 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import Deviation, RobotUncertainty, calibration_pose
+from palpate.calibration import Deviation, RobotUncertainty, calibration_pose
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
-from palpate.deck import calculix_recipe
 from palpate.design import (
     TILT_SPACE,
     Design,
@@ -36,16 +35,16 @@ from palpate.design import (
 from palpate.fea import (
     PRESS_SOLVERS,
     Branch,
-    EndReason,
     Press,
     WallSpec,
+    calculix_recipe,
     press_recipe,
     read_press,
     solve_press,
     write_press,
 )
 from palpate.learn import Predictor
-from palpate.mechanics import SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import (
     Sensor,
@@ -67,12 +66,12 @@ from palpate.simulation.trial import (
     read_trial,
     write_trial,
 )
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 
 FINER = 9.0 / 8.0
 """Cells along a meridian of a built unit's presses over those of the training's."""
 _INVERTED_CORE = 2
-"""Core of the meshes of inverted units (see `palpate.study.built_task`)."""
+"""Core of the meshes of inverted units (see `palpate.study.accuracy_task`)."""
 
 
 @dataclass(frozen=True, eq=False)

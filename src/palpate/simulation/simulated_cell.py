@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import CONTACT_STATE
+from palpate.calibration import CONTACT_STATE
 from palpate.core import FloatArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE
-from palpate.robot import Placement, rotation_from_vector, tilt_from_normal
+from palpate.sensor import Placement, rotation_from_vector, tilt_from_normal
 from palpate.simulation.backend import UnitBackend
 from palpate.simulation.simulated_robot import SimulatedRobot
-from palpate.twin import LATERAL
+from palpate.surrogate import LATERAL
 
 _REST_NOISES = 12
 """Seeds of the noise in images of the untouched skin."""

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray
-from palpate.robot import Placement, Robot, rotation_from_vector
+from palpate.sensor import Placement, Robot, rotation_from_vector
 from palpate.simulation.spec import SimulatedRobotSpec
 
 _SAME = 1e-9

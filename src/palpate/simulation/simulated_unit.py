@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import Deviation
+from palpate.calibration import Deviation
 from palpate.camera import Camera, RenderSpec, marker_outlines, render, tangent_pair
 from palpate.core import BoolArray, FloatArray, child_seed, generator
 from palpate.design import Design, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
-from palpate.twin import interpolate_depths
+from palpate.surrogate import interpolate_depths
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import RobotUncertainty, ToleranceSpec
+from palpate.calibration import RobotUncertainty, ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
 from palpate.fea import check_contact

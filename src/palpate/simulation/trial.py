@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built import Deviation, IdentificationResult, ToleranceSpec
+from palpate.calibration import Deviation, IdentificationResult, ToleranceSpec
 from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.sensor import DepthZero
 
@@ -35,7 +35,7 @@ class ParameterEstimate(NamedTuple):
     Attributes
     ----------
     name
-        As in `palpate.built.IdentificationResult.rows`.
+        As in `palpate.calibration.IdentificationResult.rows`.
     truth
         What it is.
     mean, sd

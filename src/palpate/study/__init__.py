@@ -1,4 +1,4 @@
-"""Study: one YAML file carried through the whole chain, on worker processes, resumed where it was."""
+"""Study: one YAML file through the whole chain to a specification grid, its pictures and simulator assets."""
 
 from palpate.core import lazy_front
 

@@ -15,7 +15,7 @@ from palpate.core.run import Outcome
 from palpate.design import Symmetry
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
-from palpate.study.built_task import AccuracyTask, read_accuracy
+from palpate.study.accuracy_task import AccuracyTask, read_accuracy
 from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
 from palpate.study.result import Counts, DesignBounds, DesignResult, PressSummary

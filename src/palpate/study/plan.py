@@ -17,7 +17,7 @@ from palpate.design import (
     raise_on_errors,
 )
 from palpate.fea import Branch
-from palpate.study.built_task import AccuracyTask, plan_accuracy, plan_twin
+from palpate.study.accuracy_task import AccuracyTask, plan_accuracy, plan_twin
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, EvaluationTask, PressTask, Task

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from palpate.built import PredictedAccuracy
+from palpate.calibration import PredictedAccuracy
 from palpate.design import Design
 from palpate.learn import Coverage, ErrorBound, Metrics
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, wrap_write_errors
 from palpate.core.run import LocalWorkers, Outcome, Progress, Status, WorkerPool
 from palpate.learn import find_device
+from palpate.study.accuracy_task import export_twins
 from palpate.study.available import default_workers
-from palpate.study.built_task import export_twins
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_bounds, collect_designs
 from palpate.study.force_task import ForceTask

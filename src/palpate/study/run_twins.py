@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.built import PredictedAccuracy
+from palpate.calibration import PredictedAccuracy
 from palpate.core.run import Progress
 from palpate.design import Design
-from palpate.study.built_task import AccuracyTask, read_accuracy
+from palpate.study.accuracy_task import AccuracyTask, read_accuracy
 from palpate.study.plan import plan_study
 from palpate.study.run_study import Run, WorkerOptions, ensure_writable
 from palpate.study.study import AsBuiltSpec, Study

@@ -22,10 +22,10 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from palpate.built import ToleranceSpec
+from palpate.calibration import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
-from palpate.dataset import DatasetSpec
+from palpate.datasets import DatasetSpec
 from palpate.design import SKINS, Design, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact
 from palpate.learn import LearningSpec

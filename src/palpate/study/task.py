@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
-from palpate.dataset import (
+from palpate.datasets import (
     Dataset,
     DatasetSpec,
     PerturbedPresses,
@@ -24,7 +24,7 @@ from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_pr
 from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 
 
 class MissingArtefactError(PalpateError):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.recording import READERS, RecordingReader, read_recording
+from palpate.datasets import READERS, RecordingReader, read_recording
 
 
 class RecordingReaderSuite:

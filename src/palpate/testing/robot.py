@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from palpate.robot import Placement, Robot, rotation_from_vector
+from palpate.sensor import Placement, Robot, rotation_from_vector
 
 
 class RobotSuite:

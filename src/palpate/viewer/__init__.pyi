@@ -4,4 +4,11 @@ from palpate.viewer.readings_client import follow_readings
 from palpate.viewer.serve_readings import Feed, build_readings_app, serve_readings
 from palpate.viewer.server import ServeSpec, serve
 
-__all__ = ["Feed", "ServeSpec", "build_readings_app", "follow_readings", "serve", "serve_readings"]
+__all__ = [
+    "Feed",
+    "ServeSpec",
+    "build_readings_app",
+    "follow_readings",
+    "serve",
+    "serve_readings",
+]

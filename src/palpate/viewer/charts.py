@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, design_label, grid_column
+from palpate.study import Cell, Row, SpecificationGrid, cut_panels, design_label, grid_column
 
 VIRIDIS = (
     "#440154",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from palpate.grid import Row, SpecificationGrid, own_column, rows_for_design
+from palpate.study import Row, SpecificationGrid, own_column, rows_for_design
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign

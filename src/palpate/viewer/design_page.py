@@ -11,10 +11,10 @@ from nicegui import events, ui
 from palpate.camera import CameraSpec, camera_preset, list_presets
 from palpate.design import DomeSpec, MarkerSpec, markers_in_rings
 from palpate.material import list_materials
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.sketch import DesignDraft
-from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.workbench import Workbench
 
 _RINGS = 8

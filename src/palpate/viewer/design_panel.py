@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from nicegui import ui
 
-from palpate.grid import MAIN_COLUMNS, grid_column
+from palpate.study import MAIN_COLUMNS, grid_column
 from palpate.viewer.page_head import heading
 from palpate.viewer.results import GridDesign
 

@@ -10,17 +10,17 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.grid import design_label, grid_column, own_column
+from palpate.study import design_label, grid_column, own_column
 from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.labels import jitter_words
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign
-from palpate.viewer.words import jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"

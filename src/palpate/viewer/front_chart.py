@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.optimise import SearchFolder
 from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
-from palpate.viewer.words import column_label
+from palpate.viewer.labels import column_label
 
 ERROR = "p95_deg"
 """Column of the error that is made least."""

@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from palpate.core import PalpateError
-from palpate.grid import SpecificationGrid, filter_rows
+from palpate.study import SpecificationGrid, filter_rows
 
 
 class ColourQuantity(StrEnum):

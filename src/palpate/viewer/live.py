@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from palpate.camera import Source
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_SPACE
-from palpate.learn import Predictor
-from palpate.recording import RecordedModel
+from palpate.learn import Predictor, RecordedModel
 from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
-from palpate.twin import Twin
+from palpate.surrogate import Twin
 from palpate.viewer.results import GridDesign
 
 LONGEST = 100_000

@@ -11,15 +11,15 @@ from nicegui import ui
 
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
-from palpate.grid import design_label
 from palpate.sensor import Unit, open_model
 from palpate.simulation import SimulatedSource, sample_presses
-from palpate.twin import twin_path
-from palpate.viewer.learnt import TrainedSensor
+from palpate.study import design_label
+from palpate.surrogate import twin_path
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live import Live, open_live, open_recorded_live
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import GridDesign, model_path
+from palpate.viewer.trained import TrainedSensor
 
 _VIRTUAL = "virtual touches"
 _FIELD = "dense outlined options-dense"

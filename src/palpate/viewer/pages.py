@@ -8,12 +8,11 @@ from fastapi import FastAPI, Request
 from nicegui import ui
 
 from palpate.core import PalpateError
-from palpate.grid import is_grid
 from palpate.optimise import is_search, read_search
+from palpate.study import is_grid
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
-from palpate.viewer.learnt import is_trained_sensor, read_trained_sensor
-from palpate.viewer.learnt_page import TrainedPage
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live_opening import DesignOpening, TrainedOpening
 from palpate.viewer.live_page import LivePage
@@ -21,7 +20,8 @@ from palpate.viewer.page_head import PageHeader, error_label, show_error
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
 from palpate.viewer.search_page import SearchPage
-from palpate.viewer.specimen_cache import DesignCache
+from palpate.viewer.trained import is_trained_sensor, read_trained_sensor
+from palpate.viewer.trained_page import TrainedPage
 
 TITLE = "palpate"
 

@@ -1,7 +1,7 @@
 """A skin as the page draws it at any pose of the wall: surface, markers and force, interpolated as in a dataset.
 
-All of them are read from the `palpate.twin.PressField` of the solved presses. Only the wall of the skin is drawn, so
-fields are of its nodes, which are a mesh's first; a gel inside is left out.
+All of them are read from the `palpate.surrogate.PressField` of the solved presses. Only the wall of the skin is
+drawn, so fields are of its nodes, which are a mesh's first; a gel inside is left out.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import MarkerLayout, Symmetry, rotation_vector
 from palpate.fea import Branch, Press, WallSpec, nodal_von_mises
 from palpate.mesh import Mesh, locate_nodes, mesh_skin
-from palpate.twin import PressField, Series, build_field, surface_displacement
+from palpate.surrogate import PressField, Series, build_field, surface_displacement
 
 Array32 = NDArray[np.float32]
 _SAME_MM, _SAME_DEG = 1e-6, 1e-9

@@ -18,8 +18,8 @@ from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, PalpateError
 from palpate.design import Design, MarkerLayout, MarkerSpec, Skin, place_markers, skin_from_data
 from palpate.fea import Press, read_press
-from palpate.grid import Cell, SpecificationGrid, design_label, design_spec, read_grid
 from palpate.material import material_from_data
+from palpate.study import Cell, SpecificationGrid, design_label, design_spec, read_grid
 
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""

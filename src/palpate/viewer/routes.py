@@ -9,12 +9,12 @@ from fastapi.responses import JSONResponse
 
 from palpate.core import PalpateError
 from palpate.core.report import csv_text
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.export import dome_parts, marker_rows
 from palpate.viewer.gltf import write_gltf
-from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.link import selected_rows
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
-from palpate.viewer.specimen_cache import DesignCache
+from palpate.viewer.trained import TrainedSensor
 
 BINARY = "application/octet-stream"
 

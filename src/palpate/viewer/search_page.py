@@ -9,11 +9,11 @@ from nicegui import events, ui
 
 from palpate.core import PalpateError
 from palpate.optimise import SearchFolder
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
+from palpate.viewer.labels import column_label, find_column
 from palpate.viewer.page_head import PageHeader, heading
-from palpate.viewer.specimen_cache import DesignCache
-from palpate.viewer.words import column_label, find_column
 from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0

@@ -17,8 +17,7 @@ from typing import Any
 
 from palpate.camera import Source, decode_image
 from palpate.core import PalpateError, load_extra
-from palpate.robot import Broadcast, SourceReader
-from palpate.sensor import Sensor
+from palpate.sensor import Broadcast, Sensor, SourceReader
 from palpate.viewer.guard import Guard
 from palpate.viewer.server import ServeSpec, bind_server, page_url
 

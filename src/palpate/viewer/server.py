@@ -108,10 +108,10 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
         raise PalpateError(f"{folder} is no folder.", _GIVE, code="folder-missing")
     load_extra("nicegui", "web", "NiceGUI")
     uvicorn: Any = load_extra("uvicorn", "web")
-    from palpate.grid import is_grid
     from palpate.optimise import is_search
-    from palpate.viewer.learnt import is_trained_sensor
+    from palpate.study import is_grid
     from palpate.viewer.pages import build_app
+    from palpate.viewer.trained import is_trained_sensor
 
     if folder is not None and not (is_grid(folder) or is_search(folder) or is_trained_sensor(folder)):
         raise PalpateError(

@@ -20,7 +20,7 @@ from palpate.design import (
     SkinSpec,
     skin_from_data,
 )
-from palpate.fabricate import ProcessSpec, check_process
+from palpate.fabrication import ProcessSpec, check_process
 from palpate.fea import WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec

@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 from palpate.core.run import Progress
-from palpate.fabricate import write_pack
+from palpate.fabrication import write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.sketch import DesignDraft

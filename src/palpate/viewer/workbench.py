@@ -18,6 +18,7 @@ from palpate.design import Finding
 from palpate.fea import Press, WallSpec
 from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
@@ -26,7 +27,6 @@ from palpate.viewer.page_head import PageHeader, error_label, heading, show_erro
 from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import build_shell
 from palpate.viewer.sketch import DesignDraft, build_preview
-from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.work import pack_sketch, press_sketch
 
 _LOOK_S = 0.2

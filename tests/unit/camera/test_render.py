@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, project_markers, render
-from palpate.camera.dot_traces import edge_offsets
+from palpate.camera.marker_traces import edge_offsets
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
 DOME = build_skin(DomeSpec())

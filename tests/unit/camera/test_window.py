@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from errors import refused
-from palpate.built.shifted_cameras import CameraDerivatives
+from palpate.calibration.camera_derivatives import CameraDerivatives
 from palpate.camera import (
     Camera,
     CameraSpec,

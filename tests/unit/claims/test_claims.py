@@ -10,7 +10,7 @@ from palpate.claims.claim import CLAIMS
 from palpate.claims.evidence import DESIGNS, Evidence
 from palpate.claims.judge_claims import ASSESSMENTS
 from palpate.claims.judge_material import assess_law, assess_mesh
-from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
+from palpate.study import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER
 
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED

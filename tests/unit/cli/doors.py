@@ -15,14 +15,14 @@ import numpy as np
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.benchmark import PRESETS
 from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
-from palpate.dataset import Normalisation
+from palpate.datasets import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
-from palpate.grid import evaluate_grid, write_grid
 from palpate.learn import Estimator, write_estimator
-from palpate.twin import Twin, write_twin
-from palpate.twin.surface_series import place_circles
-from palpate.twin.tensor_spline import fit_spline
-from palpate.twin.twin import FORCES
+from palpate.study import evaluate_grid, write_grid
+from palpate.surrogate import Twin, write_twin
+from palpate.surrogate.surface_series import place_circles
+from palpate.surrogate.tensor_spline import fit_spline
+from palpate.surrogate.twin import FORCES
 
 sys.path.append(str(Path(__file__).parents[1] / "grid"))
 from results import PAPER

@@ -12,7 +12,7 @@ import pytest
 from errors import check_refusal, check_values
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.cli import main
-from palpate.dataset import Normalisation
+from palpate.datasets import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.fea import WallSpec
 from palpate.learn import Estimator, read_estimator, write_estimator

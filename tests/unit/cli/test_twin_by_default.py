@@ -17,8 +17,8 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin
 from palpate.material import get_material
 from palpate.study import MaterialSpec, single_design_study
-from palpate.twin import Twin, find_twin, twin_path, write_twin
-from palpate.twin.twin_file import material_text
+from palpate.surrogate import Twin, find_twin, twin_path, write_twin
+from palpate.surrogate.twin_file import material_text
 
 SKIN = build_skin(DomeSpec())
 ECOFLEX = MaterialSpec().material()

@@ -20,7 +20,7 @@ from palpate.camera import read_image
 from palpate.cli import main
 from palpate.cli.border import BAD_INPUT, guarded
 from palpate.core import load_extra
-from palpate.relaxation import Relaxation, relax_history
+from palpate.material import Relaxation, relax_history
 from palpate.sensor import ReferencePress
 
 ROOT = Path(__file__).parents[3]

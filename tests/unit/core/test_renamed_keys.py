@@ -4,19 +4,17 @@ import pytest
 from pydantic import ValidationError
 
 from palpate.benchmark import BenchmarkSpec, TwinPressSpec
-from palpate.built import ToleranceSpec
+from palpate.calibration import ToleranceSpec
 from palpate.camera import CalibrationSpec
 from palpate.core.renamed_keys import RENAMED_COLUMNS, RENAMED_KEYS, new_column, rename_columns
-from palpate.fabricate import ProcessSpec
+from palpate.fabrication import ProcessSpec
 from palpate.fea import ObstacleSpec, WallSpec
-from palpate.grid import filter_rows, sort_rows
+from palpate.learn import RecordingSpec
 from palpate.material import FitSpec, PrepareSpec
 from palpate.optimise import RequirementsSpec
-from palpate.recording import RecordingSpec
-from palpate.robot import AlignSpec
-from palpate.sensor import AcceptanceSpec, SensorSpec
+from palpate.sensor import AcceptanceSpec, AlignSpec, SensorSpec
 from palpate.simulation import SimulatedRobotSpec, VirtualBenchSpec
-from palpate.study import AsBuiltSpec, Study
+from palpate.study import AsBuiltSpec, Study, filter_rows, sort_rows
 from palpate.viewer.sketch import DesignDraft
 
 SPECS = {

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.cad import CadSolid, revolve
-from palpate.design import ConeSpec, Dome, Rim, SplineSpec, skin_from_data
+from palpate.design import CadSolid, ConeSpec, Dome, Rim, SplineSpec, revolve, skin_from_data
 from palpate.design.cone import Cone
 from palpate.design.ellipsoid import Ellipsoid
 from palpate.design.revolved import RevolvedSkin

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.deck import deck_text
 from palpate.design import DomeSpec, MarkerSpec, place_markers
-from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle
+from palpate.fea import Branch, Press, WallSpec, deck_text, obstacle_from_data, read_obstacle
 from palpate.fea.route import RouteSpec, Waypoint
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import get_material

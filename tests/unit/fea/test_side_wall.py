@@ -8,21 +8,11 @@ import pytest
 from errors import refused
 from palpate.design import Dome, MarkerSpec, place_markers
 from palpate.design.barrel import BarrelSpec
-from palpate.fea import (
-    BallSpec,
-    Branch,
-    EndReason,
-    Press,
-    SolverSpec,
-    WallSpec,
-    read_obstacle,
-    read_press,
-    write_press,
-)
+from palpate.fea import BallSpec, Branch, Press, WallSpec, read_obstacle, read_press, write_press
 from palpate.fea.loaded_skin import clamp_skin
 from palpate.fea.side_wall import SideWallSpec
 from palpate.material import get_material
-from palpate.mechanics import DeadLoad, Problem, make_linear_solver
+from palpate.mechanics import DeadLoad, EndReason, Problem, SolverSpec, make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, gauss_points, mesh_skin, shape_quadrilateral
 from presses import solve_press
 

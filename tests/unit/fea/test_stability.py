@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Branch, EndReason, WallSpec, find_stability
+from palpate.fea import Branch, WallSpec, find_stability
 from palpate.material import get_material
+from palpate.mechanics import EndReason
 from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
 

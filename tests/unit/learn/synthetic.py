@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.dataset import Dataset, DatasetSpec, sample_poses
+from palpate.datasets import Dataset, DatasetSpec, sample_poses
 
 
 def make_dataset(presses=120, markers=12, depths=(2.4, 4.0, 5.6), bend=4.0, jitter_px=2.0, seed=0):

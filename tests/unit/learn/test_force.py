@@ -9,7 +9,7 @@ import onnx
 import pytest
 
 from errors import refused
-from palpate.dataset import Dataset, DatasetSpec, sample_poses
+from palpate.datasets import Dataset, DatasetSpec, sample_poses
 from palpate.design import wall_normal
 from palpate.learn import (
     calibrate_interval,

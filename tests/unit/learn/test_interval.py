@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import make_dataset
 
-from palpate.dataset import draw_jitter
+from palpate.datasets import draw_jitter
 from palpate.learn import TrainingSpec, calibrate_interval, fit_ridge, measure_coverage, train
 from palpate.learn.interval import press_quantile
 

@@ -8,13 +8,14 @@ import pytest
 from errors import refused
 from palpate.material import (
     Material,
+    Moduli,
+    Relaxation,
     get_material,
     list_materials,
     material_from_data,
     read_material,
     write_material,
 )
-from palpate.relaxation import Moduli, Relaxation
 from palpate.study import MaterialSpec, read_study
 
 TEXTS = [

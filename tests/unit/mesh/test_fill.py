@@ -9,11 +9,10 @@ import pytest
 from scipy.special import gamma
 
 from errors import refused
-from palpate.deck import DeckSpec, Dialect, write_deck
-from palpate.deck.spec import DeckElement
 from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec, rotation_vector, wall_normal
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fea import Branch, WallSpec, read_press, write_press
+from palpate.fea import Branch, DeckSpec, Dialect, WallSpec, read_press, write_deck, write_press
+from palpate.fea.deck_spec import DeckElement
 from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material
 from palpate.mechanics import Solid, State, System

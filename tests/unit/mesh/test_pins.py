@@ -14,7 +14,7 @@ from palpate.fea.variations import parameter_names
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, locate_inner, marker_displacement, marker_displacement_derivative, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, build_field
+from palpate.surrogate import TWIN_DERIVATIVES, build_field
 from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")

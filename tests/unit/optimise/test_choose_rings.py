@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.built import (
+from palpate.calibration import (
     AccuracySpec,
     ContradictionError,
     PredictedAccuracy,
@@ -29,12 +29,12 @@ from palpate.optimise import (
     choose_rings,
     measure_ring_candidates,
 )
+from palpate.optimise.camera_setting import dot_diameters, measure_settings, rank_settings
 from palpate.optimise.choose_rings import resize_dots, space_rings_evenly
-from palpate.optimise.propose import evaluate_skin
-from palpate.optimise.prove import _Candidate
-from palpate.optimise.setting import dot_diameters, measure_settings, rank_settings
+from palpate.optimise.evaluate_skin import evaluate_skin
+from palpate.optimise.validate_designs import _Candidate
 from palpate.sensor import Unit
-from palpate.twin import Twin, read_twin
+from palpate.surrogate import Twin, read_twin
 from small_chain import write_small_twin
 
 CAMERA = build_camera(CameraSpec())
@@ -215,10 +215,10 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
         return predict_accuracy(twin, layout, *others)
 
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
-    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", contradicted)
+    monkeypatch.setattr("palpate.optimise.evaluate_skin.predict_accuracy", contradicted)
     left = evaluate_skin(twin, known, spec)
     assert ([option.markers.count for option in left.options], left.problem) == ([19], "")
-    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", broken)
+    monkeypatch.setattr("palpate.optimise.evaluate_skin.predict_accuracy", broken)
     ends = evaluate_skin(twin, known, spec)
     assert ends.options == ()
     assert ends.problem
@@ -232,8 +232,8 @@ def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
         raise error("No.", "", code="no-way")
 
     for name in ("read_twin", "find_artefact", "accuracy_spec"):
-        monkeypatch.setattr(f"palpate.optimise.prove.{name}", lambda *_: AccuracySpec())
-    monkeypatch.setattr("palpate.optimise.prove.predict_accuracy", refuse)
+        monkeypatch.setattr(f"palpate.optimise.validate_designs.{name}", lambda *_: AccuracySpec())
+    monkeypatch.setattr("palpate.optimise.validate_designs.predict_accuracy", refuse)
     design = MagicMock(bench=MagicMock(calibration_presses=0), _proposal=MagicMock(checks=()))
     if error is ContradictionError:
         assert _Candidate.predict(design, MagicMock()) is None
@@ -257,9 +257,9 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
         if opened[-1] == 7 and opened.count(7) >= 12:
             raise PalpateError("Ring 1 was not found.", "", code="ring-missing")
 
-    monkeypatch.setattr("palpate.optimise.propose.open_sensor", open_most)
+    monkeypatch.setattr("palpate.optimise.evaluate_skin.open_sensor", open_most)
     monkeypatch.setattr(
-        "palpate.optimise.propose.predict_accuracy", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02)
+        "palpate.optimise.evaluate_skin.predict_accuracy", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02)
     )
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
     assert (opened.count(7), opened.count(19)) == (3, 3)

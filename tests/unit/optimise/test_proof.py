@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from errors import check_values
-from palpate.built import PredictedAccuracy
+from palpate.calibration import PredictedAccuracy
 from palpate.core.report import page_markdown
 from palpate.optimise import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
-from palpate.optimise.proof import validation_page
+from palpate.optimise.validation import validation_page
 
 FIGURES = ((0.020, 0.080), (0.0203, 0.0808)), ((0.021, 0.083), (0.0201, 0.0800))
 """Foreseen and played of two designs."""

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from errors import check_values, refused
-from palpate.built import PredictedAccuracy
+from palpate.calibration import PredictedAccuracy
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
     Front,
@@ -24,11 +24,11 @@ from palpate.optimise import (
     optimise_design,
     read_requirements,
 )
+from palpate.optimise.evaluate_skin import SkinEvaluationTask
 from palpate.optimise.front import SearchBaselines
 from palpate.optimise.optimise_design import _Evaluator, constraint_violations, objective_values
-from palpate.optimise.propose import SkinEvaluationTask
-from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
+from palpate.optimise.validate_designs import _finalists
 from palpate.optimise.write_front import report, winner_study, write_front
 from palpate.study import read_study
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from palpate.built import ToleranceSpec
+from palpate.calibration import ToleranceSpec
 from palpate.design import DomeSpec
 from palpate.optimise import RequirementsSpec
-from palpate.optimise.propose import plan_skin_evaluation
+from palpate.optimise.evaluate_skin import plan_skin_evaluation
 
 SPEC = RequirementsSpec(name="small", depth=4.0)
 TASK = plan_skin_evaluation(SPEC, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from errors import check_refusal, refused
+from palpate.calibration import Deviation
 from palpate.cli import main
 from palpate.core import generator
 from palpate.sensor import (
@@ -19,7 +20,6 @@ from palpate.sensor import (
     read_readings,
     write_acceptance,
 )
-from palpate.simulation import Deviation
 from palpate.simulation.run_trial import solve_unit_presses
 from palpate.simulation.simulated_unit import SimulatedUnit
 from small_chain import small_bench, write_small_model

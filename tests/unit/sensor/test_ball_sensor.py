@@ -9,7 +9,7 @@ import pytest
 from errors import refused
 from needs import needs
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
+from palpate.datasets import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import (
     OFFSET_SPACE,
     TILT_SPACE,
@@ -33,7 +33,7 @@ from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, check_model, open_sensor, run_sensor, write_readings
 from palpate.simulation import SimulatedSource, sample_presses
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 from presses import solve_press
 
 DOME = build_skin(DomeSpec())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.sensor.creep_filter import FRAME_S, DriftFilter, _ahead
+from palpate.sensor.drift_filter import FRAME_S, DriftFilter, _ahead
 
 NOISE_PX, PACE_PX_S, SECONDS = 0.01, 2e-3, 120.0
 

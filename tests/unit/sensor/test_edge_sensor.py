@@ -9,7 +9,7 @@ import pytest
 from errors import refused
 from needs import needs
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
+from palpate.datasets import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import Design, DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
 from palpate.fea.edge import EdgeSpec
 from palpate.learn import (
@@ -24,7 +24,7 @@ from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor, run_sensor, write_readings
 from palpate.simulation import SimulatedSource
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 from presses import solve_press
 
 LINES = PoseSpace.for_lines()

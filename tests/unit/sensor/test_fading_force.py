@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from errors import refused
-from palpate.built import Force
-from palpate.material import get_material
-from palpate.relaxation import Moduli, Relaxation
+from palpate.calibration import Force
+from palpate.material import Moduli, Relaxation, get_material
 from palpate.sensor import Reading, Sensor
-from palpate.sensor.fading_force import ForceRelaxation
-from palpate.sensor.reader import ReaderState
-from palpate.twin import twin_relaxation
-from palpate.twin.twin_file import material_text
+from palpate.sensor.force_relaxation import ForceRelaxation
+from palpate.sensor.pose_estimator import ReaderState
+from palpate.surrogate import twin_relaxation
+from palpate.surrogate.twin_file import material_text
 
 SERIES = Relaxation((0.1, 0.2), (0.5, 8.0))
 NORMAL = np.array([0.0, 0.1, np.sqrt(0.99)])

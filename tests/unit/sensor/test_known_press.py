@@ -10,7 +10,7 @@ from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_out
 from palpate.core import generator
 from palpate.design import Design, MarkerSpec, build_skin, place_markers
 from palpate.sensor import ReferencePress, Unit
-from palpate.sensor.known_press import disambiguate
+from palpate.sensor.reference_press import disambiguate
 from palpate.sensor.sensor import analyse_rest
 from palpate.vision import assign_markers, build_pattern, disambiguate_by_press
 from small_chain import DOME, MARKERS, solve

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from palpate.built import ToleranceSpec, sample_deviation
+from palpate.calibration import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Unit

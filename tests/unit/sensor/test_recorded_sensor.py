@@ -4,9 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from palpate.learn import Ensemble
-from palpate.recording import RecordedModel
-from palpate.recording.model import PoseReading
+from palpate.learn import Ensemble, RecordedModel
+from palpate.learn.recording_model import PoseReading
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
 

@@ -12,9 +12,9 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, SensorSpec, Unit
-from palpate.sensor.reader import PoseEstimate, TwinEstimator
+from palpate.sensor.pose_estimator import PoseEstimate, TwinEstimator
 from palpate.sensor.rest_drift import RestDrift
-from palpate.twin import TWIN_DERIVATIVES, Twin
+from palpate.surrogate import TWIN_DERIVATIVES, Twin
 from palpate.vision import MarkerAssignment, TrackedMarkers
 from presses import build_twin, solve_press
 

@@ -9,7 +9,7 @@ import pytest
 from errors import refused
 from palpate.camera import CameraSpec, RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.core import PalpateError, generator
-from palpate.dataset import Normalisation
+from palpate.datasets import Normalisation
 from palpate.design import (
     TILT_SPACE,
     Design,

@@ -7,7 +7,7 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.built import Force, PoseFit
+from palpate.calibration import Force, PoseFit
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_readings
 from palpate.simulation import simulate_sensor

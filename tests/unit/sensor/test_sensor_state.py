@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from palpate.built import PoseFitter
+from palpate.calibration import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
@@ -14,9 +14,9 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, Sensor, SensorSpec, Unit
-from palpate.sensor.creep_filter import FRAME_S
-from palpate.sensor.reader import PoseEstimate, ReaderState, TwinEstimator
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+from palpate.sensor.drift_filter import FRAME_S
+from palpate.sensor.pose_estimator import PoseEstimate, ReaderState, TwinEstimator
+from palpate.surrogate import TWIN_DERIVATIVES, Twin, build_twin
 from palpate.vision import MarkerAssignment, TrackedMarkers
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))

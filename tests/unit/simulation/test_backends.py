@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from palpate.built import CONTACT_STATE
+from palpate.calibration import CONTACT_STATE
 from palpate.core.state import State
 from palpate.design import Design, DomeSpec, build_skin
 from palpate.fea import WallSpec, solve_press
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulation import SimulatedUnit, SolverBackend, TwinBackend
-from palpate.twin import TWIN_DERIVATIVES, build_twin
+from palpate.surrogate import TWIN_DERIVATIVES, build_twin
 from small_chain import MARKERS, MATERIAL
 
 SKIN = DomeSpec(height=20, thickness=2)

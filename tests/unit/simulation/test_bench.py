@@ -10,17 +10,10 @@ import pytest
 
 from errors import check_values, refused
 from needs import needs_program
+from palpate.calibration import Deviation, ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core.report import page_markdown
-from palpate.simulation import (
-    Deviation,
-    ToleranceSpec,
-    run_bench,
-    run_budget,
-    run_unit_trial,
-    write_bench,
-    write_budget,
-)
+from palpate.simulation import run_bench, run_budget, run_unit_trial, write_bench, write_budget
 from palpate.simulation.budget import BudgetLine, recommend_randomisation, total
 from palpate.simulation.result import bench_page, pool_units, score_unit
 from palpate.simulation.run_trial import solve_unit_presses, unit_tilts

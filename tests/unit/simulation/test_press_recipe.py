@@ -3,15 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
-from palpate.built import sample_deviation
+from palpate.calibration import Deviation, sample_deviation
 from palpate.core import ArtefactStore
-from palpate.deck import CalculixSpec
 from palpate.design import Design, MarkerSpec
-from palpate.fea import Branch
+from palpate.fea import Branch, CalculixSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
-from palpate.optimise.prove import CalculixTask, UnitTrialTask
-from palpate.simulation import Deviation, VirtualBench, VirtualBenchSpec, unit_recipe
+from palpate.optimise.validate_designs import CalculixTask, UnitTrialTask
+from palpate.simulation import VirtualBench, VirtualBenchSpec, unit_recipe
 from palpate.simulation.run_trial import _mesh_spec, _press_recipe, _wall
 from palpate.study import PressTask, TwinTask
 

@@ -8,8 +8,7 @@ import pytest
 from errors import check_refusal, refused
 from needs import needs
 from palpate.cli import main
-from palpate.grid import compare_grids, design_spec, read_grid
-from palpate.study import Study, plan_twin
+from palpate.study import Study, compare_grids, design_spec, plan_twin, read_grid
 from palpate.viewer.curves import error_curves
 from presses import stored_folder
 

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from palpate.core import ArtefactStore
-from palpate.grid import default_metric, evaluate_grid
-from palpate.study import Study, run_twins
+from palpate.study import Study, default_metric, evaluate_grid, run_twins
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
 

@@ -14,7 +14,7 @@ from palpate.camera import Calibration, read_calibration, write_calibration
 from palpate.camera.lens import make_lens
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.core.store import find_corruption
-from palpate.dataset import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
+from palpate.datasets import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
 from palpate.design import DomeSpec, build_skin, read_points
 from palpate.fea import read_press
 from palpate.learn import calibrate_interval, fit_ridge, open_predictor, read_estimator, write_estimator

@@ -7,7 +7,7 @@ import numpy as np
 from errors import refused
 from palpate.core import ArtefactStore
 from palpate.core.run import Progress, run_call
-from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
+from palpate.datasets import Dataset, DatasetSpec, sample_poses, write_dataset
 from palpate.learn import ErrorBound, calibrate_interval, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs

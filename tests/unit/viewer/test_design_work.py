@@ -12,9 +12,9 @@ from errors import refused
 from palpate.core.run import LocalWorkers, Progress
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
+from palpate.viewer.design_cache import CACHE_SIZE, DesignCache
 from palpate.viewer.scene import describe_motion
 from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
-from palpate.viewer.specimen_cache import CACHE_SIZE, DesignCache
 from palpate.viewer.work import press_sketch
 
 

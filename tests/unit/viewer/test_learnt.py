@@ -15,10 +15,10 @@ from fastapi.testclient import TestClient
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.camera import open_source
 from palpate.cli import main
-from palpate.viewer.learnt import error_columns, error_rows, is_trained_sensor, read_trained_sensor
 from palpate.viewer.live import open_recorded_live
 from palpate.viewer.live_page import list_figures
 from palpate.viewer.pages import build_app
+from palpate.viewer.trained import error_columns, error_rows, is_trained_sensor, read_trained_sensor
 
 
 @pytest.fixture(scope="module")

@@ -212,7 +212,7 @@ def test_every_kind_of_image_becomes_grey():
 @pytest.mark.parametrize(("inverted", "state"), [(False, ""), (True, "; the skin is inverted")])
 def test_a_twin_tells_force_friction_and_how_well_it_fits(inverted, state):
     pytest.importorskip("nicegui")
-    from palpate.built import Force, PoseFit
+    from palpate.calibration import Force, PoseFit
     from palpate.viewer.live_page import list_figures
 
     covariance = np.diag([0.01, 0.01, 0.0025, 0.04])

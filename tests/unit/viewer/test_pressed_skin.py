@@ -13,7 +13,7 @@ from palpate.design import MarkerSpec, place_markers, rotation_vector, turn_abou
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import BallSpec
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
-from palpate.twin import build_field
+from palpate.surrogate import build_field
 from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import PARTS, build_shell
 
@@ -162,7 +162,7 @@ def test_the_surface_of_a_pad_that_is_drawn_carries_its_markers(pad):
 def test_markers_and_forces_are_those_of_the_dataset_at_random_poses(skin, request):
     drawn = request.getfixturevalue(skin)
     layout = place_markers(drawn.mesh.skin, MarkerSpec(ring_diameters=(5.0, 10.0)))
-    field = build_field(drawn.solved, layout)  # as in `palpate.dataset.randomise_field`
+    field = build_field(drawn.solved, layout)  # as in `palpate.datasets.randomise_field`
     rng = np.random.default_rng(5)
     compared = 0
     for tilt, azimuth in zip(rng.uniform(0.0, drawn.tilts_deg[-1], 10), rng.uniform(-180.0, 180.0, 10), strict=True):

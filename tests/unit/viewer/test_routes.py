@@ -13,11 +13,11 @@ from fastapi import FastAPI
 from made_up_presses import write_results
 from starlette.testclient import TestClient
 
+from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.message import read_message
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
-from palpate.viewer.specimen_cache import DesignCache
 
 
 @pytest.fixture(scope="module")

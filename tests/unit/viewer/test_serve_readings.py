@@ -22,13 +22,12 @@ import cv2
 import uvicorn
 from starlette.testclient import TestClient
 
-from palpate.built import Deviation
+from palpate.calibration import Deviation
 from palpate.camera import RenderSpec, Source
 from palpate.core import PalpateError
 from palpate.design import Design, build_skin, place_markers
 from palpate.learn import open_predictor
-from palpate.robot import Broadcast
-from palpate.sensor import Sensor, Unit, open_sensor
+from palpate.sensor import Broadcast, Sensor, Unit, open_sensor
 from palpate.simulation import SimulatedUnit
 from palpate.viewer import Feed, ServeSpec, build_readings_app, follow_readings
 from palpate.viewer.guard import Guard

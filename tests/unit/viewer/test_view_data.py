@@ -8,9 +8,10 @@ import pytest
 from made_up_presses import MESH, depths, made_up_press, rows
 
 from palpate.design import Design, MarkerSpec, place_markers
-from palpate.grid import SpecificationGrid
+from palpate.study import SpecificationGrid
 from palpate.viewer.charts import LIGHT, Selection, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
+from palpate.viewer.labels import column_label, find_column, jitter_words
 from palpate.viewer.link import (
     ColourQuantity,
     View,
@@ -22,7 +23,6 @@ from palpate.viewer.link import (
 )
 from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.results import GridDesign
-from palpate.viewer.words import column_label, find_column, jitter_words
 
 GRID = SpecificationGrid(rows(), depths())
 

@@ -12,11 +12,11 @@ from palpate_guest.table_robot import TableRobot
 from palpate_guest.wheel import WheelSpec
 
 from palpate.camera import CameraSpec, build_camera
+from palpate.datasets import read_recording
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark, skin_from_data
 from palpate.fea import WallSpec, obstacle_from_data, solve_press
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
-from palpate.recording import read_recording
 from palpate.testing import (
     EstimatorSuite,
     LawSuite,

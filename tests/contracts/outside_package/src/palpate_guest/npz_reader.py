@@ -6,7 +6,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.recording import ImageSet, RecordingReader, RecordingTable
+from palpate.datasets import ImageSet, RecordingReader, RecordingTable
 
 
 class NpzReader(RecordingReader):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.robot import Placement, Robot
+from palpate.sensor import Placement, Robot
 
 
 class TableRobot(Robot):

@@ -1,0 +1,195 @@
+"""How a built unit deviates from its design, drawn within the workshop's tolerances.
+
+Every imperfection has a random stream of its own, so that a unit drawn with one imperfection alone has the same value
+of it as the unit drawn with all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from palpate.calibration.tolerance import ToleranceSpec
+from palpate.camera import LENSES, CameraSpec
+from palpate.core import child_seed, generator
+from palpate.design import Design, SkinSpec
+from palpate.material import Material
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """What is not as designed about one unit; the nominal unit has the defaults.
+
+    Attributes
+    ----------
+    thickness
+        Of the wall, mm.
+    modulus, stiffening
+        Shares by which all constants of the law, and those of higher order over the first, are too large.
+    friction
+        Coefficient of friction; 0: contact as in the training.
+    marker_position, print_shift_x, print_shift_y
+        Greatest displacement of single dots, and that of the whole print, mm.
+    missing
+        Share of dots that are not there.
+    offset_x, offset_y, distance, tilt_x_deg, tilt_y_deg, roll_deg
+        Of the camera, added to the nominal pose (mm, degrees).
+    focal, centre_x_px, centre_y_px, k1
+        Of the lens, left over by its calibration: share, px, px, first coefficient.
+    seating_x_deg, seating_y_deg, seating_turn_deg
+        Turns of the dome against the robot.
+    depth_zero
+        Depth that the robot takes for first touch, mm.
+    lateral, twist_deg
+        Greatest sideways travel (mm) and turn (degrees) of the robot in a press.
+    curvature
+        Greatest curvature of a wall that it is pressed on, 1/m.
+    seed
+        Seed of which dots are off and missing.
+    unit
+        Number of the unit, which decides at which poses it is played; the nominal one is 0.
+    """
+
+    thickness: float = 0.0
+    modulus: float = 0.0
+    stiffening: float = 0.0
+    friction: float = 0.0
+    marker_position: float = 0.0
+    print_shift_x: float = 0.0
+    print_shift_y: float = 0.0
+    missing: float = 0.0
+    offset_x: float = 0.0
+    offset_y: float = 0.0
+    distance: float = 0.0
+    tilt_x_deg: float = 0.0
+    tilt_y_deg: float = 0.0
+    roll_deg: float = 0.0
+    focal: float = 0.0
+    centre_x_px: float = 0.0
+    centre_y_px: float = 0.0
+    k1: float = 0.0
+    seating_x_deg: float = 0.0
+    seating_y_deg: float = 0.0
+    seating_turn_deg: float = 0.0
+    depth_zero: float = 0.0
+    lateral: float = 0.0
+    twist_deg: float = 0.0
+    curvature: float = 0.0
+    seed: int = 0
+    unit: int = 0
+
+    def dome(self, nominal: SkinSpec) -> SkinSpec:
+        """The dome as built; its inner surface carries the dots and is that of the core, so only the outer moves."""
+        return nominal.model_copy(update={"thickness": nominal.thickness + self.thickness})
+
+    def material(self, nominal: Material) -> Material:
+        """The elastomer as mixed."""
+        return replace(nominal, law=nominal.law.scaled(1.0 + self.modulus, 1.0 + self.stiffening))
+
+    def built(self, design: Design) -> Design:
+        """Return the design of the unit as built; its printed markers differ from this layout."""
+        return replace(
+            design,
+            skin_spec=self.dome(design.skin_spec),
+            camera_spec=self.camera(design.camera_spec),
+            material=self.material(design.material),
+        )
+
+    def camera(self, nominal: CameraSpec) -> CameraSpec:
+        """The camera as mounted, with the lens that the calibration did not quite find.
+
+        The distortion that is left over goes to the lens's `leading` coefficient; a lens without one has none left.
+        """
+        pose = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
+        values: dict[str, Any] = {name: getattr(nominal, name) + getattr(self, name) for name in pose}
+        values |= {name: getattr(nominal, name) * (1.0 + self.focal) for name in ("fx_px", "fy_px")}
+        values |= {"cx_px": nominal.cx_px + self.centre_x_px, "cy_px": nominal.cy_px + self.centre_y_px}
+        lens = LENSES.get(nominal.lens)
+        named = zip(lens.parameters(), nominal.distortion, strict=True)
+        values["distortion"] = tuple(value + self.k1 * (name == lens.leading) for name, value in named)
+        return nominal.model_copy(update=values)
+
+    def as_dict(self) -> dict[str, float]:
+        """Plain data."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Imperfection:
+    """One entry of the error budget.
+
+    Attributes
+    ----------
+    name
+        Field of `ToleranceSpec`.
+    label
+        What a person reads.
+    parts
+        Fields of `Deviation` that it moves.
+    signed
+        Whether it goes either way.
+    solved
+        Whether presses must be solved for it.
+    stream
+        Name of its random stream; `name` if empty.
+    """
+
+    name: str
+    label: str
+    parts: tuple[str, ...]
+    signed: bool = True
+    solved: bool = False
+    stream: str = ""
+
+
+IMPERFECTIONS = (
+    Imperfection("thickness", "thickness of the wall", ("thickness",), solved=True),
+    Imperfection("modulus", "stiffness", ("modulus",), solved=True),
+    Imperfection("stiffening", "stiffening", ("stiffening",), solved=True),
+    Imperfection("friction_min", "friction", ("friction",), signed=False, solved=True, stream="friction"),
+    Imperfection("marker_position", "place of each dot", ("marker_position",), signed=False, stream="dot"),
+    Imperfection("print_shift", "place of the print", ("print_shift_x", "print_shift_y"), stream="pad"),
+    Imperfection("missing", "missing dots", ("missing",), signed=False),
+    Imperfection("camera_offset", "camera's offset", ("offset_x", "offset_y")),
+    Imperfection("camera_distance", "camera's distance", ("distance",)),
+    Imperfection("camera_tilt_deg", "camera's tilt", ("tilt_x_deg", "tilt_y_deg")),
+    Imperfection("camera_roll_deg", "camera's roll", ("roll_deg",)),
+    Imperfection("focal", "focal length", ("focal",)),
+    Imperfection("centre_px", "centre of the lens", ("centre_x_px", "centre_y_px")),
+    Imperfection("distortion", "distortion", ("k1",)),
+    Imperfection("seating_tilt_deg", "seating, tilt", ("seating_x_deg", "seating_y_deg")),
+    Imperfection("seating_turn_deg", "seating, turn", ("seating_turn_deg",)),
+    Imperfection("depth_zero", "touch zero", ("depth_zero",), stream="touch"),
+    Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
+    Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
+    Imperfection("curvature", "curvature of the wall", ("curvature",), signed=False, solved=True, stream="bend"),
+)
+
+
+def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
+    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and the greatest.
+
+    Examples
+    --------
+    >>> deviation = sample_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> abs(deviation.thickness) <= 0.05, deviation == sample_deviation(ToleranceSpec(), seed=0, unit=1)
+    (True, True)
+    """
+    values: dict[str, Any] = {"seed": child_seed(seed, "dots", unit), "unit": unit}
+    for item in IMPERFECTIONS:
+        limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, unit)
+        for part in item.parts:
+            values[part] = limit * float(rng.uniform(-1.0, 1.0)) if item.signed else limit
+        if item.name == "friction_min":
+            values["friction"] = tolerance.friction_at(float(rng.uniform())) if limit else 0.0
+    return Deviation(**values)
+
+
+def single_deviation(tolerance: ToleranceSpec, item: Imperfection, seed: int, draw: int) -> Deviation:
+    """One imperfection alone at its tolerance; further draws change signs and the dots that are off."""
+    limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, "sign", draw // 2)
+    values: dict[str, Any] = {"seed": child_seed(seed, "dots", draw)}
+    for part in item.parts:
+        sign = 1.0 if rng.uniform() < 0.5 else -1.0
+        values[part] = limit * (sign * (-1.0) ** draw if item.signed else 1.0)
+    return Deviation(**values)

@@ -1,0 +1,380 @@
+"""Reading by fit: the pose and the friction that best explain where the dots of one image are.
+
+Maximum of the posterior of rx, ry, depth and 1/µ, with what is not known of the unit marginalised: its numbers q have
+the normal distribution of the unit's belief, and the image is linear in them about the pose, so they are fitted
+along and forgotten. Gauss–Newton steps with the twin's own derivatives; dots that fit badly count less, as under
+Student's distribution (Lange, Little & Taylor 1989). What is left over tells whether the model is that of what is
+seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from palpate.calibration.force import Force, StiffnessScale, prior_stiffness_scale, scale_force
+from palpate.calibration.mounting import Mounting
+from palpate.calibration.noise import robust_weights
+from palpate.calibration.pose_fit import CONTACT_STATE, POSE, BranchState, FitState, Linear, PoseFit
+from palpate.calibration.scale import model_px, scale_contact, size_scale
+from palpate.calibration.tolerance import ToleranceSpec
+from palpate.calibration.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
+from palpate.core import FloatArray
+from palpate.core.state import State
+from palpate.design import Skin, rotation_vector, wall_normal
+from palpate.surrogate import LATERAL, Twin
+
+MAX_INVERSE_FRICTION = 5.0
+"""Greatest 1/µ; more has not been met."""
+TILT_SD_DEG = 20.0
+"""Standard deviation of a tilt before its image is seen."""
+_DEPTH_SD = 1e3
+"""The same of a depth, mm: next to nothing is known of it."""
+_GAINED = 0.05
+"""A fit ends with the step that is expected to take less than this off its cost, 0.2 standard deviations."""
+_TAMED = 0.5
+"""Share of its length that a step has from where the last one went too far."""
+_STEPS, _BENT_STEPS = 12, 25
+"""Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
+_SMALL = State(CONTACT_STATE, np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02]))
+"""Change of a contact below which a fit is done."""
+_TRUST = State(CONTACT_STATE, np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0]))
+"""Longest step."""
+_NEAR = State(CONTACT_STATE, np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0]))
+"""Change of a contact within which the image depends on the unit, and traces lie about their dots, as before."""
+READ = (*POSE, "inverse_friction")
+"""Entries of the covariance of a reading."""
+TWIN_ERROR_SD = State(READ, np.array([0.015, 0.015, 0.004, 0.03]))
+"""What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
+
+This and the other constants of a contact were measured on a skin of the size in `palpate.calibration.scale`."""
+_LATERAL_FRICTION_SD = 0.2
+"""The same of 1/µ where robots drift."""
+_OTHER_WALL = 2.0
+"""Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
+_SHALLOW_MM = 0.6
+"""Depth up to which an image tells so little of the tilt that the next one may begin elsewhere."""
+_OUTLIER = 16.0
+"""Most that a coordinate adds to the cost of a fit."""
+_BEYOND = (0.5, 0.1)
+"""How far beyond the tilts (degrees) and depths (mm) of the twin a fit may go."""
+_DOUBTED = 1.5
+"""Misfit above which a fit is begun anew, from nothing, and the better of the two is kept."""
+
+
+@dataclass(eq=False)
+class PoseFitter:
+    """Fits images of one unit, each from where the last one was.
+
+    Attributes
+    ----------
+    model
+        The unit.
+    noise_px
+        Standard deviation of a dot's coordinate in one image.
+    mounting
+        How the unit sits on its robot; with it, poses are on the robot's scale.
+    scale
+        Its stiffness over the design's; `None`: as designed, within the tolerance.
+    state
+        After the last image that `fit` was given; `follow` leaves it alone.
+    """
+
+    model: UnitModel
+    noise_px: float
+    mounting: Mounting | None = None
+    scale: StiffnessScale | None = None
+
+    def __post_init__(self) -> None:
+        self._sd = contact_prior_sd(self.model.tolerance)
+        skin = self.model.dots.twin.skin
+        self._size = size_scale(skin)
+        self._near, self._trust, self._small = (scale_contact(each, skin) for each in (_NEAR, _TRUST, _SMALL))
+        self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.posterior.nominal) ** 2
+        self._mean = State.zeros(CONTACT_STATE).replace(
+            inverse_friction=self.model.tolerance.inverse_friction_prior[0]
+        )
+        slips = self.model.dots.twin.inverse_frictions
+        self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
+        self._free = free_entries(self._sd, self.model.dots.twin)
+        self._drifts = bool((self._sd[LATERAL] > 0).any())
+        self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
+        self._tables()
+        self.state = FitState()
+
+    @cached_property
+    def _other(self) -> PoseFitter | None:
+        """The fitter of the skin's other state."""
+        other = self.model.dots.twin.inverted
+        return None if other is None else replace(self, model=self.model.on_branch(other))
+
+    def _tables(self) -> None:
+        """Images to begin from: a grid of poses."""
+        twin = self.model.dots.twin
+        first, last = twin.depths_mm[[0, -1]]
+        depths = first + (last - first) * np.array([0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9])
+        tilts = twin.tilts_deg[-1] * np.array([0.0, 0.35, 0.8])
+        turns = np.radians(np.arange(0, 360, 45))
+        self._starts = np.array(
+            [
+                (*rotation_vector(tilt, turn), depth)
+                for depth in depths
+                for tilt in tilts
+                for turn in (turns if tilt else turns[:1])
+            ]
+        )
+        slip = float(np.clip(self._mean["inverse_friction"], twin.inverse_frictions[0], twin.inverse_frictions[-1]))
+        first = self.model.predict(self._starts[0], slip, unit=False)
+        self._shown = np.array([self.model.predict(start, slip, near=first).pixels for start in self._starts])
+        covariance = self.mounting.covariance if self.mounting else self.model.posterior.covariance
+        self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
+
+    def fit(self, seen_px: FloatArray) -> PoseFit:
+        """Fit one image, and go on from there.
+
+        Parameters
+        ----------
+        seen_px
+            (m, 2) dots in the order of the layout; NaN where none was seen.
+        """
+        found, self.state = self.follow(seen_px, self.state)
+        return found
+
+    def follow(self, seen_px: FloatArray, state: FitState, near: PoseFit | None = None) -> tuple[PoseFit, FitState]:
+        """Fit the image after a state; one that the flat branch does not explain, by the other, where there is one.
+
+        Parameters
+        ----------
+        seen_px
+            (m, 2) dots in the order of the layout; NaN where none was seen.
+        state
+            After the image before.
+        near
+            A fit of almost the same dots, from which this one begins.
+
+        Returns
+        -------
+        tuple
+            The fit, and the state after this image.
+        """
+        inverted = self._other is not None and (state.inverted if near is None else near.inverted)
+        found, state = self._fit_branch(seen_px, state, inverted, None if near is None else near.state)
+        if found.misfit > _DOUBTED and self._other is not None:
+            again, state = self._fit_branch(seen_px, state, not inverted)
+            if again.cost < found.cost:
+                found, inverted = again, not inverted
+        return self._of_other(found) if inverted else found, replace(state, inverted=inverted)
+
+    def _fit_branch(
+        self, seen_px: FloatArray, state: FitState, inverted: bool, begin: State | None = None
+    ) -> tuple[PoseFit, FitState]:
+        """Fit one image by one branch of the skin; the fit, and the state with that of the branch renewed."""
+        if inverted and self._other is not None:
+            found, branch = self._other._fit_near(seen_px, state.other, begin)
+            return found, replace(state, other=branch)
+        found, branch = self._fit_near(seen_px, state.flat, begin)
+        return found, replace(state, flat=branch)
+
+    def positions(self, found: PoseFit) -> FloatArray:
+        """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
+        model = self._model_of(found)
+        contact = found.state
+        moved = model.dots.evaluate(
+            contact[POSE],
+            contact["inverse_friction"],
+            model.posterior.mean["thickness"],
+            contact[LATERAL] if self._drifts else None,
+            contact["curvature"],
+        )
+        return np.where(model.visible[:, None], moved.positions, np.nan)
+
+    def _model_of(self, found: PoseFit) -> UnitModel:
+        """The model of the state in which a fit has the skin."""
+        return (self._other if found.inverted and self._other else self).model
+
+    def predict_pixels(self, found: PoseFit) -> FloatArray:
+        """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
+        model = self._model_of(found)
+        looked = model.predict_contact(found.state, lateral=self._drifts)
+        assert looked.unit_jacobian is not None
+        return looked.pixels + looked.unit_jacobian @ found.unit
+
+    def _of_other(self, found: PoseFit) -> PoseFit:
+        """What an image says that shows the other state, which is the same under every friction."""
+        covariance = found.covariance.copy()
+        row = READ.index("inverse_friction")
+        covariance[row, row] = self._sd["inverse_friction"] ** 2
+        return replace(found, inverted=True, inverse_friction=self._mean["inverse_friction"], covariance=covariance)
+
+    def _fit_near(
+        self, seen_px: FloatArray, state: BranchState, begin: State | None = None
+    ) -> tuple[PoseFit, BranchState]:
+        """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
+        if begin is None:
+            begin = self._begin(seen_px) if state.last is None else self._go_on(seen_px, state.last, state.motion)
+        found, near = self._fit(seen_px, begin, state.near)
+        if state.last is not None and self._doubted(found, state.last):
+            again, near = self._fit(seen_px, self._begin(seen_px), near)
+            found = again if again.cost < found.cost else found
+        if self._at_limit(found.state["inverse_friction"]):
+            usual = found.state.replace(inverse_friction=self._mean["inverse_friction"])
+            again, near = self._fit(seen_px, usual, near)
+            found = again if again.cost < found.cost else found
+        return found, state.after(found.state, near, self._near)
+
+    def _go_on(self, seen_px: FloatArray, last: State, motion: State) -> State:
+        """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
+        onward = self._inside(last + motion)
+        if last["depth_mm"] > _SHALLOW_MM * self._size:
+            return onward
+        shown = self.model.predict_contact(onward, lateral=False, unit=False).pixels
+        away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
+        return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
+
+    def _doubted(self, found: PoseFit, last: State) -> bool:
+        """Whether a fit that began from the last touch may have gone astray."""
+        return found.misfit > _DOUBTED or abs(found.curvature - last["curvature"]) > _OTHER_WALL / self._size
+
+    def _at_limit(self, inverse_friction: float) -> bool:
+        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
+
+        The cost has a second minimum there: dots under µ = 1 look more like those without slip than those of µ = 3.
+        """
+        return self._slips[0] < self._slips[1] and not self._slips[0] < inverse_friction < self._slips[1]
+
+    def _begin(self, seen_px: FloatArray) -> State:
+        """The pose and 1/µ of those looked at beforehand that is most like an image."""
+        away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
+        return self._mean.add(POSE, self._starts[int(away.argmin())])
+
+    def _look(self, contact: State, known: Linear | None) -> tuple[PredictedImage, Linear]:
+        """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
+        if known is not None and (np.abs((contact - known[0]).values) > self._near.values).any():
+            known = None
+        near = known[1] if known else None
+        looked = self.model.predict_contact(contact, lateral=self._drifts, near=near)
+        if known is None:
+            assert looked.unit_jacobian is not None
+            known = contact, looked, looked.unit_jacobian @ self._unit_spread[: len(UNIT_PARAMETERS)]
+        return looked, known
+
+    def _fit(self, seen_px: FloatArray, begin: State, near: Linear | None) -> tuple[PoseFit, Linear]:
+        """Fit one image from a touch; the fit, and where it was last linearised."""
+        free, known = self._free, len(self._free)
+        contact = self._inside(begin)
+        there = np.isfinite(seen_px).all(axis=1) & self.model.visible
+        z = np.zeros(self._unit_spread.shape[1])
+        mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
+        bent, most, moved = "curvature" in free, 1.0, np.zeros(len(free) + len(z))
+        least = 0.0 if bent else _GAINED
+        for step in range(1, (_BENT_STEPS if bent else _STEPS) + 1):
+            looked, near = self._look(contact, near)
+            by_unit = near[2][there].reshape(-1, len(z))
+            left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
+            weight = robust_weights(left, self._variance)
+            jacobian = np.hstack([looked.pose_jacobian[free][there].reshape(-1, known), by_unit])
+            weighted = jacobian * weight[:, None]
+            normal = weighted.T @ jacobian
+            normal[np.diag_indices(len(normal))] += np.concatenate([prior, np.ones(len(z))])
+            gradient = weighted.T @ left
+            gradient[:known] -= prior * (contact[free] - mean)
+            gradient[known:] -= z
+            change = self._solve(normal, gradient, contact)
+            gain, last = float(gradient @ change), gain
+            if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
+                most *= _TAMED
+            shrink = min(most, float(np.min(self._trust[free] / np.maximum(np.abs(change[:known]), 1e-12))))
+            before, moved = contact, shrink * change
+            contact = self._inside(contact.add(free, moved[:known]))
+            z = z + moved[known:]
+            still = (np.abs((contact - before).values) < self._small.values).all()
+            if step >= 2 and (most * gain < least or still):
+                break
+        whole = np.asarray(np.linalg.inv(normal), float)
+        pose, covariance = self._on_robot(contact, z, whole)
+        assert near is not None
+        found = PoseFit(
+            pose=pose,
+            inverse_friction=contact["inverse_friction"],
+            covariance=covariance,
+            curvature=contact["curvature"],
+            curvature_sd=float(np.sqrt(whole[free.index("curvature"), free.index("curvature")])) if bent else 0.0,
+            lateral=contact[LATERAL],
+            force=self._force(looked, contact, whole),
+            residual_px=float(np.sqrt(np.mean(left**2))),
+            misfit=float(np.mean(left**2) / self._variance * len(left) / max(len(left) - len(normal), 1)),
+            steps=step,
+            state=contact,
+            cost=float(0.5 * (np.minimum(left**2 / self._variance, _OUTLIER).sum() + z @ z)),
+            unit=(self._unit_spread @ z)[: len(UNIT_PARAMETERS)],
+        )
+        return found, near
+
+    def _solve(self, normal: FloatArray, gradient: FloatArray, contact: State) -> FloatArray:
+        """The Gauss-Newton step that leaves 1/µ within what was pressed."""
+        change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
+        for column in (place for place, name in enumerate(self._free) if name == "inverse_friction"):
+            slip = contact["inverse_friction"] + change[column]
+            held = min(max(slip, self._slips[0]), self._slips[1]) - contact["inverse_friction"]
+            if held != change[column]:
+                others = np.delete(np.arange(len(change)), column)
+                pull = gradient[others] - normal[others, column] * held
+                change[others], change[column] = np.linalg.solve(normal[np.ix_(others, others)], pull), held
+        return change
+
+    def _force(self, looked: PredictedImage, contact: State, whole: FloatArray) -> Force:
+        """Force on the wall, and its covariance from that of all unknowns."""
+        assert self.scale is not None
+        by_thickness = self._unit_spread[len(UNIT_PARAMETERS) - 1]
+        by_all = np.hstack([looked.force_jacobian[self._free], np.outer(looked.force_by_thickness, by_thickness)])
+        vector, covariance = scale_force(looked.force, by_all @ whole @ by_all.T, self.scale)
+        return Force(vector, covariance, wall_normal(*np.radians(contact[POSE[:2]])))
+
+    def _on_robot(self, contact: State, z: FloatArray, whole: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Pose (3,), and covariance (4, 4) of it and 1/µ, from that of all unknowns."""
+        by, free = np.zeros((len(READ), len(whole))), len(self._free)
+        for column, name in enumerate(self._free):
+            if name in READ:
+                by[READ.index(name), column] = 1.0
+        pose = contact[POSE]
+        if self.mounting is not None:
+            mounting = self._unit_spread[len(UNIT_PARAMETERS) :]
+            by[:2, :2] = self.mounting.turn
+            by[:3, free:] = self.mounting.jacobian(pose) @ mounting
+            pose = self.mounting.to_robot(pose, mounting @ z)
+        off = twin_sd(self.model.dots.twin.skin)
+        off = off.replace(inverse_friction=_LATERAL_FRICTION_SD) if self._drifts else off
+        return pose, by @ whole @ by.T + np.diag(off[READ] ** 2)
+
+    def _inside(self, contact: State) -> State:
+        """The nearest pose that the twin knows."""
+        twin = self.model.dots.twin
+        rx, ry, depth = contact[POSE]
+        tilt, most = float(np.hypot(rx, ry)), float(twin.tilts_deg[-1]) + _BEYOND[0]
+        share = most / tilt if tilt > most else 1.0
+        return contact.replace(
+            rx_deg=share * rx,
+            ry_deg=share * ry,
+            depth_mm=np.clip(depth, twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1] * self._size),
+            inverse_friction=np.clip(contact["inverse_friction"], *self._slips),
+        )
+
+
+def twin_sd(skin: Skin) -> State:
+    """Return the standard deviation of the error of a twin of a skin, in pose (degrees, mm) and 1/µ."""
+    return scale_contact(TWIN_ERROR_SD, skin)
+
+
+def contact_prior_sd(tolerance: ToleranceSpec) -> State:
+    """Standard deviations of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
+    pose = dict(zip(POSE, (TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD), strict=True))
+    others = {"inverse_friction": tolerance.inverse_friction_prior[1], "curvature": tolerance.curvature_sd}
+    return State.from_mapping(pose | others | dict(zip(LATERAL, tolerance.lateral_sd, strict=True)))
+
+
+def free_entries(sd: State, twin: Twin) -> tuple[str, ...]:
+    """Entries of `CONTACT_STATE` that are fitted: those that vary, 1/µ only if the twin has several frictions."""
+    several = len(twin.inverse_frictions) > 1
+    return tuple(name for name in sd.names if sd[name] > 0 and (several or name != "inverse_friction"))

@@ -1,0 +1,42 @@
+"""Datasets: images of markers with known poses, simulated from presses or read from recordings."""
+
+from palpate.datasets.dataset import Dataset
+from palpate.datasets.generate_dataset import generate_dataset
+from palpate.datasets.io import dataset_version, read_dataset, write_dataset
+from palpate.datasets.normalise import Normalisation, draw_jitter
+from palpate.datasets.poses import sample_poses
+from palpate.datasets.randomise import PerturbedPresses
+from palpate.datasets.read_recording import LEAST_PRESSES, Recording, read_recording
+from palpate.datasets.recording_columns import ColumnMapping, PoseColumn
+from palpate.datasets.recording_images import ImageSet
+from palpate.datasets.recording_reader import READERS, RecordingReader
+from palpate.datasets.spec import DatasetSpec, RandomisationSpec
+from palpate.datasets.split import PressSplit, check_leakage, split_presses
+from palpate.datasets.table import RecordingTable, read_table
+
+__all__ = [
+    "LEAST_PRESSES",
+    "READERS",
+    "ColumnMapping",
+    "Dataset",
+    "DatasetSpec",
+    "ImageSet",
+    "Normalisation",
+    "PerturbedPresses",
+    "PoseColumn",
+    "PressSplit",
+    "RandomisationSpec",
+    "Recording",
+    "RecordingReader",
+    "RecordingTable",
+    "check_leakage",
+    "dataset_version",
+    "draw_jitter",
+    "generate_dataset",
+    "read_dataset",
+    "read_recording",
+    "read_table",
+    "sample_poses",
+    "split_presses",
+    "write_dataset",
+]

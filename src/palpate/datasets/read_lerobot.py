@@ -1,0 +1,126 @@
+"""Datasets as LeRobot keeps them, versions 2 and 3: Parquet tables, videos beside them, each episode a press.
+
+The files are read by pyarrow as they lie; LeRobot itself, which brings a robot's whole software, is not needed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.datasets.recording_images import ImageSet, Item, VideoImages
+from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.table import Column, RecordingTable
+
+_REMEDY = "Give the folder that holds meta/info.json, data and videos."
+
+
+@final
+class LeRobotReader(RecordingReader):
+    """Datasets of LeRobot; reading needs pyarrow."""
+
+    formats = "LeRobot datasets"
+
+    @classmethod
+    def accepts(cls, place: Path) -> bool:
+        return (place / "meta" / "info.json").is_file()
+
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
+        parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
+        try:
+            features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
+            cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
+            if len(cameras) != 1:
+                raise PalpateError(
+                    f"{place.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
+                    "Keep the sensor's camera alone.",
+                    code="recording-several-cameras",
+                )
+            tables = [parquet.read_table(path) for path in sorted((place / "data").rglob("*.parquet"))]
+            if not tables:
+                raise PalpateError(
+                    f"{place.name} has no table in its folder data.", _REMEDY, code="recording-no-table"
+                )
+            columns = _columns(tables, features, cameras[0])
+            images = (
+                _videos(place, cameras[0], columns, parquet)
+                if features[cameras[0]]["dtype"] == "video"
+                else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], place)
+            )
+        except (OSError, KeyError, ValueError, TypeError) as error:
+            raise PalpateError(
+                f"{place.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
+            ) from error
+        return RecordingTable(place.name, columns, {}), images
+
+
+def _columns(tables: Sequence[Any], features: dict[str, Any], camera: str) -> dict[str, Column]:
+    columns: dict[str, Column] = {}
+    for name, about in features.items():
+        if name == camera or not all(name in table.column_names for table in tables):
+            continue
+        cells = np.array([cell for table in tables for cell in table.column(name).to_pylist()], dtype=float)
+        cells = cells.reshape(len(cells), -1)
+        names = about.get("names")
+        names = next(iter(names.values())) if isinstance(names, dict) else names
+        if not isinstance(names, list) or len(names) != cells.shape[1]:
+            names = [name] if cells.shape[1] == 1 else [f"{name}_{number}" for number in range(cells.shape[1])]
+        for number, own in enumerate(names):
+            key = (
+                own if cells.shape[1] > 1 and own not in columns else name if cells.shape[1] == 1 else f"{name}_{own}"
+            )
+            columns[str(key)] = cells[:, number]
+    return columns
+
+
+def _videos(folder: Path, camera: str, columns: dict[str, Column], parquet: Any) -> ImageSet:
+    """Where each row's image lies: in the video of its episode, or from its episode's start in one of several."""
+    episode = columns["episode_index"].astype(int)
+    frame = columns["frame_index"].astype(int)
+    paths = sorted(path for path in (folder / "videos").rglob("*.mp4") if camera in path.parts)
+    about = sorted((folder / "meta" / "episodes").rglob("*.parquet"))
+    if not about:  # version 2: a video an episode
+        owner = {int(path.stem.rpartition("_")[2]): number for number, path in enumerate(paths)}
+        return VideoImages(paths, [owner[number] for number in episode], frame.tolist())
+    fps = float(json.loads((folder / "meta" / "info.json").read_text(encoding="utf-8"))["fps"])
+    start: dict[int, tuple[int, int]] = {}
+    for table in map(parquet.read_table, about):
+        for row in table.to_pylist():
+            chunk, number = (int(row[f"videos/{camera}/{key}_index"]) for key in ("chunk", "file"))
+            path = folder / "videos" / camera / f"chunk-{chunk:03d}" / f"file-{number:03d}.mp4"
+            first = round(float(row[f"videos/{camera}/from_timestamp"]) * fps)
+            start[int(row["episode_index"])] = (paths.index(path), first)
+    which = [start[number][0] for number in episode]
+    return VideoImages(
+        paths, which, [start[number][1] + at for number, at in zip(episode, frame.tolist(), strict=True)]
+    )
+
+
+@final
+class _Cells(ImageSet):
+    """Images kept as cells: the bytes of a file, or its path."""
+
+    def __init__(self, cells: Sequence[Any], folder: Path) -> None:
+        self._cells, self._folder = cells, folder
+
+    def stamp(self, number: int) -> str:
+        cell = self._cells[number]
+        return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        cv2 = load_opencv()
+        for number in numbers:
+            cell = self._cells[number]
+            path = self._folder / str(cell.get("path"))
+            content = cell.get("bytes") or (path.read_bytes() if path.is_file() else b"")
+            image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR) if content else None
+            yield (
+                PalpateError(f"Image {number} cannot be decoded.", code="image-damaged")
+                if image is None
+                else np.asarray(image)
+            )

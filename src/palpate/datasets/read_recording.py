@@ -1,0 +1,232 @@
+"""From a folder or file to a recording: its table, its images, and the poses that belong to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from palpate.camera import read_image, recording_suffixes
+from palpate.core import FloatArray, IntArray, PalpateError, generator
+from palpate.datasets.recording_columns import (
+    ColumnMapping,
+    PoseColumn,
+    find_image_column,
+    find_pose_columns,
+    find_press_column,
+)
+from palpate.datasets.recording_images import (
+    ConcatenatedImages,
+    ImageFiles,
+    ImageSet,
+    SelectedImages,
+    VideoImages,
+    find_files,
+    list_below,
+)
+from palpate.datasets.recording_reader import READERS, RecordingReader
+from palpate.datasets.table import REST, RecordingTable
+
+LEAST_IMAGES, LEAST_PRESSES = 12, 8
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Images with poses.
+
+    Attributes
+    ----------
+    name
+        What a person reads.
+    images
+        The images; first those of presses, in the order of the poses, then those at rest.
+    names
+        (n,) what a person calls an image.
+    poses
+        What is to be learnt, each with (n,) values.
+    others
+        Other numbers of the motion.
+    press
+        (n,) number of the press.
+    rest
+        Number of images at rest, after the n of presses.
+    notes
+        What was left out or assumed, a sentence each.
+    """
+
+    name: str
+    images: ImageSet
+    names: tuple[str, ...]
+    poses: tuple[PoseColumn, ...]
+    others: tuple[PoseColumn, ...]
+    press: IntArray
+    rest: int
+    notes: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def targets(self) -> FloatArray:
+        """(n, k) what is to be learnt, degrees and mm."""
+        return np.stack([one.values for one in self.poses], axis=1)
+
+    @property
+    def presses(self) -> int:
+        """Number of presses."""
+        return len(np.unique(self.press))
+
+
+def read_recording(
+    place: Path, choice: ColumnMapping | None = None, rest: Path | None = None, most: int = 20_000, seed: int = 0
+) -> Recording:
+    """Read a recording.
+
+    Parameters
+    ----------
+    place
+        A file or folder that a reader accepts (`READERS`), or a folder that holds one such file.
+    choice
+        What its columns are, where their names do not tell.
+    rest
+        An image of the untouched sensor, where the table has none.
+    most, seed
+        Most images; more are thinned out by whole presses, drawn by the seed.
+
+    Raises
+    ------
+    PalpateError
+        If it cannot be read, or has too few images or presses.
+    """
+    choice = choice or ColumnMapping()
+    reader, place = _find_reader(place)
+    if rest is not None:
+        read_image(rest)  # refused here, by its own sentence
+    table, images = reader().read(place)
+    column = find_image_column(table, choice) if images is None else ""
+    by = find_press_column(table, choice)
+    notes: list[str] = []
+    chosen, at_rest = _split_rest(table, by, column)
+    kept = _thin(_press_numbers(table, by)[chosen], most, seed)
+    if len(kept) < len(chosen):
+        notes.append(
+            f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); "
+            "--max-images for more."
+        )
+    chosen = chosen[kept]
+    poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))
+    rows = np.concatenate([chosen, at_rest])
+    if images is None:
+        names = tuple(str(text) for text in table.columns[column][rows].tolist())
+        images = _find_images(place, table.rows(rows), column)
+        rest = rest or (None if len(at_rest) else _find_rest(place.parent))
+    else:
+        names = tuple(f"image {row}" for row in rows)
+        images = SelectedImages(images, rows.tolist())
+    if rest is not None:
+        images, at_rest = ConcatenatedImages(images, len(chosen), ImageFiles([rest])), np.zeros(1, int)
+    press = np.unique(_press_numbers(table, by)[chosen], return_inverse=True)[1].reshape(-1)
+    notes += [one.note for one in (*poses, *others) if one.note] + list(left_out)
+    if not by:
+        notes.append("No column names the press: each image counts as a press of its own.")
+    found = Recording(place.name, images, names[: len(chosen)], poses, others, press, len(at_rest), tuple(notes))
+    _refuse_small(found)
+    return found
+
+
+def _find_rest(folder: Path) -> Path | None:
+    """An image of the untouched sensor that the table does not name."""
+    return next((path for path in list_below(folder) if path.stem.lower() == REST), None)
+
+
+def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
+    """The reader of a file or folder, or of the one file in a folder that a reader accepts."""
+    if not place.exists():
+        raise PalpateError(
+            f"{place} is not there.", "Give a folder with a table of poses, or the table.", code="file-missing"
+        )
+    readers = [reader for _, reader in READERS.available()]
+    for reader in readers:
+        if reader.accepts(place):
+            return reader, place
+    if place.is_file():
+        raise PalpateError(
+            f"{place.name} is no table that is known.",
+            f"Known are {', '.join(reader.formats for reader in readers)}.",
+            code="file-ending-unknown",
+        )
+    files = sorted(place.iterdir())
+    for reader in readers:
+        tables = [path for path in files if reader.accepts(path)]
+        if len(tables) == 1:
+            return reader, tables[0]
+        if tables:
+            raise PalpateError(
+                f"{place} holds {len(tables)} tables: {', '.join(path.name for path in tables[:5])}.",
+                "Name one of them.",
+                code="recording-several-tables",
+            )
+    raise PalpateError(
+        f"{place} holds no table of poses.",
+        "Write a CSV with a row an image: its name, and its pose.",
+        code="recording-no-table",
+    )
+
+
+def _split_rest(table: RecordingTable, by: str, column: str) -> tuple[IntArray, IntArray]:
+    at_rest = np.zeros(len(table), bool)
+    if by and not table.is_numeric(by):
+        at_rest |= np.char.lower(table.columns[by].astype(str)) == REST
+    if column and not table.is_numeric(column):
+        stems = (Path(str(text)).stem.lower() for text in table.columns[column])
+        at_rest |= np.fromiter((stem == REST for stem in stems), bool, len(table))
+    return np.flatnonzero(~at_rest), np.flatnonzero(at_rest)
+
+
+def _press_numbers(table: RecordingTable, by: str) -> IntArray:
+    """(n,) numbers of presses in the order in which they come."""
+    if not by:
+        return np.arange(len(table))
+    _, first, number = np.unique(table.columns[by], return_index=True, return_inverse=True)
+    order = np.empty(len(first), int)
+    order[np.argsort(first, kind="stable")] = np.arange(len(first))
+    return np.asarray(order[number.reshape(-1)])
+
+
+def _thin(press: IntArray, most: int, seed: int) -> IntArray:
+    """Rows of whole presses, at most so many."""
+    if len(press) <= most:
+        return np.arange(len(press))
+    numbers, member, counts = np.unique(press, return_inverse=True, return_counts=True)
+    order = generator(seed, "thin").permutation(len(numbers))
+    kept = order[: max(int(np.searchsorted(np.cumsum(counts[order]), most, side="right")), 1)]
+    return np.flatnonzero(np.isin(member.reshape(-1), kept))[:most]
+
+
+def _find_images(place: Path, table: RecordingTable, column: str) -> ImageSet:
+    if not table.is_numeric(column):
+        return ImageFiles(find_files(place.parent, [str(text) for text in table.columns[column].tolist()]))
+    videos = [path for path in sorted(place.parent.iterdir()) if path.suffix.lower() in recording_suffixes()]
+    if len(videos) != 1:
+        raise PalpateError(
+            f"Column {column} numbers images, and {place.parent} holds {len(videos)} videos.",
+            "Put the one video of these images beside the table.",
+            code="recording-several-videos",
+        )
+    frames = table.columns[column].astype(int).tolist()
+    return VideoImages(videos, [0] * len(frames), frames)
+
+
+def _refuse_small(found: Recording) -> None:
+    if len(found) < LEAST_IMAGES:
+        raise PalpateError(
+            f"The recording has {len(found)} images.", f"Give {LEAST_IMAGES} or more.", code="recording-few-images"
+        )
+    if found.presses < LEAST_PRESSES:
+        raise PalpateError(
+            f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: none could be held "
+            "out to judge what was learnt.",
+            f"Record {LEAST_PRESSES} presses or more; if its press column means something else, give --press.",
+            code="recording-few-presses",
+        )

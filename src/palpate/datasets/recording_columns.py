@@ -1,0 +1,349 @@
+"""What each column of a table is: image, press, rest, a number of the pose with its unit, or nothing to learn.
+
+Columns are known by their names; where a name leaves two meanings open, the person is asked by a flag, never guessed
+at. Angles become degrees and lengths mm.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from palpate.camera import IMAGE_SUFFIXES
+from palpate.core import FloatArray, PalpateError
+from palpate.datasets.table import RecordingTable, as_numbers
+
+_IMAGE = (
+    "image",
+    "image_name",
+    "image_file",
+    "image_path",
+    "filename",
+    "file_name",
+    "file",
+    "img",
+    "path",
+    "sensor_image",
+    "frame",
+)
+_PRESS = ("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run")
+_INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
+_ANGLE = re.compile(
+    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|a|b|c)([_ \d]|$)|angle"
+)
+_LENGTH = re.compile(
+    r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
+)
+_UNIT = re.compile(r"^(.*?)[_ ]*[\[(]?(?<![a-z])(deg|degree|degrees|rad|radian|radians|mm|cm|um|m)[\])]?$")
+_FACTORS = {
+    "deg": ("deg", 1.0),
+    "rad": ("deg", 180.0 / np.pi),
+    "mm": ("mm", 1.0),
+    "cm": ("mm", 10.0),
+    "um": ("mm", 1e-3),
+    "m": ("mm", 1e3),
+}
+_WORDS = {"degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad"}
+_AXES = {"roll": "rx", "pitch": "ry", "z": "depth", "penetration": "depth", "indentation": "depth"}
+"""Other names of what the rest of the program calls so, where no column has the name itself."""
+_STILL = 1e-9
+_TURN = 3.5
+"""Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseColumn:
+    """One number of the pose.
+
+    Attributes
+    ----------
+    column
+        Name in the table.
+    axis, unit
+        Short name, and unit of `values`: deg, mm, or 1 where nobody said.
+    values
+        (n,) numbers in this unit.
+    note
+        What was done or assumed; empty for nothing.
+    """
+
+    column: str
+    axis: str
+    unit: str
+    values: FloatArray
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnMapping:
+    """What a person says about a table where it does not itself.
+
+    Attributes
+    ----------
+    targets
+        Columns that are to be estimated, ``pose_4=rx_deg`` for one whose name does not tell what it is; empty for
+        rx, ry and depth where there are such, else all.
+    image, press
+        Names of these columns; empty where their names tell.
+    angles, lengths
+        Units of columns that do not name theirs, ``deg`` or ``rad``, ``mm`` or ``m``; empty where values tell.
+    euler
+        Order of Euler angles, as scipy names it (``xyz`` about fixed axes, ``XYZ`` about turned ones); empty where
+        angles are learnt as they stand.
+    """
+
+    targets: tuple[str, ...] = ()
+    image: str = ""
+    press: str = ""
+    angles: str = ""
+    lengths: str = ""
+    euler: str = ""
+
+
+def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
+    """Name of the column that names images, or numbers them.
+
+    Raises
+    ------
+    PalpateError
+        If there is none, or several.
+    """
+    if choice.image:
+        return _given(table, choice.image, "--image")
+    named = [name for name in table.columns if name.strip().lower() in _IMAGE and _names_images(table, name)]
+    held = named or [name for name in table.columns if _names_images(table, name)]
+    if len(held) == 1:
+        return held[0]
+    if held:
+        raise PalpateError(
+            f"The columns {', '.join(held)} of {table.name} all name images.",
+            "Choose one by --image.",
+            code="column-ambiguous",
+        )
+    numbered = [name for name in table.columns if name.strip().lower() in _IMAGE and table.is_numeric(name)]
+    if len(numbered) == 1:
+        return numbered[0]
+    raise PalpateError(
+        f"No column of {table.name} names images; it has {_list(table)}.",
+        "Name the column of image files by --image.",
+        code="image-column-missing",
+    )
+
+
+def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
+    """Name of the column that says to which press an image belongs; empty where there is none."""
+    if choice.press:
+        return _given(table, choice.press, "--press")
+    return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
+
+
+def find_pose_columns(
+    table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]
+) -> tuple[tuple[PoseColumn, ...], tuple[PoseColumn, ...], tuple[str, ...]]:
+    """Numbers of the pose.
+
+    Parameters
+    ----------
+    table, choice
+        The table, and what is said about it.
+    taken
+        Columns that are something else.
+
+    Returns
+    -------
+    tuple
+        What is to be learnt, the other numbers of the motion, and a sentence for each column that was left out.
+
+    Raises
+    ------
+    PalpateError
+        If nothing is left to learn, or a column is not what it must be; the sentence names the column.
+    """
+    table, asked = _rename(table, choice.targets)
+    learn = tuple(_given(table, name, "--targets") for name in asked)
+    poses, left_out, doubts = [], [], []
+    for name in table.columns:
+        wanted = name in learn
+        if name in taken and not wanted:
+            continue
+        why = _why_not(table, name)
+        if why and wanted:
+            raise PalpateError(
+                f"Column {name} cannot be learnt: {why}.",
+                "Mend it, or leave it out of --targets.",
+                code="column-not-trainable",
+            )
+        if why:
+            left_out.append(f"Column {name} is left out: {why}.")
+            continue
+        try:
+            poses.append(_with_unit(table, name, choice))
+        except PalpateError as error:
+            if learn and not wanted:
+                left_out.append(f"Column {name} is left out: {error.problem}")
+            else:
+                doubts.append(error)
+    if doubts:
+        raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
+    poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
+    chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
+    if not chosen:
+        raise PalpateError(
+            f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
+            "Give columns of numbers that vary by --targets.",
+            code="columns-none",
+        )
+    if learn:
+        chosen.sort(key=lambda one: learn.index(one.column))
+    others = tuple(one for one in poses if one not in chosen)
+    return tuple(chosen), others, tuple(left_out)
+
+
+def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
+    """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
+    pairs = [text.partition("=") for text in learn]
+    new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
+    twice = [name for name in new.values() if not name or name in table.columns]
+    if twice:
+        raise PalpateError(
+            f"A column cannot be called '{twice[0]}'.",
+            "Give another name after the = of --targets.",
+            code="column-name-reserved",
+        )
+    columns = {new.get(name, name): values for name, values in table.columns.items()}
+    faults = {new.get(name, name): fault for name, fault in table.faults.items()}
+    return RecordingTable(table.name, columns, faults), tuple(
+        (name if mark else old).strip() for old, mark, name in pairs
+    )
+
+
+def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
+    """The same with rx and ry as components of the tilt's rotation vector, from Euler angles in an order."""
+    if sorted(order.lower()) != ["x", "y", "z"] or order not in (order.lower(), order.upper()):
+        raise PalpateError(
+            f"'{order}' is no order of Euler angles.",
+            "Give xyz, zyx, ... or capitals: XYZ.",
+            code="euler-order-unknown",
+        )
+    letters = {"rx": "x", "ry": "y", "rz": "z", "yaw": "z"}
+    angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
+    if "x" not in angles or "y" not in angles:
+        raise PalpateError(
+            "Euler angles need columns rx and ry.",
+            "Name them so, or leave out --euler.",
+            code="euler-columns-missing",
+        )
+    count = len(angles["x"].values)
+    turns = np.stack([angles[k].values if k in angles else np.zeros(count) for k in order.lower()], axis=1)
+    normal = Rotation.from_euler(order, turns, degrees=True).as_matrix()[:, :, 2]
+    tilt = np.degrees(np.arctan2(np.hypot(normal[:, 0], normal[:, 1]), normal[:, 2]))
+    factor = tilt / np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)
+    new = {"rx": -normal[:, 1] * factor, "ry": normal[:, 0] * factor}
+    note = "Columns of rx and ry are Euler angles in the order " + order + "; learnt as the tilt's rotation vector."
+    return [
+        PoseColumn(one.column, one.axis, one.unit, new[one.axis], note if one.axis == "rx" else one.note)
+        if one.axis in new
+        else one
+        for one in poses
+    ]
+
+
+def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
+    axes = [one.axis for one in poses]
+    if all(axis in axes for axis in ("rx", "ry", "depth")):
+        return [poses[axes.index(axis)] for axis in ("rx", "ry", "depth")]
+    return poses
+
+
+def _name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
+    """The same with the axes that the rest of the program knows, where that leaves no two alike."""
+    axes = [one.axis for one in poses]
+    renamed = []
+    for one in poses:
+        other = _AXES.get(one.axis, one.axis)
+        axis = other if other not in axes else one.axis
+        renamed.append(PoseColumn(one.column, axis, one.unit, one.values, one.note))
+    return renamed
+
+
+def _why_not(table: RecordingTable, name: str) -> str:
+    if not table.is_numeric(name):
+        return "it holds text, no numbers"
+    values = as_numbers(table.columns[name])
+    known = values[np.isfinite(values)]
+    if name in table.faults:
+        return table.faults[name]
+    if len(known) < len(values):
+        return f"{len(values) - len(known)} of its {len(values)} cells are empty or not finite"
+    if float(np.ptp(known)) <= _STILL * max(1.0, float(np.abs(known).max())):
+        return f"it is {known[0]:g} throughout"
+    if name.strip().lower() in _INDEX:
+        return "it numbers the rows"
+    step = np.diff(known)
+    if len(known) > 10 and np.all(step == 1.0):
+        return "it counts the rows"
+    return ""
+
+
+def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
+    values = as_numbers(table.columns[name])
+    low = name.strip().lower()
+    matched = _UNIT.match(low)
+    most, note = float(np.abs(values).max()), ""
+    if matched and matched[1]:
+        bare, unit = matched[1], _WORDS.get(matched[2], matched[2])
+    else:
+        bare = low
+        if _ANGLE.search(low):
+            unit = choice.angles or ("deg" if most > _TURN else "")
+            other, flag = "radians or degrees", "--angles deg or --angles rad"
+        elif _LENGTH.search(low):
+            unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
+            other, flag = "metres or mm", "--lengths mm or --lengths m"
+        else:
+            return PoseColumn(name, _short(low), "1", values, f"Column {name} has no unit that is known; it is kept.")
+        if not unit:
+            raise PalpateError(
+                f"Column {name} names no unit, and its values up to {most:.3g} may be {other}.",
+                f"Give {flag}.",
+                code="column-unit-unknown",
+            )
+        given = choice.angles if _ANGLE.search(low) else choice.lengths
+        note = (
+            "" if given else f"Column {name} names no unit; by its values, up to {most:.3g}, it is taken as {unit}."
+        )
+    target, factor = _FACTORS[unit]
+    return PoseColumn(name, _short(bare), target, values * factor, note)
+
+
+def _short(name: str) -> str:
+    """Name of an axis without what tables write around it: ``pose_Rx`` is ``rx``."""
+    short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
+    return re.sub(r"\W+", "_", short) or "value"
+
+
+def _names_images(table: RecordingTable, name: str) -> bool:
+    if table.is_numeric(name):
+        return False
+    first = [text for text in table.columns[name][:50].tolist() if text]
+    return bool(first) and all(PurePosixPath(text).suffix.lower() in IMAGE_SUFFIXES for text in first)
+
+
+def _given(table: RecordingTable, name: str, flag: str) -> str:
+    alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
+    if not alike:
+        raise PalpateError(
+            f"{table.name} has no column {name}; it has {_list(table)}.",
+            f"Choose one of these by {flag}.",
+            code="column-unknown",
+        )
+    return alike[0]
+
+
+def _list(table: RecordingTable) -> str:
+    names = list(table.columns)
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -1,0 +1,65 @@
+"""Readers of recordings, one a format; other packages register more."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import ClassVar, final
+
+from palpate.core import Registry
+from palpate.datasets.recording_images import ImageSet
+from palpate.datasets.table import RecordingTable, read_table
+
+
+class RecordingReader(ABC):
+    """Reader of one format of recordings.
+
+    Attributes
+    ----------
+    formats
+        What it reads, as messages name it.
+    """
+
+    formats: ClassVar[str]
+
+    @classmethod
+    @abstractmethod
+    def accepts(cls, place: Path) -> bool:
+        """Return whether an existing file or folder is of this format, without reading it whole."""
+
+    @abstractmethod
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet | None]:
+        """Return the table with a row an image, and the images, `None` where a column names their files.
+
+        Raises
+        ------
+        PalpateError
+            If it cannot be read.
+        """
+
+
+@final
+class TableReader(RecordingReader):
+    """CSV and JSON lines beside image files or a video."""
+
+    formats = ".csv, .tsv, .txt, .jsonl"
+
+    @classmethod
+    def accepts(cls, place: Path) -> bool:
+        return place.is_file() and place.suffix.lower() in cls.formats.split(", ")
+
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet | None]:
+        return read_table(place), None
+
+
+READERS: Registry[type[RecordingReader]] = Registry(
+    "palpate.recording_readers",
+    "reader of recordings",
+    {
+        "lerobot": "palpate.datasets.read_lerobot:LeRobotReader",
+        "table": "palpate.datasets.recording_reader:TableReader",
+        "hdf5": "palpate.datasets.read_hdf5:HDF5Reader",
+    },
+    fits=lambda found: isinstance(found, type) and issubclass(found, RecordingReader),
+)
+"""Readers by name, in the order in which they are asked whether they accept a file or folder."""

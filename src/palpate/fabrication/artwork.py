@@ -1,0 +1,109 @@
+"""The print pattern: the flat artwork of a cliché from which a pad carries the dots to the inside of a dome.
+
+The page shows the dome's inside as the pad comes to it, from the base up: x of the page is minus x of the dome, y is
+y, for a viewer who looks along +z with y upward has -x to the right. A dot at the polar angle t of the inner sphere
+lies on the page
+
+* ``axis``: at ``r sin t``, its distance from the axis; the pad moves along the axis and does not spread (the paper);
+* ``arc``: at ``r t``; the pad rolls from the apex outward and keeps lengths along the meridian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.design import MarkerLayout, Skin, place_orientation_mark
+from palpate.fabrication.spec import PadMapping
+
+_MARGIN = 6.0
+"""Distance of the alignment crosses from the rim, mm."""
+_RIM_POINTS = 360
+_HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class Artwork:
+    """Dots on a page whose origin is the dome's axis.
+
+    Attributes
+    ----------
+    dots
+        (n, 2) mm, in the order of the markers.
+    diameter
+        Of a dot, mm.
+    mark
+        (2,) mm, the orientation mark, or `None`.
+    crosses
+        (4, 2) mm, centres of the alignment crosses, on the axes of the page.
+    rim
+        Distance of the dome's rim from the axis on the page, along x, mm.
+    rim_line
+        (n, 2) mm, the rim on the page where it is no circle.
+    mapping
+        How the pad carries dots.
+    """
+
+    dots: FloatArray
+    diameter: float
+    mark: FloatArray | None
+    crosses: FloatArray
+    rim: float
+    mapping: PadMapping
+    rim_line: FloatArray | None = None
+
+
+def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
+    """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
+    rim = float(
+        np.abs(project_to_page(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
+    )
+    line = None if skin.plan.is_round else project_to_page(skin, _follow_rim(skin), mapping)
+    across, along = (rim, rim) if line is None else np.abs(line).max(axis=0).tolist()
+    x, y = across + _MARGIN, along + _MARGIN
+    return Artwork(
+        dots=project_to_page(skin, layout.positions, mapping),
+        diameter=layout.diameter,
+        mark=project_to_page(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
+        crosses=np.array([[x, 0.0], [0.0, y], [-x, 0.0], [0.0, -y]]),
+        rim=rim,
+        mapping=mapping,
+        rim_line=line,
+    )
+
+
+def _follow_rim(skin: Skin) -> FloatArray:
+    """Points (n, 3) mm of the inner rim, once around."""
+    angle = np.linspace(0.0, 2 * np.pi, _RIM_POINTS, endpoint=False)
+    return skin.point(np.column_stack([np.cos(angle), np.sin(angle)]), 0.0)
+
+
+def project_to_page(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
+    """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
+    rho = np.hypot(points[:, 0], points[:, 1])
+    if mapping is PadMapping.ARC:
+        length = skin.arc_length(points)
+        scale = np.divide(length, rho, out=np.ones_like(rho), where=rho > 0)
+    else:
+        scale = np.ones_like(rho)
+    return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
+
+
+def project_to_skin(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
+    """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
+    reach, azimuth = np.hypot(page[:, 0], page[:, 1]), np.arctan2(page[:, 1], -page[:, 0])
+    if mapping is PadMapping.ARC:
+        reach = skin.at_arc_length(reach) if skin.plan.is_round else _arc_to_axis(skin, reach, azimuth)
+    return skin.inner_point(reach, azimuth)
+
+
+def _arc_to_axis(skin: Skin, length: FloatArray, azimuth: FloatArray) -> FloatArray:
+    """Distances (n,) mm from the axis at azimuths (n,) in rad, so far (n,) mm along the skin from its apex."""
+    low, high = np.zeros_like(length), skin.reach(azimuth)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        short = skin.arc_length(skin.inner_point(middle, azimuth)) < length
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return np.asarray(low)

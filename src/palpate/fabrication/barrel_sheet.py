@@ -1,0 +1,105 @@
+"""What the workshop's sheet says otherwise of a barrel: its lines, for `palpate.fabrication.instructions`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin, place_orientation_mark
+from palpate.fabrication.enclosure import SCREWS
+from palpate.fabrication.frame import RODS, SCREW_LENGTH, BarrelFrame
+from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
+from palpate.fabrication.spec import ProcessSpec
+
+DENSITY = 1.07
+"""Of Ecoflex, g/mL (Smooth-On technical bulletin)."""
+
+
+def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: ProcessSpec) -> list[str]:
+    """Write what is made."""
+    return [
+        f"{skin.shape}: {skin.height:g} mm between the clamps, inner radius {skin.base_radius:g} mm at both ends and "
+        f"{skin.radius:g} mm halfway, T = {skin.thickness:g} mm; a flange at either end.",
+        f"{len(layout)} markers of {layout.diameter:g} mm, cast with the wall; they stand {spec.dot_depth:g} mm "
+        f"inward of it. Elastomer: {material}.",
+        f"The mold is larger than the part by the shrinkage of the elastomer "
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
+    ]
+
+
+def barrel_bill_of_materials(mixed: float, mold: Mold, frame: BarrelFrame, spec: ProcessSpec) -> list[str]:
+    """Write the bill: `mixed` mL of elastomer in all."""
+    ink = mold.pins_mm3 / 1000
+    return [
+        f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume), "
+        f"{DENSITY * mixed:.0f} g at {DENSITY:g} g/mL.",
+        f"For the dots, silicone of the same kind with pigment that stands out: {ink:.1f} mL, mix {2 * ink:.0f} mL.",
+        f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow. "
+        "Core with its plate on the bed; halves of the cavity upright, floor on the bed, with support only in the "
+        "recess next to the floor.",
+        f"Four dowels of {DOWEL_DIAMETER:g} mm, 12 mm long; mold release; petroleum jelly; three hose clamps.",
+        "Enclosure in black PLA: housing, robot_plate, end_cap, clamp_ring and end_ring (two halves each). "
+        f"{2 * SCREWS} screws M2 x {SCREW_LENGTH:g}; four M3 for the robot plate; those of the camera.",
+        f"{RODS} threaded rods M5, {frame.length:.0f} mm long, painted matt black (rods.stl only shows them); "
+        f"{2 * RODS} nuts M5; epoxy.",
+    ]
+
+
+def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
+    """Write the steps from the printed mold to the skin."""
+    stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
+    return [
+        "Sand the hollow of the cavity and the core smooth; wash, dry, and spray with mold release, the core's "
+        "dimples too.",
+        "Fill every dimple with the pigmented silicone and draw a flexible blade over it, so that it is flush; wipe "
+        "the core clean between the dots. Let it cure until it is firm but still tacky: the elastomer bonds to it.",
+        "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "
+        "tighten the clamps. Stand it on its floor.",
+        f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
+        "Pot life 45 min at 23 °C.",
+        "Draw air out under vacuum for 5 min.",
+        f"Pour {volume:.0f} mL into the cavity. Lower the core into it within some 5 min, so that the elastomer "
+        "rises around it and drives the air before it, until the spigot is in the floor and the three pins enter: it "
+        "fits one way only.",
+        "Fill up through the hole until elastomer stands in every vent. Clamp.",
+        "Cure for 4 h at 23 °C on a level table.",
+        "Cut the sprues, loosen the clamps, take the halves of the cavity off.",
+        "The core is whole. Work soapy water under the flange at its plate and on all around, then push the skin off "
+        f"over the far end: its rim stretches {stretch:.3g} times where it passes the middle. A core in segments "
+        "would spare it that, but leave a seam along every joint, among the dots.",
+        "Wash it. The dots come with the wall; touch up with the pigmented silicone what stayed in the core.",
+    ]
+
+
+def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
+    """Write what is measured."""
+    return [
+        f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
+        f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"Distance between the flanges, lying without load: {skin.height:g} mm, "
+        f"± {max(0.2, 0.002 * skin.height):.2g} mm.",
+        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within {PRINT_TOLERANCE:g} mm of "
+        "markers.csv.",
+        "No bubble above 0.5 mm; inner surface matt and even.",
+    ]
+
+
+def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+    """Write how skin, rods and far end come onto the housing."""
+    high = frame.module.top
+    mark = place_orientation_mark(frame.module.skin, layout)
+    turn = 90 - float(np.degrees(np.arctan2(mark[1], mark[0])))
+    place = (
+        f"the orientation mark, the single dot before the rim, {turn:.3g}°" if spec.orientation_mark else "a dot 90°"
+    )
+    return [
+        f"Glue the {RODS} rods into the sockets of the housing, down to their floor. Slide the end cap onto them, so "
+        "that they cure parallel; take it off.",
+        f"Turn a nut onto each rod until its upper face is {high - frame.module.foot:g} mm above the seat of the "
+        "flange, a flat outward.",
+        "Draw the skin over the rods and set its flange on the seat, "
+        f"{place} from the cable slot: the rods then stand between columns of dots.",
+        "Lay both halves of the clamp ring around the flange and screw them on, crosswise.",
+        "Set the end cap onto the nuts, the skin's far flange against it, and a second nut onto each rod. Screw both "
+        "halves of the end ring to it, crosswise. The skin must be neither drawn out nor pressed together: turn the "
+        "nuts.",
+    ]

@@ -1,0 +1,293 @@
+"""The sheet for the workshop: what to mix, pour, wait for, print and measure, in Markdown and as PDF."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+
+from palpate.camera import Camera
+from palpate.design import (
+    PRINT_TOLERANCE,
+    Finding,
+    MarkerLayout,
+    Rim,
+    Skin,
+)
+from palpate.fabrication.barrel_sheet import (
+    barrel_assembly_steps,
+    barrel_bill_of_materials,
+    barrel_casting_steps,
+    barrel_inspection_steps,
+    describe_barrel,
+)
+from palpate.fabrication.enclosure import Enclosure
+from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
+from palpate.fabrication.spec import CameraBody, PadMapping, ProcessSpec
+from palpate.fabrication.window_plate import WindowPlate
+
+_LINES, _WIDTH = 58, 92
+"""Lines of a page of text and characters of a line."""
+_A4 = (8.27, 11.69)
+"""Width and height of a page, inches."""
+_DRAWING_DPI = 200
+_MAPPINGS = {
+    PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
+    PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
+}
+_BODIES = {CameraBody.DAVIS346: "DAVIS 346", CameraBody.BOARD28: "board camera with holes 28 mm apart"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and its lines; numbered where they are steps."""
+
+    title: str
+    lines: tuple[str, ...]
+    steps: bool = False
+
+
+def write_instructions(
+    skin: Skin,
+    layout: MarkerLayout,
+    material: str,
+    made: tuple[Mold, Enclosure, Camera, ProcessSpec],
+    findings: Sequence[Finding],
+) -> list[Section]:
+    """Write the sheet of a module.
+
+    Parameters
+    ----------
+    skin, layout
+        The design.
+    material
+        Name of the elastomer.
+    made
+        Mold, enclosure, camera and process.
+    findings
+        Limits that the design meets.
+    """
+    mold, enclosure, camera, spec = made
+    volume = mold.hollow() / 1000
+    mixed = volume * (1 + spec.excess_percent / 100)
+    frame = enclosure.frame
+    if frame is None:
+        told = (
+            _describe(skin, layout, material, mold),
+            _list_material(mixed, mold, spec),
+            _cast(mixed, mold),
+            _inspect(skin, layout),
+        )
+        marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
+    else:
+        told = (
+            describe_barrel(skin, layout, material, mold, spec),
+            barrel_bill_of_materials(mixed, mold, frame, spec),
+            barrel_casting_steps(mixed, mold, skin),
+            barrel_inspection_steps(skin, layout),
+        )
+        marks = []
+    what, needed, cast, measured = (tuple(lines) for lines in told)
+    return [
+        Section("Contact module", what),
+        Section("Material", needed),
+        Section("Cast", cast, steps=True),
+        *marks,
+        Section("Inspect", measured),
+        Section("Enclosure", tuple(_assemble(enclosure, camera, layout, spec)), steps=True),
+        Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
+    ]
+
+
+def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
+    rim = f" ({skin.rim_thickness:.3g} mm at the rim)" if skin.rim_thickness != skin.thickness else ""
+    return [
+        f"{skin.shape}: H = {skin.height:g} mm, B = {skin.base_radius:g} mm, T = {skin.thickness:g} mm{rim}, "
+        f"inner radius {skin.radius:.5g} mm.",
+        f"{len(layout)} markers of {layout.diameter:g} mm "
+        f"{f'on pins of {skin.pin:g} mm inside' if skin.pin else 'on the inner surface'}. Elastomer: {material}.",
+        f"The mold is larger than the part by the shrinkage of the elastomer "
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
+    ]
+
+
+def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
+    return [
+        f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume).",
+        f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow; "
+        "cavity with its opening up, core with its plate on the bed.",
+        "Mold release or soapy water; a hose clamp or cable ties around the mold.",
+        *(
+            [f"Three dowels of {DOWEL_DIAMETER:g} mm, 12 mm long, in the halves of the cavity."]
+            if mold.is_split
+            else []
+        ),
+        f"Silicone ink (black) and cliché or template; dots of {spec.min_marker_diameter:g} mm and more.",
+    ]
+
+
+def _cast(mixed: float, mold: Mold) -> list[str]:
+    return [
+        "Sand the hollow of cavity and core smooth; wash, dry, and spray with mold release.",
+        *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
+        f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
+        "Pot life 45 min at 23 °C.",
+        "Draw air out under vacuum for 5 min.",
+        "Fill the cavity two thirds, apex down; set the core in so that the three pins enter: it fits one way only.",
+        "Pour through the hole until elastomer stands in every vent. Clamp.",
+        "Cure for 4 h at 23 °C on a level table.",
+        "Lift the core straight out with the part on it, then peel the part off from the flange. Cut the sprues.",
+    ]
+
+
+def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
+    """Write how a skin is filled with a gel and set on its window."""
+    volume = window.gel_mm3 / 1000
+    wide, long = 2 * np.abs(window.line).max(axis=0)
+    depth = (
+        f"its back then lies {window.boss:.3g} mm inside the foot of the flange" if window.boss else "so is its back"
+    )
+    lines = [
+        f"Cut the window, {wide:.4g} mm by {long:.4g} mm, from a clear sheet of {window.thickness:g} mm along "
+        "window.dxf; its edges stay square.",
+        "Clean its faces with isopropanol. Prime the face for the gel, and the flange's opening, as the gel's maker "
+        "says: the gel must hold to window and skin.",
+        "Lay the skin back into the cavity, apex down and level: the cavity keeps its shape.",
+        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL of gel ({gel}) as its maker says; draw air out under "
+        "vacuum for 5 min.",
+        f"Pour it slowly until it stands at the upper edge of the flange's opening ({volume:.2f} mL).",
+        "Lower the window into the opening, primed face down and one edge first, so that no bubble is caught, until "
+        f"it is flush with the base of the skin; {depth}. Wipe off what comes out around it.",
+        "Cure level, as the gel's maker says; then lift the module out of the cavity.",
+    ]
+    return Section("Fill with gel", tuple(lines), steps=True)
+
+
+def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> Section:
+    if not skin.pin:
+        lines = _print_markers(layout, spec, has_template=has_template)
+        return Section("Print the markers", tuple(lines), steps=True)
+    lines = [
+        "Wipe the tips of the pins with isopropanol; let them dry.",
+        f"Roll silicone ink that stands out from the elastomer over the {len(layout)} tips; keep their sides clean.",
+        "artwork.pdf shows where the tips are, as seen from the base.",
+        *(["The single pin at 15° is the orientation mark: paint it too."] if spec.orientation_mark else []),
+        "Let the ink cure as its maker says.",
+    ]
+    return Section("Paint the tips", tuple(lines), steps=True)
+
+
+def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
+    return [
+        "Wipe the inner surface with isopropanol; let it dry.",
+        f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
+        "the artwork is drawn for that, and as seen when the pad comes to the dome from its base.",
+        "Center the pad on the alignment crosses; the dome stands on the core, or in the cavity, opening up.",
+        f"Print {len(layout)} dots in one stroke.",
+        *(["Without a pad printer: set template.stl into the dome and dab every hole."] if has_template else []),
+        *(
+            ["The single dot outside the rings at 15° is the orientation mark: do not leave it out."]
+            if spec.orientation_mark
+            else []
+        ),
+        "Let the ink cure as its maker says.",
+    ]
+
+
+def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
+    half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0]) - skin.pin
+    return [
+        f"Thickness at the apex {skin.thickness:g} mm, at four places half way down {half_way:.3g} mm, "
+        f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
+        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
+        f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate calibration inspect` tells from an image.",
+        "No bubble above 0.5 mm; inner surface matt and even.",
+    ]
+
+
+def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+    view = camera.spec
+    half = [0.5 * size / focal for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))]
+    wide = [2 * tangent * enclosure.camera_distance for tangent in half]
+    seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
+    flange = (
+        "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
+        "screw the clamp ring on, crosswise."
+    )
+    window = "The window rests on the boss within the seat: do not press the skin down on it."
+    return [
+        f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole stands "
+        f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
+        *([] if enclosure.frame else [seen]),
+        "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
+        *([window] if "window" in enclosure.parts else []),
+        *(barrel_assembly_steps(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
+    ]
+
+
+def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[str]) -> None:
+    """Write the sheet as Markdown, with pictures beside it."""
+    text = ["# How to make this contact module", ""]
+    for section in sections:
+        text += [f"## {section.title}", ""]
+        marks = [f"{k}. " if section.steps else "* " for k in range(1, len(section.lines) + 1)]
+        text += [mark + line for mark, line in zip(marks, section.lines, strict=True)]
+        text.append("")
+    text += [f"![{Path(name).stem.replace('_', ' ')}]({name})" for name in pictures]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], more: Sequence[Figure]) -> None:
+    """Write the sheet as PDF, all on A4: pages of text, one of drawings, and more, as the artwork 1:1."""
+    with PdfPages(path, metadata={"CreationDate": None}) as pages:
+        lines = [line for section in sections for line in _lay_out(section)]
+        for start in range(0, len(lines), _LINES):
+            pages.savefig(_page(lines[start : start + _LINES]))
+        pages.savefig(_page_of_drawings(drawings))
+        for page in more:
+            pages.savefig(page)
+
+
+def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
+    """Drawings below each other over the page's width, as large as all fit."""
+    page = Figure(figsize=_A4)
+    shapes = [drawing.get_size_inches() for drawing in drawings]
+    width = min(0.86 * _A4[0], 0.92 * _A4[1] / sum(height / wide for wide, height in shapes))
+    bottom = 0.96 * _A4[1]
+    for drawing, (wide, height) in zip(drawings, shapes, strict=True):
+        tall = width * height / wide
+        bottom -= tall
+        drawing.set_dpi(_DRAWING_DPI)
+        canvas = FigureCanvasAgg(drawing)
+        canvas.draw()  # type: ignore[no-untyped-call]
+        place = (0.5 * (1 - width / _A4[0]), bottom / _A4[1], width / _A4[0], tall / _A4[1])
+        axis = page.add_axes(place)
+        axis.imshow(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        axis.set_axis_off()
+    return page
+
+
+def _lay_out(section: Section) -> list[tuple[str, bool]]:
+    """Lines of a section, and whether each is a heading."""
+    lines = [(section.title, True)]
+    for k, line in enumerate(section.lines, start=1):
+        mark = f"{k}. " if section.steps else "·  "
+        wrapped = textwrap.wrap(line, _WIDTH, initial_indent=mark, subsequent_indent="   ")
+        lines += [(part, False) for part in wrapped]
+    return [*lines, ("", False)]
+
+
+def _page(lines: Sequence[tuple[str, bool]]) -> Figure:
+    figure = Figure(figsize=_A4)
+    for k, (line, heading) in enumerate(lines):
+        size, weight = (11, "bold") if heading else (9, "normal")
+        figure.text(0.09, 0.955 - k * 0.0155, line, fontsize=size, fontweight=weight, va="top")
+    return figure

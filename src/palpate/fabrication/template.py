@@ -1,0 +1,62 @@
+"""The template: a thin shell set into the dome, with a hole at every marker, for those without a pad printer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design import MarkerLayout, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
+from palpate.fabrication.draw import follow_outline
+from palpate.fabrication.mesh_file import drill
+from palpate.fabrication.spec import ProcessSpec
+
+THICKNESS = 1.2
+"""Of the shell, mm."""
+
+
+def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
+    """Build the shell, a gap smaller than the dome's inside, with a hole along the normal at every marker.
+
+    Raises
+    ------
+    PalpateError
+        If it could not be set into a dome that bulges or under a sharp edge, or neighbouring holes would leave too
+        little between them.
+    """
+    if skin.pin:
+        raise PalpateError(
+            "Pins are cast with the wall: there is nothing to print.",
+            "Paint their tips.",
+            code="template-not-for-pins",
+        )
+    if skin.bulges:
+        raise PalpateError(
+            f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",
+            "Print by the pad.",
+            code="template-too-wide",
+        )
+    out, top = skin.normal(layout.positions), -spec.clearance
+    pair = MarkerLayout(layout.positions - THICKNESS * out, layout.diameter).closest_pair()
+    web = np.inf if pair is None else pair[2] - layout.diameter
+    if web < spec.printer_wall / 2:
+        raise PalpateError(
+            f"Holes of a template would stand {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
+            "Take smaller dots, fewer markers, or the pad.",
+            code="template-holes-too-near",
+        )
+    points = layout.positions
+    if spec.orientation_mark:
+        points = np.vstack([points, place_orientation_mark(skin, layout)])
+        out = skin.normal(points)
+    outside = skin.meridian(top, down=True)
+    foot = follow_outline([(0.0, 0.0), *skin.meridian(top - THICKNESS, down=True)])[-1]
+    back = skin.meridian(top - THICKNESS, down=False)
+    if isinstance(back[0], SmoothCurve) and not skin.plan.is_round:
+        raise PalpateError(
+            f"A template {THICKNESS:g} mm thick finds no room under an edge of {skin.radius:g} mm.",
+            f"Take an edge of more than {spec.clearance + THICKNESS:g} mm, or print by the pad.",
+            code="template-edge-too-tight",
+        )
+    shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()
+    start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
+    return drill(shell, start, end, layout.diameter)

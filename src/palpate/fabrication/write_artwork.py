@@ -1,0 +1,111 @@
+"""Write an artwork for the workshop: DXF for the maker of the cliché, SVG and PDF at 1:1; and lines to cut along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from palpate.core import FloatArray, load_extra
+from palpate.fabrication.artwork import Artwork
+
+CROSS, LINE = 4.0, 0.1
+"""Length of the arms of a cross and width of lines, mm."""
+BAR = 50.0
+"""Length of the bar by which the scale of a print is checked, mm."""
+PAGE = (210.0, 297.0)
+"""A4, mm."""
+MM_PER_INCH = 25.4
+
+
+def write_dxf(path: Path, artwork: Artwork) -> None:
+    """Write DXF R2010 in mm: dots as circles on the layer DOTS, and MARK, ALIGNMENT, RIM."""
+    ezdxf = load_extra("ezdxf", "cad")
+    document = ezdxf.new("R2010", units=ezdxf.units.MM)
+    for name, colour in (("DOTS", 7), ("MARK", 1), ("ALIGNMENT", 5), ("RIM", 8)):
+        document.layers.add(name, color=colour)
+    space = document.modelspace()
+    for x, y in artwork.dots:
+        space.add_circle((x, y), artwork.diameter / 2, dxfattribs={"layer": "DOTS"})
+    if artwork.mark is not None:
+        space.add_circle(tuple(artwork.mark), artwork.diameter / 2, dxfattribs={"layer": "MARK"})
+    for start, end in _strokes(artwork):
+        space.add_line(start, end, dxfattribs={"layer": "ALIGNMENT"})
+    if artwork.rim_line is None:
+        space.add_circle((0.0, 0.0), artwork.rim, dxfattribs={"layer": "RIM"})
+    else:
+        space.add_lwpolyline(artwork.rim_line.tolist(), close=True, dxfattribs={"layer": "RIM"})
+    document.saveas(path)
+
+
+def write_cut(path: Path, line: FloatArray) -> None:
+    """Write the closed line (n, 2) mm along which a sheet is cut as DXF R2010 in mm, on the layer CUT."""
+    ezdxf = load_extra("ezdxf", "cad")
+    document = ezdxf.new("R2010", units=ezdxf.units.MM)
+    document.layers.add("CUT", color=1)
+    document.modelspace().add_lwpolyline(line.tolist(), close=True, dxfattribs={"layer": "CUT"})
+    document.saveas(path)
+
+
+def write_svg(path: Path, artwork: Artwork) -> None:
+    """Write SVG whose user unit is 1 mm, y of the page upward."""
+    reach = float(artwork.crosses.max()) + CROSS
+    size = 2 * reach
+    radius = artwork.diameter / 2
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size:.3f}mm" height="{size:.3f}mm" '
+        f'viewBox="{-reach:.3f} {-reach:.3f} {size:.3f} {size:.3f}">',
+        f"<title>{len(artwork.dots)} dots of {artwork.diameter:g} mm, mapping: {artwork.mapping}</title>",
+        '<g id="dots" fill="black">',
+        *(f'<circle cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/>' for x, y in artwork.dots),
+        "</g>",
+    ]
+    if artwork.mark is not None:
+        x, y = artwork.mark
+        lines.append(f'<g id="mark" fill="black"><circle cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/></g>')
+    lines.append(f'<g id="alignment" stroke="black" stroke-width="{LINE}">')
+    lines += [
+        f'<line x1="{a:.4f}" y1="{-b:.4f}" x2="{c:.4f}" y2="{-d:.4f}"/>' for (a, b), (c, d) in _strokes(artwork)
+    ]
+    lines += ["</g>", "</svg>", ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+def write_pdf(path: Path, artwork: Artwork, title: str) -> None:
+    """Write an A4 page at 1:1 with a bar to check the scale of the print."""
+    figure = draw_page(artwork, title)
+    figure.savefig(path, format="pdf", metadata={"CreationDate": None})
+
+
+def draw_page(artwork: Artwork, title: str) -> Figure:
+    """Draw the page at 1:1."""
+    figure = Figure(figsize=(PAGE[0] / MM_PER_INCH, PAGE[1] / MM_PER_INCH))
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axis.set_xlim(-PAGE[0] / 2, PAGE[0] / 2)
+    axis.set_ylim(-PAGE[1] / 2, PAGE[1] / 2)
+    axis.set_axis_off()
+    dots = [*artwork.dots, *([] if artwork.mark is None else [artwork.mark])]
+    for x, y in dots:
+        axis.add_patch(Circle((x, y), artwork.diameter / 2, color="black", linewidth=0))
+    for (a, b), (c, d) in _strokes(artwork):
+        axis.plot([a, c], [b, d], color="black", linewidth=0.4)
+    low = -PAGE[1] / 2 + 25.0
+    axis.plot([-BAR / 2, BAR / 2], [low, low], color="black", linewidth=0.8)
+    for end in (-BAR / 2, BAR / 2):
+        axis.plot([end, end], [low - 2, low + 2], color="black", linewidth=0.8)
+    axis.text(0, low - 7, f"This bar is {BAR:g} mm long. Print without scaling.", ha="center", fontsize=9)
+    axis.text(0, PAGE[1] / 2 - 25.0, title, ha="center", fontsize=11)
+    axis.text(0, PAGE[1] / 2 - 32.0, "seen as the pad comes to the dome, from its base", ha="center", fontsize=9)
+    return figure
+
+
+def _strokes(artwork: Artwork) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Lines of the alignment crosses."""
+    arm = CROSS / 2
+    return [
+        ((x - dx, y - dy), (x + dx, y + dy))
+        for x, y in artwork.crosses.tolist()
+        for dx, dy in ((arm, 0.0), (0.0, arm))
+    ]

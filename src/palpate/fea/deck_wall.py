@@ -1,0 +1,140 @@
+"""Wall and contact law of a deck."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.fea.deck_mesh import node_lines
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.wall import WallSpec
+from palpate.mesh import Mesh
+
+ROUGH_FRICTION = 10.0
+"""Coefficient of friction that stands for no slip in CalculiX, which has no rough friction."""
+
+
+@dataclass(frozen=True)
+class DeckWall:
+    """Rigid facets of an obstacle that is tangent to the skin.
+
+    Attributes
+    ----------
+    words
+        What the obstacle is.
+    numbers
+        (m,) node numbers (from 0): the facets' corners, and for bricks the same inside the obstacle.
+    points
+        (m, 3) mm.
+    facets
+        (k, 4 or 8) rows of `numbers`: counter-clockwise seen from inside, then the inner ones.
+    element
+        Number (from 0) of the first element.
+    """
+
+    words: str
+    numbers: IntArray
+    points: FloatArray
+    facets: IntArray
+    element: int
+
+
+def ascii_label(wall: ObstacleSpec) -> str:
+    """The obstacle in words that every program reads."""
+    return wall.label.replace("°", " deg")
+
+
+def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
+    """The obstacle over a mesh; `elements` are already numbered."""
+    if obstacle_spec.moves_laterally:
+        raise PalpateError(
+            f"A deck's obstacle moves along one way, and this one drifts or turns besides: {obstacle_spec.label}.",
+            "Leave out drift and twist, or press with a wall instead of a route.",
+            code="deck-wall-drifts",
+        )
+    if isinstance(obstacle_spec, WallSpec) and obstacle_spec.curvature:
+        raise PalpateError(
+            "A deck has no wall that is nearly flat.",
+            "Leave the bend out, or press with a ball.",
+            code="deck-wall-bent",
+        )
+    obstacle, touched = obstacle_spec.at_first_contact(mesh)
+    half = max(
+        2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness),
+        _farthest(mesh, touched, obstacle_spec.approach_axis(mesh)),
+    )
+    points, facets = obstacle.patch(touched, half)
+    if dialect is Dialect.CALCULIX:
+        inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
+        points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
+    return DeckWall(ascii_label(obstacle_spec), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
+
+
+def _farthest(mesh: Mesh, touched: FloatArray, way: FloatArray) -> float:
+    """Distance in mm of the skin's farthest point from the line on which a point (3,) of the obstacle moves."""
+    arm = mesh.nodes - touched
+    return float(np.linalg.norm(arm - np.outer(arm @ way, way), axis=1).max())
+
+
+def wall_lines(wall: DeckWall, dialect: Dialect) -> Iterator[str]:
+    """Lines of the rigid obstacle: its nodes, elements, set and surface WALL_FACE."""
+    numbers = wall.numbers
+    yield f"** Rigid obstacle, tangent to the outer surface at depth 0: {wall.words}"
+    yield "*NODE, NSET=WALL_NODES"
+    yield from node_lines(numbers, wall.points)
+    if dialect is Dialect.CALCULIX:
+        yield "** bricks, all nodes of which are prescribed: rigid, whatever their stiffness"
+        yield "*ELEMENT, TYPE=C3D8, ELSET=WALL"
+        yield from _facet_lines(wall, wall.facets)
+        yield "*SURFACE, NAME=WALL_FACE, TYPE=ELEMENT"
+        yield "WALL, S1"
+        return
+    yield "*NODE, NSET=WALL_REF"
+    yield from node_lines([numbers[-1] + 1], wall.points.mean(axis=0, keepdims=True))
+    yield "** listed clockwise from inside the obstacle: the positive side faces the skin"
+    yield "*ELEMENT, TYPE=R3D4, ELSET=WALL"
+    yield from _facet_lines(wall, wall.facets[:, ::-1])
+    yield "*RIGID BODY, ELSET=WALL, REF NODE=WALL_REF"
+    yield "*SURFACE, NAME=WALL_FACE, TYPE=ELEMENT"
+    yield "WALL, SPOS"
+
+
+def _facet_lines(wall: DeckWall, facets: IntArray) -> Iterator[str]:
+    for number, facet in enumerate(facets, start=wall.element + 1):
+        yield ", ".join(map(str, [number, *(wall.numbers[facet] + 1)]))
+
+
+def contact_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
+    """Lines of the contact law and the pair OUTER_FACE, WALL_FACE."""
+    calculix = spec.dialect is Dialect.CALCULIX
+    yield f"** Contact: linear penalty of {spec.penalty:g} MPa/mm"
+    if spec.element is DeckElement.SHELL:
+        yield "** the shell's thickness counts in contact, so first touch is that of the outer surface"
+    yield "*SURFACE INTERACTION, NAME=TOUCH"
+    yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
+    yield f"{spec.penalty:.8g}, 1e-06, 0.001" if calculix else f"{spec.penalty:.8g}"
+    yield from _friction_lines(wall, spec)
+    kind = "NODE TO SURFACE" if calculix else "SURFACE TO SURFACE"
+    yield f"*CONTACT PAIR, INTERACTION=TOUCH, TYPE={kind}"
+    yield "OUTER_FACE, WALL_FACE"
+
+
+def _friction_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
+    slope = spec.tangential_ratio * spec.penalty
+    if wall.friction == 0:
+        yield "** frictionless: no *FRICTION"
+    elif np.isfinite(wall.friction):
+        yield f"** Coulomb friction, coefficient {wall.friction:g}"
+        yield "*FRICTION"
+        yield f"{wall.friction:g}, {slope:.8g}" if spec.dialect is Dialect.CALCULIX else f"{wall.friction:g}"
+    elif spec.dialect is Dialect.CALCULIX:
+        yield f"** no slip: CalculiX has no rough friction; coefficient {ROUGH_FRICTION:g} with a stick slope"
+        yield "*FRICTION"
+        yield f"{ROUGH_FRICTION:g}, {slope:.8g}"
+    else:
+        yield "** no slip: rough friction, separation allowed"
+        yield "*FRICTION, ROUGH"

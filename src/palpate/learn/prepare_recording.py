@@ -1,0 +1,174 @@
+"""A recording as it is learnt from: dots and pictures of its images, correspondence, and which presses judge."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
+from palpate.core.named_arrays import read_arrays, write_arrays
+from palpate.core.run import Progress
+from palpate.datasets import LEAST_PRESSES, PressSplit, Recording, split_presses
+from palpate.learn.preprocess import Detections, Preprocessor, choose_preprocessor, first_duplicate, preprocess_images
+from palpate.learn.recording_spec import RecordingSpec
+from palpate.learn.training_set import TrainingSet
+from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
+
+_LEAST_GOOD = 0.25
+"""Least share of images with numbered dots for parts that read dots."""
+_FIELD = 6
+"""Dots of an image from which it has a field of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecording:
+    """A recording as it is learnt from: unreadable and double images left out.
+
+    Attributes
+    ----------
+    recording, eye, sight, assigned
+        What it is, how it was looked at, what was seen, dots by number (`None` without dots).
+    rows
+        (n,) rows of the recording that are used.
+    moved, accepted
+        (n, m, 2) displacements and (n,) whether they are believed; empty without dots.
+    pictures, targets, press
+        (n, h, w), (n, k) and (n,).
+    split
+        What each press is for.
+    notes
+        What must be said about the recording.
+    """
+
+    recording: Recording
+    eye: Preprocessor
+    sight: Detections
+    assigned: AssignedMarkers | None
+    rows: NDArray[Any]
+    moved: FloatArray
+    accepted: BoolArray
+    pictures: NDArray[np.uint8]
+    targets: FloatArray
+    press: NDArray[Any]
+    split: PressSplit
+    notes: tuple[str, ...]
+
+    def samples(self, markers: bool, seed: int = 0) -> tuple[TrainingSet, BoolArray]:
+        """Displacements that are believed, or all images, as samples of a training; and (n,) the test samples."""
+        rows = self.accepted if markers else np.ones(len(self.targets), bool)
+        inputs, split = self.moved if markers else self.pictures, self.split
+        return TrainingSet(inputs, self.targets, split.train & rows, split.validation & rows, seed), split.test & rows
+
+
+def prepare_recording(
+    recording: Recording, spec: RecordingSpec, store: ArtefactStore, progress: Progress
+) -> PreparedRecording:
+    """Look at a recording: dots and pictures, correspondence, split.
+
+    Raises
+    ------
+    PalpateError
+        If its images cannot be read, or too few are left.
+    """
+    eye = choose_preprocessor(recording, spec.picture_px)
+    notes = list(recording.notes)
+    if spec.estimators == "picture":
+        eye = replace(eye, detector=None, dark=False)
+    sight = preprocess_images(recording, eye, store, progress)
+    count = len(recording)
+    assigned, told = _assign(recording, eye, sight, spec, store, progress)
+    notes += told
+    kept = sight.readable[:count].copy()
+    if not kept.all():
+        broken = int(np.argmin(kept))
+        notes.append(
+            f"{int((~kept).sum())} images cannot be read, the first is {recording.names[broken]}: "
+            f"{sight.faults[broken]}"
+        )
+    first = first_duplicate(sight.digests[:count])
+    double, apart = kept & (first != np.arange(count)), np.abs(recording.targets - recording.targets[first])
+    if double.any():
+        off = ", ".join(
+            f"{one.axis} {apart[double, k].max():.3g} {one.unit}" for k, one in enumerate(recording.poses)
+        )
+        notes.append(
+            f"{int(double.sum())} images are copies of others and left out; their poses differ by up to {off}."
+        )
+    rows = np.flatnonzero(kept & ~double)
+    press = recording.press[rows]
+    if len(np.unique(press)) < LEAST_PRESSES:
+        raise PalpateError(
+            f"{len(rows)} different images of {len(np.unique(press))} presses are left of {count}: too few to learn "
+            "from.",
+            " ".join(notes[-2:]),
+            code="recording-few-left",
+        )
+    good = np.zeros(len(rows), bool) if assigned is None else assigned.good[:count][rows]
+    moved: FloatArray = np.zeros((len(rows), 0, 2)) if assigned is None else assigned.moved_px[:count][rows]
+    split = split_presses(press, spec.seed, spec.validation_share, spec.test_share)
+    pictures = sight.pictures[:count][rows]
+    return PreparedRecording(
+        recording,
+        eye,
+        sight,
+        assigned,
+        rows,
+        moved,
+        good,
+        pictures,
+        recording.targets[rows],
+        press,
+        split,
+        tuple(notes),
+    )
+
+
+def _assign(
+    recording: Recording,
+    eye: Preprocessor,
+    sight: Detections,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    progress: Progress,
+) -> tuple[AssignedMarkers | None, list[str]]:
+    """Dots of all images by number, `None` where there are too few, and what must be said about them."""
+    notes: list[str] = []
+    count = len(recording)
+    if spec.estimators == "picture":
+        return None, notes
+    without = sum(len(dots) < _FIELD for dots in sight.dots[:count])
+    if eye.detector is None or without > 0.8 * count:
+        notes.append(f"{without} of {count} images show no field of dots: learnt from pictures alone.")
+        return None, notes
+    if without > 0.02 * count:
+        notes.append(f"{without} of {count} images show no dots.")
+    reference = choose_reference(sight.dots, count)
+    if reference < count:
+        notes.append(
+            f"No image is at rest; {recording.names[reference]}, the most central one, gives the layout "
+            f"({len(sight.dots[reference])} dots)."
+        )
+    digest = hashlib.sha256(b"".join(np.ascontiguousarray(dots).tobytes() for dots in sight.dots)).hexdigest()
+    recipe = Recipe(
+        "assigned", [digest, reference, spec.correspondence, list(eye.shape)], version=stage_version("correspondence")
+    )
+    path = store.find(recipe)
+    if path is None:
+        found = assign_images(sight.dots, reference, eye.shape, spec.correspondence == "grown", progress)
+        own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
+        path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
+    arrays = read_arrays(path)
+    assigned = AssignedMarkers(ObservedLayout(arrays.pop("rest_px")), reference, **arrays)
+    failed = int((~assigned.good[:count]).sum())
+    notes.append(
+        f"{len(assigned.layout)} dots make the layout; the correspondence of {count - failed} of {count} images is "
+        f"believed{'; the others are read from the picture' if failed else ''}."
+    )
+    if failed > (1 - _LEAST_GOOD) * count:
+        notes.append("Too few to learn from dots: learnt from pictures alone.")
+        return None, notes
+    return assigned, notes

@@ -1,0 +1,257 @@
+"""The model that a recording gives: layout, estimators and intervals in one HDF5 file of numbers, no program in it.
+
+An image is looked at as in the training, its dots get the layout's numbers, and the estimator that was best by
+held-out error gives the pose. Where it reads dots and these are not to be trusted, the best that reads pictures takes
+over, with its own, wider intervals.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
+from palpate.design import TILT_SPACE, PoseSpace
+from palpate.learn.ensemble import Ensemble
+from palpate.learn.member import EnsembleMember, open_member
+from palpate.learn.preprocess import Preprocessor
+from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
+
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
+_BANK = 200
+_STORED = ("fields", "seen", "motion", "usual")
+
+
+class PoseReading(NamedTuple):
+    """What a model says about one image: its pose (k,), half-widths (k,), and the dots (n, 2) px that it saw."""
+
+    pose: FloatArray
+    half_width: FloatArray
+    found: int
+    fault: str
+    correspondence: Correspondence | None
+    dots_px: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedModel:
+    """A sensor that was learnt from a recording.
+
+    Attributes
+    ----------
+    preprocessor
+        How images are looked at.
+    layout
+        Dots at rest; `None` where the sensor is read from pictures alone.
+    reference_bank
+        Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
+        sensor's motions and what is usual, see `MarkerMatcher.to_arrays`.
+    parts
+        All that was trained and is kept, by name.
+    marker_ensemble, image_ensemble
+        What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
+    max_disagreement
+        (k,) by how much both may differ for the dots to be believed; infinite where this would help nothing.
+    outputs
+        Axis and unit of each component, and its name in the table.
+    about
+        What it was made from and with, as JSON data.
+    """
+
+    preprocessor: Preprocessor
+    layout: ObservedLayout | None
+    reference_bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+    parts: Mapping[str, EnsembleMember]
+    marker_ensemble: Ensemble | None
+    image_ensemble: Ensemble | None
+    max_disagreement: FloatArray
+    outputs: tuple[tuple[str, str, str], ...]
+    about: Mapping[str, Any]
+
+    @property
+    def space(self) -> PoseSpace:
+        """What it estimates; the package's own space where it is that of a wall."""
+        names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
+        if names == TILT_SPACE.names:
+            return TILT_SPACE
+        return PoseSpace.from_axes([(axis, unit) for axis, unit, _ in self.outputs])
+
+    @cached_property
+    def matcher(self) -> MarkerMatcher | None:
+        """Numbers the dots of images."""
+        if self.layout is None:
+            return None
+        fields, seen, motion, usual = self.reference_bank
+        return MarkerMatcher(self.layout, self.preprocessor.shape, list(seen), list(fields)).with_arrays(
+            motion, usual
+        )
+
+    def read(self, image: NDArray[Any]) -> PoseReading:
+        """The pose in one image.
+
+        Parameters
+        ----------
+        image
+            (h, w) or (h, w, 3), of the size of the recording.
+
+        Raises
+        ------
+        PalpateError
+            If it is no image, or has another size.
+        """
+        picture, dots = self.preprocessor.extract(image)
+        found = self.matcher.find(dots) if self.matcher is not None else None
+        fault = "" if found is None else str(found.fault)
+        count = 0 if found is None else int(found.found.sum())
+        moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
+        good = np.array([found is not None and found.accepted])
+        poses, by_dots = self.estimate_all(moved, picture[None], good)
+        use = self.marker_ensemble if by_dots[0] else self.image_ensemble
+        if use is None:
+            return PoseReading(
+                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(MatchFault.NO_DOTS), found, dots
+            )
+        if good[0] and self.marker_ensemble is not None and not by_dots[0]:
+            fault = str(MatchFault.PICTURE)
+        return PoseReading(poses[0], use.half_width, count, fault, found, dots)
+
+    def estimate_all(
+        self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray
+    ) -> tuple[FloatArray, BoolArray]:
+        """Poses (n, k) of images, NaN where there is none, and (n,) whether by their dots.
+
+        Parameters
+        ----------
+        moved, pictures, good
+            (n, m, 2) displacements, (n, h, w) pictures and (n,) whether the displacements are believed.
+        """
+        found = np.full((len(pictures), len(self.outputs)), np.nan)
+        by_dots = good.copy() if self.marker_ensemble is not None else np.zeros(len(good), bool)
+        if self.marker_ensemble is not None and by_dots.any():
+            found[by_dots] = self.estimate(self.marker_ensemble, moved[by_dots], pictures[by_dots])
+        if self.image_ensemble is None:
+            return found, by_dots
+        rows = np.ones(len(good), bool) if np.isfinite(self.max_disagreement).any() else ~by_dots
+        if rows.any():
+            other = np.full(found.shape, np.nan)
+            other[rows] = self.estimate(self.image_ensemble, moved[rows], pictures[rows])
+            by_dots &= ~(np.abs(found - other) > self.max_disagreement).any(axis=1)
+            found[~by_dots] = other[~by_dots]
+        return found, by_dots
+
+    def is_outside(self, pose: FloatArray, half_width: FloatArray) -> bool:
+        """Whether a pose (k,) is beyond those that were learnt from, by more than its interval (k,)."""
+        low, high = np.array(self.about["range"])
+        room = np.minimum(half_width, high - low)
+        return bool(((pose < low - room) | (pose > high + room)).any())
+
+    def estimate(self, use: Ensemble, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
+        """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
+        parts = [self.parts[name] for name in use.parts]
+        return use.combine({one.name: one.predict(moved if one.reads_markers else pictures) for one in parts})
+
+
+def write_model(path: Path, model: RecordedModel) -> None:
+    """Write a model.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as draft, create_hdf5(draft) as file:
+        file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
+        detector = model.preprocessor.detector
+        file.attrs["about"] = json.dumps(
+            {
+                "shape": model.preprocessor.shape,
+                "size": model.preprocessor.size,
+                "dark": model.preprocessor.dark,
+                "detector": None if detector is None else [detector.dark, detector.diameter_px, detector.edge_px],
+                "outputs": model.outputs,
+                "with_dots": _plain(model.marker_ensemble),
+                "without": _plain(model.image_ensemble),
+                "apart": [None if np.isinf(value) else value for value in model.max_disagreement.tolist()],
+                "parts": [[name, part.kind] for name, part in model.parts.items()],
+                "about": model.about,
+            }
+        )
+        if model.layout is not None:
+            file["rest_px"] = model.layout.rest_px
+            file["fields"] = np.asarray(model.reference_bank[0][:_BANK], np.float32)
+            file["seen"] = np.asarray(model.reference_bank[1][:_BANK], np.float32)
+            file["motion"], file["usual"] = np.asarray(model.reference_bank[2], np.float32), model.reference_bank[3]
+        for name, part in model.parts.items():
+            for key, values in part.arrays.items():
+                single = np.asarray(values)
+                file[f"parts/{name}/{key}"] = (
+                    single.astype(np.float32) if single.dtype == float and single.ndim > 1 else single
+                )
+
+
+def read_model(path: Path) -> RecordedModel:
+    """Read what `write_model` wrote.
+
+    Raises
+    ------
+    PalpateError
+        If the file is not such a model.
+    """
+    again = "Make it again by palpate recording train."
+    try:
+        with h5py.File(path, "r") as file:
+            reject_external_links(file, path)
+            if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
+                raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
+            facts = json.loads(file.attrs["about"])
+            parts = {
+                name: open_member(kind, name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
+                for name, kind in facts["parts"]
+            }
+            layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
+            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _STORED]
+        found = facts["detector"]
+        detector = (
+            None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
+        )
+        eye = Preprocessor(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
+        return RecordedModel(
+            eye,
+            layout,
+            (kept[0], kept[1], kept[2], kept[3]),
+            parts,
+            _choosing(facts["with_dots"]),
+            _choosing(facts["without"]),
+            np.array([np.inf if value is None else value for value in facts["apart"]]),
+            tuple((str(axis), str(unit), str(column)) for axis, unit, column in facts["outputs"]),
+            facts["about"],
+        )
+    except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
+        raise PalpateError(
+            f"{path} is not a model of a recording: {error}.", again, code="model-unreadable"
+        ) from error
+
+
+def is_recorded_model(path: Path) -> bool:
+    """Whether a file says that it is such a model."""
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("format") == FORMAT)
+    except OSError:
+        return False
+
+
+def _plain(use: Ensemble | None) -> Any:
+    return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
+
+
+def _choosing(found: Any) -> Ensemble | None:
+    return None if found is None else Ensemble(tuple(found[0]), np.array(found[1]), np.array(found[2], float))

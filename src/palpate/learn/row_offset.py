@@ -1,0 +1,39 @@
+"""Poses that stand some rows away from their images in the table of a recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.core import BoolArray, FloatArray
+from palpate.learn.ridge import solve_ridge
+
+_SHIFTS = (-3, -2, -1, 1, 2, 3)
+_FEATURES = 30
+_BETTER = 0.6
+
+
+def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:
+    """By how many rows poses must be moved to fit the images far better than they do; 0 where none does.
+
+    Parameters
+    ----------
+    features, targets
+        (n, p) what images show and (n, k) poses, in the order of the table.
+    train
+        (n,) images by which linear fits are made; the others judge them.
+    """
+    centred = features - features.mean(axis=0)
+    _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)
+    components = centred @ right[: min(_FEATURES, len(right))].T
+    components /= components.std(axis=0) + 1e-9
+
+    def error(shift: int) -> float:
+        moved = np.roll(targets, shift, axis=0)
+        [(weight, bias)] = solve_ridge(components[train], moved[train], [1e-2 * float(train.sum())])
+        off = (components @ weight + bias - moved)[~train] / (targets.std(axis=0) + 1e-12)
+        return float(np.sqrt(np.mean(off**2)))
+
+    as_given = error(0)
+    errors = {shift: error(shift) for shift in _SHIFTS}
+    best = min(errors, key=lambda shift: errors[shift])
+    return best if errors[best] < _BETTER * as_given else 0

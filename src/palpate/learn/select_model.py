@@ -1,0 +1,177 @@
+"""From trained parts to a model: errors of each, the best of them, intervals, and what the model must know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.core import FloatArray, provenance
+from palpate.learn.ensemble import Ensemble, select_ensemble
+from palpate.learn.interval import press_quantile
+from palpate.learn.member import EnsembleMember
+from palpate.learn.metrics import ErrorSummary
+from palpate.learn.prepare_recording import PreparedRecording
+from palpate.learn.recording_model import RecordedModel
+from palpate.learn.recording_spec import RecordingSpec
+from palpate.vision import marker_descriptor
+
+WHOLE = "all images, by dots or by picture"
+"""Row of the model as a whole, where some images are read by one and some by the other."""
+_APART, _WORTH, _LEAST_APART = (1.0, 1.5, 2.0, 3.0), 0.95, 20
+"""Limits of how far dots and picture may be apart that are tried, over what nine images in ten stay below; share of
+the square error that one must leave at most, and images needed to choose one."""
+_BANK = 200
+"""Images that a model keeps as guesses for others."""
+
+
+@dataclass(frozen=True)
+class EstimatorScore:
+    """Errors of one estimator on the presses held out.
+
+    Attributes
+    ----------
+    name
+        Estimator.
+    errors
+        One summary a component, on the images that it reads.
+    share
+        Share of the held-out images that it reads.
+    validation_error
+        Root mean square error on the validation presses, over the range's deviations: what choice goes by.
+    seconds
+        Time of its training; 0 where it was found in the store.
+    coverage
+        Share of held-out values inside its intervals, a component.
+    """
+
+    name: str
+    errors: tuple[ErrorSummary, ...]
+    share: float
+    validation_error: float
+    seconds: float
+    coverage: tuple[float, ...]
+
+
+def select_model(
+    seen: PreparedRecording, spec: RecordingSpec, parts: dict[str, EnsembleMember], seconds: dict[str, float]
+) -> tuple[RecordedModel, tuple[EstimatorScore, ...], str]:
+    """The model, the errors of all estimators, and the name of the best."""
+    count = len(seen.targets)
+    estimates = {}
+    for name, part in parts.items():
+        readable = seen.accepted if part.reads_markers else np.ones(count, bool)
+        estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
+        estimates[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
+    scale = seen.targets[seen.split.train].std(axis=0)
+    ranked, best, fallback = select_ensemble(
+        estimates, seen.targets, seen.split.validation, scale, {n for n, p in parts.items() if p.reads_markers}
+    )
+    scores = []
+    for option in ranked:
+        found = option.combine(estimates)
+        calm = seen.split.validation & np.isfinite(found).all(axis=1)
+        option.half_width = press_quantile(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
+        score = _score(option, found, option.half_width, seen, seconds)
+        scores += [score] if score is not None else []
+
+    used = {name for option in (best, fallback) if option is not None for name in option.parts}
+    assigned = seen.assigned
+    bank = (np.zeros(0),) * 4 if assigned is None else (*_bank(seen), assigned.motion, assigned.usual)
+    model = RecordedModel(
+        seen.eye,
+        None if assigned is None else assigned.layout,
+        bank,
+        {name: parts[name] for name in parts if name in used},
+        best if assigned is not None else None,
+        fallback,
+        _apart(best, fallback, estimates, seen),
+        tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
+        _about(seen, spec),
+    )
+    found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
+    if assigned is not None and not by_dots[seen.split.test].all():
+        whole = Ensemble((), np.zeros(0), name=WHOLE)
+        width = (
+            model.image_ensemble.half_width
+            if model.image_ensemble is not None
+            else np.full(seen.targets.shape[1], np.nan)
+        )
+        widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
+        score = _score(whole, found, widths, seen, {})
+        scores += [score] if score is not None else []
+    return model, tuple(scores), (best or fallback or ranked[0]).name
+
+
+def _apart(
+    best: Ensemble | None,
+    fallback: Ensemble | None,
+    estimates: dict[str, FloatArray],
+    seen: PreparedRecording,
+) -> FloatArray:
+    """How far (k,) dots and picture may be apart: what makes the error of the presses that choose least."""
+    never = np.full(seen.targets.shape[1], np.inf)
+    if best is None or fallback is None or best is fallback:
+        return never
+    by_dots, by_picture = best.combine(estimates), fallback.combine(estimates)
+    rows = seen.split.validation & seen.accepted & np.isfinite(by_dots).all(axis=1)
+    if rows.sum() < _LEAST_APART:
+        return never
+    usual = np.quantile(np.abs(by_dots - by_picture)[rows], 0.9, axis=0)
+    scale = np.maximum(seen.targets[seen.split.train].std(axis=0), 1e-12)
+
+    def error(limit: FloatArray) -> float:
+        left = (np.abs(by_dots - by_picture) > limit).any(axis=1, keepdims=True)
+        return float(np.mean((((np.where(left, by_picture, by_dots) - seen.targets) / scale)[rows]) ** 2))
+
+    tries = [never, *(factor * usual for factor in _APART)]
+    errors = [error(limit) for limit in tries]
+    return tries[int(np.argmin(errors))] if min(errors) < _WORTH * errors[0] else never
+
+
+def _score(
+    option: Ensemble,
+    found: FloatArray,
+    width: FloatArray,
+    seen: PreparedRecording,
+    seconds: dict[str, float],
+) -> EstimatorScore | None:
+    """Errors of estimates (n, k) on the held-out presses; `None` where it reads none of them."""
+    off = found - seen.targets
+    judged = seen.split.test & np.isfinite(off).all(axis=1)
+    if not judged.any():
+        return None
+    errors = tuple(ErrorSummary.of(off[judged, k]) for k in range(off.shape[1]))
+    inside = np.abs(off[judged]) <= (width[judged] if width.ndim == 2 else width)
+    share = float(judged.sum() / max(seen.split.test.sum(), 1))
+    coverage = tuple(float(x) for x in inside.mean(axis=0))
+    return EstimatorScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
+
+
+def _bank(seen: PreparedRecording) -> tuple[FloatArray, FloatArray]:
+    """Displacements of images far from each other, and what they look like: guesses for other images."""
+    sure = np.flatnonzero(seen.accepted & seen.split.train)
+    features = seen.moved[sure].reshape(len(sure), -1)
+    chosen = [0]
+    near = np.full(len(sure), np.inf)
+    for _ in range(min(_BANK - 1, len(sure) - 1)):
+        near = np.minimum(near, ((features - features[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(near)))
+    rows = sure[chosen]
+    dots = [marker_descriptor(seen.sight.dots[seen.rows[row]], seen.eye.shape) for row in rows]
+    return seen.moved[rows], np.array(dots)
+
+
+def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
+    return {
+        "recording": seen.recording.name,
+        "images": len(seen.rows),
+        "presses": len(np.unique(seen.press)),
+        "train": int(seen.split.train.sum()),
+        "validation": int(seen.split.validation.sum()),
+        "test": int(seen.split.test.sum()),
+        "range": [seen.targets.min(axis=0).tolist(), seen.targets.max(axis=0).tolist()],
+        "spec": spec.model_dump(mode="json"),
+        "made_by": provenance(),
+    }

@@ -1,0 +1,193 @@
+"""From a recording to a model with honest errors: dots, correspondence, estimators, the best of them, its intervals.
+
+Every stage lies in a store under what it was made from; a run that was interrupted goes on where it was.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.core import ArtefactStore, FloatArray, PalpateError
+from palpate.core.run import Progress
+from palpate.datasets import PoseColumn, Recording
+from palpate.learn.fine_tune import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
+from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, train_quickly
+from palpate.learn.member import EFFORTS, ESTIMATORS, EnsembleMember
+from palpate.learn.prepare_recording import PreparedRecording, prepare_recording
+from palpate.learn.recording_model import RecordedModel
+from palpate.learn.recording_spec import RecordingSpec
+from palpate.learn.rotation import RotationAugmentation, find_rotation, pattern_order
+from palpate.learn.row_offset import find_row_offset
+from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
+from palpate.learn.train_members import TrainingJob, train_members
+
+_NO_BETTER, _DOUBTFUL = 0.9, 0.7
+"""Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordingResult:
+    """What a recording gave.
+
+    Attributes
+    ----------
+    seen
+        What was learnt from.
+    model
+        The model.
+    scores
+        Every estimator's errors on held-out presses; `best` is that of the model as a whole.
+    best
+        Name of the estimator that reads images with numbered dots, or all images.
+    estimates
+        (n, k) of the model for all images that are used, NaN where there is none.
+    curve
+        Errors by number of presses.
+    seconds
+        Time until the first errors were known, and altogether.
+    """
+
+    seen: PreparedRecording
+    model: RecordedModel
+    scores: tuple[EstimatorScore, ...]
+    best: str
+    estimates: FloatArray
+    curve: tuple[CurvePoint, ...] = ()
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+
+def train_on_recording(
+    recording: Recording,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    progress: Progress,
+    start: PretrainedModel | None = None,
+    first: RecordingResult | None = None,
+) -> RecordingResult:
+    """Learn from a recording.
+
+    Parameters
+    ----------
+    recording, spec
+        What is learnt from, and how.
+    store
+        Where stages are kept.
+    progress
+        Receives the images and trainings done.
+    start
+        A model to begin with: of another unit, or of a simulation.
+    first
+        What fewer estimators gave for the same recording: its learning curve and times are taken over.
+
+    Raises
+    ------
+    PalpateError
+        If images and poses do not belong together, or too little is left to learn from.
+    """
+    begin = time.monotonic()
+    seen = prepare_recording(recording, spec, store, progress)
+    parts: dict[str, EnsembleMember] = {}
+    seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
+    early = 0.0 if first is None else first.seconds[0]
+    jobs = list(plan_jobs(seen, spec))
+    for part, spent in train_members(jobs, spec.threads, store, progress):
+        name, parts[part.name] = part.name, part
+        seconds[name] = max(seconds.get(name, 0.0), spent)
+        if first is None or name not in {score.name for score in first.scores}:
+            _report_errors(name, parts[name], seen, progress)
+        if first is None and part.effort != "all":
+            early = time.monotonic() - begin
+    parts = {job.name: parts[job.name] for job in jobs}
+    if start is not None:
+        parts |= fine_tune_members(start, seen, progress)
+    model, scores, best = select_model(seen, spec, parts, seconds)
+    _refuse_strangers(seen, scores)
+    if first is None:
+        samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))
+        curve = compute_learning_curve(samples, seen.press, test, train_quickly)
+        curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
+    else:
+        curve = first.curve
+    estimates, _ = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
+    whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
+    return RecordingResult(seen, model, scores, best, estimates, curve, (early, whole))
+
+
+def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[TrainingJob]:
+    """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions."""
+    chosen, rotation = spec.estimators, _find_rotation(seen)
+    if chosen == "dots" and seen.assigned is None:
+        chosen = "ridge"
+    efforts = EFFORTS[: EFFORTS.index(chosen) + 1 if chosen in EFFORTS else None]
+    reads = {"dots": (True,), "picture": (False,)}.get(chosen, (True, False))
+    for kind_name, kind in ESTIMATORS.available():
+        reads_markers = kind.reads_markers
+        if kind.effort not in efforts or reads_markers not in reads or (reads_markers and seen.assigned is None):
+            continue
+        samples, _ = seen.samples(reads_markers, spec.seed)
+        yield TrainingJob(kind, kind_name, samples, spec.epochs)
+        if kind.takes_rotation and rotation is not None:
+            places = rotation.places_px
+            if not reads_markers:  # in px of the small images
+                scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
+                places = (places + 0.5) * scale - 0.5
+            if reads_markers or pattern_order(rotation.places_px) > 1:
+                turned = replace(samples, rotation=rotation._replace(places_px=places))
+                yield TrainingJob(kind, f"{kind_name}-turned", turned, spec.epochs)
+        if kind.takes_auxiliary and seen.recording.others:
+            others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
+            whole = replace(samples, targets=np.hstack([samples.targets, others]), auxiliary=others.shape[1])
+            yield TrainingJob(kind, f"{kind_name}-all", whole, spec.epochs)
+
+
+def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
+    """How (rx, ry) turn with the images of the training."""
+    if seen.assigned is None:
+        return None
+    rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
+    at_rest = seen.assigned.reference >= len(seen.recording)
+    return find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
+
+
+def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, progress: Progress) -> None:
+    samples, use = seen.samples(part.reads_markers)
+    off = part.predict(samples.inputs[use]) - seen.targets[use]
+    errors = np.sqrt(np.mean(off**2, axis=0))
+    progress.note(
+        f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True))
+    )
+
+
+def _figure(error: float, one: PoseColumn) -> str:
+    return f"{one.axis} {error:.3g}{'°' if one.unit == 'deg' else '' if one.unit == '1' else ' ' + one.unit}"
+
+
+def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...]) -> None:
+    """Refuse images from which poses cannot be told better than by their mean."""
+    judged = seen.split.test
+    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
+    ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
+    ratio = ratio / np.maximum(sd, 1e-12)
+    best = ratio.mean(axis=1).argmin()
+    features = seen.pictures[:, ::4, ::4].reshape(len(seen.pictures), -1).astype(float)
+    if not (ratio[best] > _NO_BETTER).all() and ratio[best].mean() < _DOUBTFUL:
+        return
+    shift = find_row_offset(features, seen.targets, seen.split.train)
+    if shift:
+        raise PalpateError(
+            f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",
+            "Mend the table.",
+            code="recording-rows-shifted",
+        )
+    if (ratio[best] > _NO_BETTER).all():
+        one, error = seen.recording.poses[0], scores[best].errors[0].rmse
+        raise PalpateError(
+            f"The poses cannot be told from the images: on presses held out the best estimate of {one.axis} is off "
+            f"by {error:.3g} {one.unit}, its mean by {sd[0]:.3g} {one.unit}.",
+            "Images and poses do not belong together: another run's table, or names that were shuffled.",
+            code="recording-poses-unrelated",
+        )

@@ -1,0 +1,69 @@
+"""Presses that tell what the twin of a design is off: on another mesh, between its tilts and contact laws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from palpate.calibration import CALIBRATION_TILTS, ValidationPresses
+from palpate.core import ArtefactStore
+from palpate.fea import read_press
+from palpate.mesh import mesh_skin
+from palpate.optimise.spec import RequirementsSpec
+from palpate.simulation import FINER
+from palpate.study import PressTask, TwinTask, find_artefact
+
+_READ = ((1, 0.7887), (4, 0.2113), (6, 0.2113))
+"""Tilts that are read: number of a gap between two of the twin's, and share of it. They lie about where Gauss's rule
+of three has them over all tilts, and in gaps where that of two has them: half way a twin would be off most."""
+_STEP_SHARE = 0.8
+"""Step from image to image over the twin's, so that depths lie between its own as well."""
+_FRICTIONS = (0.2113, 0.7887)
+"""Quantiles of the tolerance's frictions under which is pressed, those of Gauss's rule: some twins are further off on
+slippery walls, others on those that hold."""
+
+
+@dataclass(frozen=True)
+class ValidationPressTasks:
+    """The presses of `ValidationPresses`, not done yet."""
+
+    known: tuple[PressTask, ...]
+    read: tuple[PressTask, ...]
+
+    @property
+    def presses(self) -> tuple[PressTask, ...]:
+        """All of them."""
+        return (*self.known, *self.read)
+
+    def find(self, store: ArtefactStore) -> ValidationPresses:
+        """The presses, done."""
+        known, read = (
+            [read_press(find_artefact(store, task)) for task in tasks] for tasks in (self.known, self.read)
+        )
+        return ValidationPresses(known, read)
+
+
+def plan_validation_presses(twin: TwinTask, spec: RequirementsSpec) -> tuple[ValidationPressTasks, ...]:
+    """The presses that a twin is held against, one `ValidationPressTasks` for each friction."""
+    tilts = sorted({press.obstacle.radial for press in twin.presses})
+    known = [share * spec.max_tilt_deg for share in CALIBRATION_TILTS]
+    between = [tilts[k - 1] + share * (tilts[k] - tilts[k - 1]) for k, share in _READ if k < len(tilts)]
+    tolerance, own = spec.tolerance, twin.presses[0].obstacle.contact
+    contacts = [round(tolerance.friction_at(share), 3) for share in _FRICTIONS] if tolerance.friction_min else [own]
+    return tuple(
+        ValidationPressTasks(tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in contacts
+    )
+
+
+def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> Iterator[PressTask]:
+    own = twin.presses[0]
+    coarse = mesh_skin(own.design.skin, own.mesh).spec
+    mesh = coarse.model_copy(update={"cells": round(FINER * (coarse.cells or 0))})
+    for tilt_deg in tilts_deg:
+        changed = {
+            "tilt_deg": round(tilt_deg, 3),
+            "contact": contact,
+            "depth_step": _STEP_SHARE * own.obstacle.depth_step,
+        }
+        plain = own.solver.model_copy(update={"derivatives": ()})
+        yield replace(own, mesh=mesh, obstacle=own.obstacle.model_copy(update=changed), solver=plain)

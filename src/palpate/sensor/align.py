@@ -1,0 +1,293 @@
+"""Square a tool: touch, read, turn, touch again, until the interval of the angle lies inside the tolerance.
+
+A touch goes along the sensor's axis in steps until the dome is touched, then in two strides to the depth that force
+and twin allow. An image that cannot be read is looked at again; a place whose images all cannot be read is left by a
+step back, once, and the last depth that was read counts if it is deep enough. Nothing ever goes deeper unseen.
+
+With e the angle between drill and normal as it was read, and C its covariance (reading, tool's offset, robot), the
+tool is square where |e| + q √λ(C) is inside the tolerance. Before that is asked, what is left is turned away if that
+makes it less: a turn adds the robot's own error anew, so it is worth while where |e|² > 2 σ².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from palpate.calibration import PoseFit
+from palpate.core import FloatArray, PalpateError
+from palpate.design import wall_normal
+from palpate.sensor.alignment import Alignment, AlignmentOutcome, Touch
+from palpate.sensor.force_limit import ForceLimit
+from palpate.sensor.placement import Placement, rotation_between, rotation_from_vector, tilt_from_normal
+from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.robot import Robot
+from palpate.sensor.robot_spec import AlignSpec
+from palpate.sensor.sensor import Sensor
+from palpate.sensor.tool import Tool
+from palpate.sensor.tool_offset import find_tool_offset
+
+NextImage = Callable[[], "NDArray[Any] | PalpateError"]
+"""Gives an image that was taken after it was asked for; an error in the place of one that could not be."""
+_STRIDES = (0.5, 1.0)
+_ARRIVED_MM = 0.2
+_BACK_MM = 0.5
+_LIFT_MM, _MOST_LIFTS = 1.0, 4
+_LONGER = 1.5
+"""Of a step that follows a touch too light to be told from a motion of the camera."""
+_BEFORE_MM = 1.0
+"""Distance from a wall that was touched before, from which it is looked for again."""
+OFFSET_TURNS = tuple((60.0 * k, 3.0 * (-1) ** k) for k in range(6))
+"""Turns (degrees) about the drill's axis, and then about one across it, from which a tool's offset is told."""
+
+
+class _Failed(Exception):  # noqa: N818  it carries an ending through a touch, and never leaves this file
+    def __init__(self, ending: AlignmentOutcome) -> None:
+        self.ending = ending
+
+
+class Aligner:
+    """Squares the tool of one robot against walls.
+
+    Parameters
+    ----------
+    robot
+        The robot; it starts in front of the wall, the dome not touched.
+    sensor
+        Opened with the twin of its design.
+    next_image
+        Gives the next image.
+    tool
+        Where sensor and drill are on the flange.
+    spec
+        How to touch, and when to end.
+
+    Raises
+    ------
+    PalpateError
+        If the sensor does not read by a twin, or a step of the search could pass the force limit.
+    """
+
+    def __init__(
+        self, robot: Robot, sensor: Sensor, next_image: NextImage, tool: Tool, spec: AlignSpec | None = None
+    ) -> None:
+        fitter = sensor.estimator.twin_fit
+        if fitter is None:
+            raise PalpateError(
+                "A network tells no force for a limit.",
+                "Open the sensor with the design's twin.",
+                code="network-no-force",
+            )
+        self.robot, self.sensor, self.tool, self.spec = robot, sensor, tool, spec or AlignSpec()
+        self._next_image = next_image
+        self._limit = ForceLimit(fitter, self.spec.force_n, self.spec.robot_mm)
+        self._limit.check_step(_LONGER * self.spec.step)
+        self._factor = float(np.sqrt(chi2.ppf(self.spec.level, 2)))
+        self._images, self._gap = 0, 0.0
+        skin = sensor.unit.design.skin
+        self._apex = skin.support_point(np.array([0.0, 0.0, 1.0]))
+
+    def align(self) -> Alignment:
+        """Touch and turn until the tool is square; the flange ends clear of the wall.
+
+        Raises
+        ------
+        PalpateError
+            If the robot cannot move as asked.
+        """
+        log = _Log()
+        self._images = 0
+        while len(log.touches) < self.spec.max_touches:
+            try:
+                touch = self.touch()
+            except _Failed as failed:
+                return log.end(failed.ending, np.zeros(2), np.inf, self._images)
+            miss, covariance = self._miss(touch)
+            error = 2.0 * self.spec.robot_deg**2
+            turns = bool(miss @ miss > error)
+            log.add(touch, float(np.hypot(*miss)), self._half_width(covariance), turns)
+            left = np.zeros(2) if turns else miss
+            own = self.spec.robot_deg**2 * np.eye(2) if turns else 0.0
+            half = self._half_width(covariance + own)
+            if turns:
+                self._turn(touch)
+            near = np.hypot(*miss) <= self.spec.near_deg and not touch.outside
+            if near and np.hypot(*left) + half <= self.spec.tolerance_deg:
+                return log.end(AlignmentOutcome.SQUARE, left, half, self._images)
+        return log.end(AlignmentOutcome.TOO_MANY, left, half, self._images)
+
+    def find_offset(self, turns: Sequence[tuple[float, float]] = OFFSET_TURNS) -> Tool:
+        """Tell the sensor's axes against the drill's by touching one wall with the flange turned.
+
+        Parameters
+        ----------
+        turns
+            Turns (degrees) from where the flange is, a touch each: about the drill's axis, best all around, and then
+            about an axis across it, both ways. Without the latter, the sensor's turn about the drill stays unknown.
+
+        Returns
+        -------
+        Tool
+            By which the aligner reads from now on.
+
+        Raises
+        ------
+        PalpateError
+            If a touch fails, or they do not fit one wall.
+        """
+        touches, start = [], self.robot.flange_pose()
+        across = np.linalg.svd(self.tool.drill[None])[2][1]
+        for about, lean in turns:
+            self._turn_to(
+                start,
+                start.rotation @ rotation_from_vector(about * self.tool.drill) @ rotation_from_vector(lean * across),
+            )
+            try:
+                touches.append(self.touch())
+            except _Failed as failed:
+                raise PalpateError(
+                    f"Touch {len(touches) + 1} of {len(turns)} failed: {failed.ending}.",
+                    "Check the wall's place, the light and the force limit.",
+                    code="alignment-touch-failed",
+                ) from None
+        self._turn_to(start, start.rotation)
+        self.tool = find_tool_offset(self.tool, touches, self.spec.robot_deg)
+        return self.tool
+
+    def touch(self) -> Touch:
+        """Touch the wall ahead once, and leave it by `clear` mm."""
+        start, before = self.robot.flange_pose(), self._images
+        way = start.rotation @ self.tool.flange_from_sensor.rotation[:, 2]
+        try:
+            read = self._press(start, way, *self._search(start, way))
+        except _Failed:
+            self.robot.move(start)
+            raise
+        zero = read.travel - read.fit.state["depth_mm"]
+        self.robot.move(start.moved((zero - self.spec.clear) * way))
+        self._gap = self.spec.clear
+        return self._estimated(read, self._images - before)
+
+    def _search(self, start: Placement, way: FloatArray) -> tuple[float, Reading]:
+        """Travel (mm) at the first image that shows a touch, and its reading."""
+        travel, lifts = max(self._gap - _BEFORE_MM, 0.0), 0
+        self.robot.move(start.moved(travel * way))
+        while travel <= self.spec.search:
+            reading = self._look(Flag.OUT_OF_DISTRIBUTION, Flag.CAMERA_MOVED)
+            if reading is None:
+                raise _Failed(AlignmentOutcome.UNREADABLE)
+            if Flag.CAMERA_MOVED in reading.flags:
+                # the lightest of touches looks as if the camera had moved: above the wall that must be gone
+                lifts += 1
+                self._lift(start.moved((travel - _LIFT_MM) * way), lifts)
+            elif reading.touching:
+                return travel, reading
+            travel += self.spec.step * (_LONGER if lifts else 1.0)
+            self.robot.move(start.moved(travel * way))
+        raise _Failed(AlignmentOutcome.NO_WALL)
+
+    def _lift(self, place: Placement, lifts: int) -> None:
+        """Leave the wall, and fail where the dots stay as if the camera had moved."""
+        self.robot.move(place)
+        if self._look() is None or lifts > _MOST_LIFTS:
+            raise _Failed(AlignmentOutcome.UNREADABLE)
+
+    def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
+        """The deepest image that was read."""
+        best = _read_of(travel, reading, self.robot.flange_pose())
+        for share in _STRIDES:
+            goal = self._limit.max_depth(best.fit, self.spec.depth)
+            if goal - best.fit.state["depth_mm"] < _ARRIVED_MM:
+                break
+            travel = best.travel + share * (goal - best.fit.state["depth_mm"])
+            self.robot.move(start.moved(travel * way))
+            found = self._look(Flag.OUT_OF_DISTRIBUTION)
+            if found is None or not found.touching:
+                self.robot.move(start.moved((best.travel - _BACK_MM) * way))
+                break
+            best = _read_of(travel, found, self.robot.flange_pose())
+        if best.fit.state["depth_mm"] < self.spec.min_depth:
+            raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
+        return best
+
+    def _look(self, *accepted: Flag) -> Reading | None:
+        """A reading of this place with no flag but those accepted; `None` where no image of it gives one."""
+        for _ in range(self.spec.max_image_retries):
+            self._images += 1
+            reading = self.sensor.read(self._next_image())
+            if not set(reading.flags).difference(accepted):
+                return reading
+        return None
+
+    def _estimated(self, read: _Read, images: int) -> Touch:
+        fit, force = read.fit, read.fit.force.normal_force
+        return Touch(
+            read.base_from_flange,
+            fit.pose[:2].copy(),
+            fit.state["depth_mm"],
+            fit.covariance[:2, :2].copy(),
+            force.value,
+            self._limit.max_force(fit.state, fit.state["depth_mm"]),
+            fit.inverse_friction,
+            images,
+            read.outside,
+        )
+
+    def _miss(self, touch: Touch) -> tuple[FloatArray, FloatArray]:
+        """Rotation vector (2,) that takes drill to normal, flange turned to the drill, and its covariance (2, 2)."""
+        normal = wall_normal(*np.radians(touch.tilt_deg))
+        drill = self.tool.drill_in_sensor
+        to_drill = rotation_between(drill, np.array([0.0, 0.0, 1.0]))
+        return tilt_from_normal(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
+
+    def _half_width(self, covariance: FloatArray) -> float:
+        return self._factor * float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
+
+    def _turn(self, touch: Touch) -> None:
+        """Turn the drill to the wall's normal that a touch told."""
+        flange = touch.base_from_flange.rotation
+        normal = flange @ self.tool.flange_from_sensor.rotation @ wall_normal(*np.radians(touch.tilt_deg))
+        here = self.robot.flange_pose()
+        self._turn_to(here, rotation_between(flange @ self.tool.drill, normal) @ flange)
+
+    def _turn_to(self, here: Placement, rotation: FloatArray) -> None:
+        """Turn the flange about the dome's apex."""
+        apex = self.tool.flange_from_sensor.apply(self._apex)
+        self.robot.move(Placement(rotation, here.apply(apex) - rotation @ apex))
+
+
+class _Read(NamedTuple):
+    """A reading that can be gone on from: its travel (mm), fit, where it was read, and whether outside the twin."""
+
+    travel: float
+    fit: PoseFit
+    base_from_flange: Placement
+    outside: bool
+
+
+def _read_of(travel: float, reading: Reading, where: Placement) -> _Read:
+    assert reading.fit is not None
+    return _Read(travel, reading.fit, where, Flag.OUT_OF_DISTRIBUTION in reading.flags)
+
+
+class _Log:
+    """Touches of an alignment as they come."""
+
+    def __init__(self) -> None:
+        self.touches: list[Touch] = []
+        self._rows: list[tuple[float, float, float]] = []
+
+    def add(self, touch: Touch, angle: float, half: float, turns: bool) -> None:
+        """Keep a touch, the angle that it told, and whether it was turned away."""
+        self.touches.append(touch)
+        self._rows.append((angle, half, angle if turns else 0.0))
+
+    def end(self, ending: AlignmentOutcome, left: FloatArray, half: float, images: int) -> Alignment:
+        """The alignment, ended."""
+        angles, halves, turned = (tuple(row[column] for row in self._rows) for column in range(3))
+        known = float(np.hypot(*left)) if np.isfinite(half) else float("nan")
+        return Alignment(ending, tuple(self.touches), angles, halves, turned, known, half, images)

@@ -1,0 +1,212 @@
+"""The tasks that say how good built units of a design will be: its twin, and the figures foreseen from it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from palpate.calibration import AccuracySpec, PredictedAccuracy, ToleranceSpec, predict_accuracy
+from palpate.core import ArtefactStore, PalpateError, Recipe, atomic_write, stage_version
+from palpate.design import Design, SkinSpec
+from palpate.fea import Branch, WallSpec, read_press
+from palpate.mechanics import SolverSpec
+from palpate.study.study import AsBuiltSpec, Study
+from palpate.study.task import PressTask, Task, find_artefact, write_json
+from palpate.surrogate import (
+    build_twin,
+    measure_interpolation_error,
+    read_twin,
+    twin_derivatives,
+    twin_path,
+    twin_version,
+    write_twin,
+)
+
+_SHARE, _INVERTED_SHARE = 0.5, 0.25
+"""Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
+_TURN_DEG = 77.0
+"""Direction of the first check; the others are as far on."""
+_ROUND = 2
+"""Core of an inverted skin's mesh: with four cells along half a turn its soft waves of order 4 are 0.07 mm high."""
+
+
+@dataclass(frozen=True)
+class TwinTask(Task):
+    """Interpolate the presses of one skin under every tilt and friction, and those of its inverted state."""
+
+    presses: tuple[PressTask, ...]
+    inverted: tuple[PressTask, ...] = ()
+    checks: tuple[PressTask, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return f"twin {self.presses[0].design.skin.name}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        keys = tuple(press.recipe.key for press in self.dependencies)
+        return Recipe(kind="twin", spec={}, inputs=keys, version=twin_version())
+
+    @property
+    def dependencies(self) -> tuple[PressTask, ...]:
+        return (*self.presses, *self.inverted, *self.checks)
+
+    @property
+    def cost(self) -> float:
+        return 0.2 * len(self.dependencies)
+
+    def make(self, store: ArtefactStore) -> None:
+        flat, inverted, checks = (
+            [read_press(find_artefact(store, press)) for press in presses]
+            for presses in (self.presses, self.inverted, self.checks)
+        )
+        twin = build_twin(flat, inverted)
+        twin = replace(twin, interpolation_error_mm=measure_interpolation_error(twin, checks))
+        store.write(self.recipe, lambda path: write_twin(path, twin))
+
+
+@dataclass(frozen=True)
+class AccuracyTask(Task):
+    """Foresee built units of one design, before and after known presses."""
+
+    twin: TwinTask
+    design: Design
+    tolerance: ToleranceSpec
+    specs: tuple[AccuracySpec, ...]
+
+    suffix = ".json"
+
+    @property
+    def name(self) -> str:
+        return f"built units of {self.design.skin.name} {len(self.design.layout)} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        layout = self.design.layout
+        spec = {
+            "markers_mm": layout.positions.tolist(),
+            "diameter": layout.diameter,
+            "camera": self.design.camera_spec.model_dump(mode="json"),
+            "tolerance": self.tolerance.model_dump(mode="json"),
+            "figures": [asdict(figure) for figure in self.specs],
+        }
+        return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=stage_version("accuracy"))
+
+    @property
+    def dependencies(self) -> tuple[Task, ...]:
+        return (self.twin,)
+
+    @property
+    def cost(self) -> float:
+        return 1.0
+
+    def make(self, store: ArtefactStore) -> None:
+        twin = read_twin(find_artefact(store, self.twin))
+        layout, camera = self.design.layout, self.design.camera
+        found = [asdict(predict_accuracy(twin, layout, camera, self.tolerance, spec)) for spec in self.specs]
+        store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
+
+
+def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
+    """Read what a `AccuracyTask` made."""
+    return tuple(PredictedAccuracy(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
+
+
+def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
+    """The twin of one skin of a study.
+
+    Raises
+    ------
+    PalpateError
+        If the skin is no body of revolution, or the obstacle is no wall.
+    """
+    skin.build().require_revolution(
+        "a twin has one press a tilt for all azimuths",
+        "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
+        code="twin-needs-revolution",
+    )
+    if not isinstance(study.obstacle, WallSpec):
+        raise PalpateError(
+            f"A twin is made of presses by a flat wall, and the obstacle of {study.name} is {study.obstacle.label}.",
+            "Leave the obstacle out, or train an estimator for it: `palpate run`.",
+            code="twin-needs-wall",
+        )
+    asked = study.built or AsBuiltSpec()
+    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
+    return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
+
+
+def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
+    """What units of one design will be, with its markers counted."""
+    asked = study.built or AsBuiltSpec()
+    specs = (
+        AccuracySpec(calibration_presses=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed)
+        for known in (0, asked.calibration_presses)
+    )
+    return AccuracyTask(twin, design, asked.tolerance, tuple(specs))
+
+
+def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
+    slippery = study.obstacle.contact == "frictionless"
+    filled = study.material.mesh(study.mesh).filled
+    solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
+    for contact in (study.obstacle.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
+        for tilt_deg in study.tilts_deg:
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.obstacle.depth_step}
+            yield PressTask(
+                design=study.design(skin),
+                mesh=study.material.mesh(study.mesh),
+                obstacle=study.obstacle.model_copy(update=changed),
+                solver=solver,
+            )
+
+
+def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[PressTask]:
+    """Presses between those of the twin, in other directions, spread over its tilts and frictions."""
+    slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
+    for number in range(asked.checks):
+        share = (number + 0.5) / asked.checks
+        tilt, slip = (_between(values, share) for values in (study.tilts_deg, slips))
+        changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": _TURN_DEG * (number + 1)}
+        if study.obstacle.contact != "frictionless":
+            changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
+        yield PressTask(
+            design=study.design(skin),
+            mesh=study.material.mesh(study.mesh),
+            obstacle=study.obstacle.model_copy(update=changed),
+            solver=study.solver,
+        )
+
+
+def _between(values: Sequence[float], share: float) -> float:
+    """The middle of the step that is so far along rising values."""
+    step = min(int(share * (len(values) - 1)), len(values) - 2)
+    return 0.5 * (values[step] + values[step + 1]) if len(values) > 1 else values[0]
+
+
+def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
+    """Presses of the inverted state: the same under every contact law."""
+    mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
+    for tilt_deg in study.tilts_deg:
+        changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
+        yield PressTask(
+            design=study.design(skin),
+            mesh=mesh,
+            obstacle=study.obstacle.model_copy(update=changed),
+            solver=study.solver.model_copy(update={"derivatives": twin_derivatives(filled=False)}),
+            branch=Branch.INVERTED,
+        )
+
+
+def export_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:
+    """Copy twins into a result folder, under names by which the sensor and the viewer find them."""
+    for skin, made in twins:
+        kept = twin_path(folder, skin.build())
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(kept) as draft:
+            shutil.copyfile(made, draft)

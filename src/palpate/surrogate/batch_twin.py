@@ -1,0 +1,155 @@
+"""The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
+
+The same splines and waves as `MarkerTwin.evaluate`, with the poses as the first axis of every array, then
+`Camera.project` itself, and torch's derivatives through all of it. Walls are flat and come straight down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from palpate.camera import Camera, project_markers
+from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.surrogate.tensor_spline import BEYOND, DEGREE
+from palpate.surrogate.twin import STRAIGHT_DEG, MarkerTwin, refuse_left_out
+
+Tensor = Any
+"""A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
+_PIECE = 4096
+"""Poses at a time, which bounds the memory."""
+
+
+class BatchTwin:
+    """Pixels of a print's dots for many poses.
+
+    Parameters
+    ----------
+    dots
+        The print's twin.
+    camera
+        What sees it.
+    corners
+        How many places in turn are corners of one dot, seen where its trace has its centre, as in the outlines of a
+        `UnitModel`; 1: each is a dot.
+    thickness
+        By how much the wall is thicker than designed, mm.
+    device, dtype
+        Of torch: ``"cpu"``, ``"cuda"``; ``"float64"`` or ``"float32"``.
+
+    Raises
+    ------
+    MissingExtraError
+        If torch is not installed.
+    PalpateError
+        If the camera's lens distorts no tensors, or the twin leaves the thickness out.
+    """
+
+    def __init__(
+        self,
+        dots: MarkerTwin,
+        camera: Camera,
+        corners: int = 1,
+        thickness: float = 0.0,
+        device: str = "cpu",
+        dtype: str = "float64",
+    ) -> None:
+        self._torch = load_extra("torch", "learn")
+        self._kind = {"device": device, "dtype": getattr(self._torch, dtype)}
+        self._camera, twin = camera, dots.twin
+        half = twin.amplitudes.coefficients.shape[-1] // 3
+        pressed = twin.amplitudes.coefficients[..., :half]
+        if thickness:
+            refuse_left_out(twin, (thickness,))
+            pressed = pressed + thickness * twin.amplitudes.coefficients[..., half : 2 * half]
+        self._shape = pressed.shape[:3]
+        self._knots = [self._tensor(knots) for knots in twin.amplitudes.knots]
+        self._table, self._order = self._tensor(pressed.reshape(-1, half)), self._tensor(twin.order)
+        self._waves, self._places = self._tensor(dots.waves.T), self._tensor(dots.places)
+        self._corners = corners
+        with suppress(TypeError, RuntimeError):  # a lens from another package may be of numpy alone
+            if self._torch.is_tensor(camera.project(self._places)):
+                return
+        raise PalpateError(
+            f"The lens {camera.lens.name} distorts no tensors of torch.",
+            "Write its `distort` with operators, or use UnitModel.predict pose by pose.",
+            code="lens-not-in-batch",
+        )
+
+    def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Pixels (n, m, 2) of the dots.
+
+        Parameters
+        ----------
+        poses
+            (n, 3) rx, ry (degrees) and depth (mm).
+        inverse_frictions
+            (n,) 1/µ.
+        """
+        return self._in_pieces(self._see, poses, inverse_frictions)
+
+    def positions(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Positions (n, m, 3) mm of the dots; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._move, poses, inverse_frictions)
+
+    def forces(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._force, poses, inverse_frictions)
+
+    def _see(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        points = self._move(poses, inverse_frictions)
+        if self._corners == 1:
+            return self._camera.project(points)
+        return project_markers(self._camera, points.reshape(len(points), -1, self._corners, 3)).centres
+
+    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, inverse_frictions: Any) -> Tensor:
+        poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
+        pieces = zip(poses.split(_PIECE), inverse_frictions.split(_PIECE), strict=True)
+        return self._torch.cat([does(*piece) for piece in pieces])
+
+    def _tensor(self, values: Any) -> Tensor:
+        return self._torch.as_tensor(values, **self._kind)
+
+    def _amplitudes(self, poses: Tensor, inverse_frictions: Tensor) -> tuple[Tensor, Tensor]:
+        """Amplitudes (n, r + 3) of modes and force, and azimuths (n,) of the tilts."""
+        torch = self._torch
+        tilt = torch.hypot(poses[:, 0], poses[:, 1]).clamp(min=STRAIGHT_DEG)
+        first, weight = self._basis(0, inverse_frictions)
+        for axis, at in ((1, tilt), (2, poses[:, 2])):
+            number, share = self._basis(axis, at)
+            first = (first[:, :, None] * self._shape[axis] + number[:, None, :]).flatten(1)
+            weight = (weight[:, :, None] * share[:, None, :]).flatten(1)
+        found = torch.nn.functional.embedding_bag(first, self._table, mode="sum", per_sample_weights=weight)
+        return found, torch.atan2(poses[:, 1], poses[:, 0])
+
+    def _basis(self, axis: int, at: Tensor) -> tuple[Tensor, Tensor]:
+        """Numbers (n, 4) of the B-splines that live at places (n,) of an axis, and their values."""
+        torch, knots = self._torch, self._knots[axis]
+        last = len(knots) - DEGREE - 2
+        end = knots[last + 1] + BEYOND * (knots[last + 1] - knots[last])
+        at = torch.minimum(torch.maximum(at, knots[DEGREE]), end)
+        span = (torch.searchsorted(knots, at.detach().contiguous(), right=True) - 1).clamp(DEGREE, last)
+        values = [torch.ones_like(at)]
+        for degree in range(1, DEGREE + 1):
+            saved, raised = torch.zeros_like(at), []
+            for k, value in enumerate(values):
+                right, left = knots[span + k + 1] - at, at - knots[span + k + 1 - degree]
+                share = value / (right + left)
+                raised.append(saved + right * share)
+                saved = left * share
+            values = [*raised, saved]
+        steps = torch.arange(DEGREE + 1, device=span.device)
+        return span[:, None] - DEGREE + steps, torch.stack(values, dim=1)
+
+    def _move(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
+        modes, angle = found[:, : len(self._order)], azimuth[:, None] * self._order
+        rows = self._torch.cat([modes * angle.cos(), modes * angle.sin()], dim=1)
+        return self._places + (rows @ self._waves).reshape(len(poses), -1, 3)
+
+    def _force(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
+        slope, axial, axis = found[:, len(self._order) :].T
+        c, s = azimuth.cos(), azimuth.sin()
+        return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)

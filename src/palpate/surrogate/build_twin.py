@@ -1,0 +1,312 @@
+"""Make the twin of a design from its presses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import takewhile
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.design import Symmetry
+from palpate.fea import Branch, Press
+from palpate.mechanics import EndReason
+from palpate.surrogate.revolved_field import forces_along_tilt
+from palpate.surrogate.surface_series import CIRCLES, ORDERS, expand_surface
+from palpate.surrogate.tensor_spline import fit_spline
+from palpate.surrogate.tilt_runs import SAME_DEPTH_MM, match_depths
+from palpate.surrogate.twin import FORCES, TWIN_DERIVATIVES, Twin
+from palpate.surrogate.twin_file import material_text
+
+_ACROSS = np.array([False, False, False, False, True, True])
+"""Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
+_DRIFT = 3
+"""Number of the first of these that is a drift."""
+_WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
+"""Change of thickness (mm), bend (1/m), drift (mm) and twist (degrees) for which the modes are made."""
+_LOST_MM = 1.2e-3
+"""Root mean square over all presses, mm, of what all modes that are left out may carry."""
+_FEWEST = 4
+"""Tilts, depths, or frictions where there are several, that a cubic spline needs."""
+
+
+def twin_derivatives(filled: bool) -> tuple[str, ...]:
+    """Those of `TWIN_DERIVATIVES` that presses can have: of a filled skin, all but by its thickness."""
+    return tuple(name for name in TWIN_DERIVATIVES if not (filled and name == "thickness"))
+
+
+def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin:
+    """Interpolate presses of one design under walls of every tilt and friction.
+
+    Parameters
+    ----------
+    presses
+        At every tilt from 0 on, one for each friction, with `twin_derivatives`; images at the same depths.
+    inverted
+        Presses of the inverted state at every tilt, likewise, under one contact law: it is the same under all. They
+        may have found none, or only under lesser tilts.
+
+    Returns
+    -------
+    Twin
+        Of the flat branch, and of the other where it exists under four tilts and at four depths.
+
+    Raises
+    ------
+    PalpateError
+        If presses are missing, of several designs or without the derivatives, or the skin is no body of revolution;
+        if a press jumps, since it has no derivatives beyond.
+    """
+    _refuse_others([*presses, *inverted])
+    slips, tilts, table = _sort(presses)
+    depths = _depths(table, 0.0)
+    flat = _interpolate(table, (slips, tilts, depths))
+    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.obstacle.radial)))
+    if len(standing) < _FEWEST:
+        return flat
+    first = max(float(press.depth[0]) for press in standing)
+    depths = _depths(standing, first)
+    if len(depths) < _FEWEST:
+        return flat
+    tilts = np.array([press.obstacle.radial for press in standing])
+    return replace(flat, inverted=_interpolate(standing, (np.zeros(1), tilts, depths)))
+
+
+def _stands(press: Press) -> bool:
+    """Whether an inverted state was found and followed to the greatest depth."""
+    return press.ended is EndReason.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
+
+
+def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
+    """The twin of one branch from its presses by rising slip, then tilt, over slips, tilts and depths."""
+    slips, tilts, depths = axes
+    fields: list[list[FloatArray]] = []
+    forces: list[list[FloatArray]] = []
+    names = _derivatives_of(table[0])
+    part_of = [0, *(1 + TWIN_DERIVATIVES.index(name) for name in names)]
+    for press in table:
+        rates = (press.derivatives[name].force for name in names)
+        expanded = expand_surface(press, {name: bool(_ACROSS[k]) for name, k in zip(names, part_of[1:], strict=True)})
+        pushes = np.array([forces_along_tilt(press, force) for force in (press.force, *rates)])
+        for found, parts in ((fields, expanded), (forces, pushes)):
+            whole = np.zeros((len(_ACROSS), *parts.shape[1:]))
+            whole[part_of] = parts
+            found.append([_fill(part, press, depths) for part in _over_travel(whole, press)])
+    shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
+    values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
+    pushes = np.array(forces).reshape(*shape, FORCES)
+    _refuse_holes(values, slips, tilts)
+    reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
+    for filled in (values, pushes):
+        _bridge(filled, reach, slips, depths)
+    _straighten(values, pushes)
+    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
+    blocks = np.concatenate([amplitudes, pushes], axis=-1)
+    # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
+    parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
+    both = np.concatenate([parity[:, None] * blocks[:, :0:-1], blocks], axis=1)
+    everything = np.moveaxis(both, 2, 3)
+    axes = (slips if len(slips) > 1 else np.zeros(1), np.concatenate([-tilts[:0:-1], tilts]), depths)
+    pressed, drifts = (
+        fit_spline(axes, part.reshape(*part.shape[:3], -1))
+        for part in (everything[..., :_DRIFT, :], everything[..., _DRIFT:, :])
+    )
+    return Twin(
+        skin=table[0].mesh.skin,
+        order=order,
+        modes=modes,
+        tilts_deg=tilts,
+        depths_mm=depths,
+        inverse_frictions=slips,
+        max_depth_mm=reach,
+        amplitudes=pressed,
+        lateral=drifts,
+        material=material_text(table[0].material),
+        left_out=tuple(name for name in TWIN_DERIVATIVES if name not in names),
+    )
+
+
+def _derivatives_of(press: Press) -> tuple[str, ...]:
+    return twin_derivatives(filled=bool(press.mesh.filling))
+
+
+def _refuse_others(presses: Sequence[Press]) -> None:
+    if not presses:
+        raise PalpateError(
+            "A twin needs presses, and none was given.", "Press the design first.", code="presses-none"
+        )
+    first = presses[0]
+    if first.mesh.skin.hole:
+        first.mesh.skin.require_revolution(
+            "a twin is of walls that come down", "Use single presses instead.", code="twin-needs-revolution"
+        )
+    for press in presses:
+        if press.mesh.skin.spec_data != first.mesh.skin.spec_data or press.material != first.material:
+            raise PalpateError(
+                f"The presses are of several designs: {first.mesh.skin.name} and {press.mesh.skin.name}.",
+                "Give those of one design and material.",
+                code="presses-designs-differ",
+            )
+        missing = [name for name in _derivatives_of(press) if name not in press.derivatives]
+        if missing:
+            raise PalpateError(
+                f"The press under {press.obstacle.label} has no derivative by {missing[0]}.",
+                f"Press with `derivatives: [{', '.join(_derivatives_of(press))}]`.",
+                code="derivative-missing",
+            )
+    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(
+        press.obstacle.pose_space.is_tilt for press in presses
+    ):
+        raise PalpateError(
+            "A twin is of a body of revolution under a flat wall.",
+            "Use single presses instead.",
+            code="twin-needs-flat-wall",
+        )
+
+
+def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
+    """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
+    by_place = {(_inverse_friction(press), press.obstacle.radial): press for press in presses}
+    slips = np.array(sorted({slip for slip, _ in by_place}))
+    tilts = np.array(sorted({tilt for _, tilt in by_place}))
+    missing = [(slip, tilt) for slip in slips for tilt in tilts if (slip, tilt) not in by_place]
+    if missing:
+        slip, tilt = missing[0]
+        raise PalpateError(
+            f"{len(missing)} presses are missing, the first at a tilt of {tilt:g}° and a friction of {1 / slip:g}."
+            if slip
+            else f"{len(missing)} presses are missing, the first at a tilt of {tilt:g}° without slip.",
+            "Press every tilt under every friction.",
+            code="presses-missing",
+        )
+    if tilts[0] != 0.0 or len(tilts) < _FEWEST or 1 < len(slips) < _FEWEST:
+        raise PalpateError(
+            f"{len(tilts)} tilts from {tilts[0]:g}° on and {len(slips)} frictions do not make a twin.",
+            f"Press at least {_FEWEST} tilts from 0° on, under one friction or at least {_FEWEST}.",
+            code="twin-few-tilts",
+        )
+    return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
+
+
+def _inverse_friction(press: Press) -> float:
+    return 1.0 / press.obstacle.friction if press.obstacle.friction > 0 else float("inf")
+
+
+def _depths(presses: Sequence[Press], first: float) -> FloatArray:
+    """Depths (d,) mm of the images, from the first that is no less than `first`."""
+    steps = {round(float(press.obstacle.depth_step), 9) for press in presses}
+    if len(steps) > 1:
+        raise PalpateError(
+            f"The presses have images every {sorted(steps)} mm.",
+            "Give all of them one image step.",
+            code="presses-steps-differ",
+        )
+    step, deepest = steps.pop(), max(_reach(press) for press in presses)
+    begin, count = int(np.ceil((first - SAME_DEPTH_MM) / step)), int((deepest + SAME_DEPTH_MM) / step)
+    if not first and count < _FEWEST:
+        raise PalpateError(
+            f"{count} images down to {deepest:.2f} mm do not make a twin.",
+            "Press deeper, or in shorter steps.",
+            code="twin-few-images",
+        )
+    return np.asarray(step * np.arange(begin, count + 1))
+
+
+def _stored(press: Press) -> int:
+    """Number of the images of a press on its way down before it leaves its first branch or jumps."""
+    down = int(np.argmax(press.depth)) + 1
+    lost = np.flatnonzero((press.branch[:down] != press.branch[0]) | (press.depth[:down] >= press.jump_depth))
+    return int(lost[0]) if len(lost) else down
+
+
+def _reach(press: Press) -> float:
+    return float(press.depth[_stored(press) - 1])
+
+
+def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
+    """Derivatives by drift (mm/mm) among the parts (6, n, …) of a press as those by the travel so far (mm)."""
+    found = parts.copy()
+    depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
+    rest = int(depth.flat[0] == 0.0)
+    found[_DRIFT:, rest:] = parts[_DRIFT:, rest:] / depth[rest:]
+    if rest:
+        found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
+    return found
+
+
+def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: FloatArray) -> None:
+    """Refuse presses that jumped: beyond, they have no derivatives."""
+    holes = np.argwhere(~np.isfinite(values.reshape(len(inverse_frictions), len(tilts), -1)).all(axis=-1))
+    if len(holes):
+        slip, tilt = inverse_frictions[holes[0, 0]], tilts[holes[0, 1]]
+        law = f"µ = {1 / slip:.3g}" if slip > 0 else "no slip"
+        raise PalpateError(
+            f"{len(holes)} of {len(inverse_frictions) * len(tilts)} presses jump to another state, the first "
+            f"at {tilt:g}° under {law}; there is no twin across a jump.",
+            "Take a thicker or lower skin, or less depth.",
+            code="twin-across-jump",
+        )
+
+
+def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray, depths: FloatArray) -> None:
+    """Carry presses that end before those of the next frictions on both sides on as between these.
+
+    In values (slip, tilt, 6, depth, …) of presses that reach (slip, tilt) mm. So does a thin skin that goes over into
+    its other state under some friction: carried on straight, it would spoil what is read under the others.
+    """
+    count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
+    for k, tilt in np.ndindex(max(len(inverse_frictions) - 2, 0), reach.shape[1]):
+        row, known = k + 1, count[k + 1, tilt]
+        last = min(count[row - 1, tilt], count[row + 1, tilt])
+        if last <= known:
+            continue
+        share = (inverse_frictions[row] - inverse_frictions[row - 1]) / (
+            inverse_frictions[row + 1] - inverse_frictions[row - 1]
+        )
+        between = (1 - share) * values[row - 1, tilt] + share * values[row + 1, tilt]
+        apart = values[row, tilt, :, known - 1 : known] - between[:, known - 1 : known]
+        values[row, tilt, :, known:] = between[:, known:] + apart
+
+
+def _straighten(values: FloatArray, forces: FloatArray) -> None:
+    """Take out what the mesh adds at tilt 0, in values (slip, tilt, 6, depth, order, …) and forces (…, 3).
+
+    Under a straight wall nothing depends on the direction: only order 0 is pressed, bent and twisted, and a drift is
+    one field of order 1, whatever its direction. What else there is comes of the mesh, centred where it touches.
+    """
+    straight, push = values[:, :1].copy(), forces[:, :1].copy()
+    for part, order in enumerate((0, 0, 0, 1, 1, 0)):
+        straight[:, :, part, :, order] = 0.0
+    up, aside = _DRIFT, _DRIFT + 1  # a quarter turn makes the one the other's negative
+    straight[:, :, up, :, 1] = straight[:, :, aside, :, 1] = 0.5 * (
+        values[:, :1, up, :, 1] + values[:, :1, aside, :, 1]
+    )
+    push[:, :, :_DRIFT, :, 1] = 0.0
+    along, across = forces[:, :1, up, :, 0], forces[:, :1, aside, :, 2]
+    push[:, :, up, :, 0], push[:, :, aside, :, 2] = 0.5 * (along - across), 0.5 * (across - along)
+    values -= straight
+    forces -= push
+
+
+def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
+    """Values (n depths, …) of a press's images (n, …) at the depths, carried on straight below its last."""
+    _, image = match_depths(depths[depths <= _reach(press) + SAME_DEPTH_MM], press)
+    known = values[image]
+    rest = np.arange(1, len(depths) - len(image) + 1).reshape(-1, *[1] * (values.ndim - 1))
+    return np.concatenate([known, known[-1] + rest * (known[-1] - known[-2])])
+
+
+def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Modes of series (slip, tilt, 6, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
+    weighted = values * _WEIGHTS[:, None, None, None]
+    pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
+    found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]
+    strength = np.sort(np.concatenate([each for each, _ in found]))
+    presses = len(pressed) * 2 // len(_ACROSS)
+    carried = np.sqrt(np.cumsum(strength**2) / (2 * presses * CIRCLES))  # half a square is a wave's mean
+    weakest = strength[np.searchsorted(carried, _LOST_MM)]
+    kept = [modes[each >= weakest] for each, modes in found]
+    amplitudes = [values[..., k, :] @ modes.T for k, modes in enumerate(kept)]
+    order = np.repeat(np.arange(ORDERS), [len(modes) for modes in kept])
+    return order, np.concatenate(kept).reshape(-1, 3, CIRCLES), np.concatenate(amplitudes, axis=-1)

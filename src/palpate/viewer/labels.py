@@ -1,0 +1,24 @@
+"""Headings of the columns of a search, and the jitter of a grid."""
+
+from __future__ import annotations
+
+from palpate.core.report import Column
+from palpate.optimise import FRONT_COLUMNS
+from palpate.study import SpecificationGrid, design_spec, grid_column
+
+
+def find_column(name: str) -> Column:
+    """Column of a search by its name; a column of the grid if the search has no words for it."""
+    return next((column for column in FRONT_COLUMNS if column.name == name), None) or grid_column(name)
+
+
+def column_label(name: str) -> str:
+    """Heading of a column with its unit, e.g. ``"marker travel (mm)"``."""
+    return find_column(name).label
+
+
+def jitter_words(grid: SpecificationGrid) -> str:
+    """How far the pixels of a grid's studies were moved for the errors with jitter, e.g. ``"2 px jitter"``."""
+    specs = (design_spec(row) for row in grid.designs)
+    found = {spec["dataset"]["jitter_px"] for spec in specs if "jitter_px" in spec.get("dataset", {})}
+    return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"

@@ -1,0 +1,59 @@
+"""The page of a sensor that was learnt from a recording: what every estimator reads, and how its dots were found."""
+
+from __future__ import annotations
+
+from fastapi import Request
+from nicegui import ui
+
+from palpate.viewer.page_head import PageHeader, heading
+from palpate.viewer.trained import PICTURES, TrainedSensor, error_columns, error_rows
+
+
+class TrainedPage:
+    """One visitor's report.
+
+    Parameters
+    ----------
+    sensor
+        The folder of `palpate recording train`.
+    request
+        Of the page.
+    """
+
+    def __init__(self, sensor: TrainedSensor, request: Request) -> None:
+        self._learnt = sensor
+        PageHeader(request, "/", sensor.folder.resolve().name)
+
+    def build(self) -> None:
+        """Place the report."""
+        report, about = self._learnt.report, self._learnt.model.about
+        with ui.element("div").classes("report"):
+            heading(f"What the recording {about['recording']} gave")
+            ui.label(
+                f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
+                f"{about['validation']} chose, {about['test']} judged. No press is in two of these."
+            )
+            self._build_errors()
+            for sentence in [*report.get("notes", []), report.get("enough", "")]:
+                if sentence:
+                    ui.label(str(sentence)).classes("faint")
+            with ui.element("div").classes("do"):
+                ui.link("Read images", "/live").classes("go")
+            for name in self._learnt.pictures:
+                with ui.element("figure"):
+                    ui.image(f"/data/learnt/{name}").props(f'alt="{PICTURES[name]}" fit=contain no-spinner')
+                    with ui.element("figcaption"):
+                        ui.label(PICTURES[name]).classes("faint")
+
+    def _build_errors(self) -> None:
+        best = str(self._learnt.report.get("best", ""))
+        with ui.element("div").classes("wide-table"), ui.element("table").classes("errors"):
+            with ui.element("tr"):
+                for name in error_columns(self._learnt):
+                    with ui.element("th"):
+                        ui.label(name)
+            for row in error_rows(self._learnt):
+                with ui.element("tr").classes("kept" if row[0] == best else ""):
+                    for text in row:
+                        with ui.element("td"):
+                            ui.label(text)
