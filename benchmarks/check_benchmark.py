@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from palpate_benchmark import deviation_of, read_set
 
-from palpate.benchmark import deviation_of, read_set
 from palpate.camera import project_markers
 from palpate.design import Design, build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press

@@ -48,11 +48,10 @@ STAGES = [
     "simulation",
     "study",
     "optimise",
-    "claims",
-    "benchmark",
     "verify",
     "testing",
 ]
+PLUGINS = ["palpate_zaid2024", "palpate_benchmark"]
 
 
 def commands(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -66,9 +65,8 @@ def commands(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str
 
 def write_reference() -> None:
     """Write a page a stage: its specs as tables, its public names from their docstrings; and one of the commands."""
-    for stage in STAGES:
-        module = importlib.import_module(f"palpate.{stage}")
-        title = f"palpate.{stage}"
+    for title in [*(f"palpate.{stage}" for stage in STAGES), *PLUGINS]:
+        module = importlib.import_module(title)
         lines = [f"# {title}", "", f"```{{automodule}} {title}", "```", ""]
         for name in sorted(module.__all__):
             item = getattr(module, name)
@@ -77,7 +75,7 @@ def write_reference() -> None:
             elif callable(item) and getattr(item, "__module__", "").startswith("palpate"):
                 kind = "autoclass" if isinstance(item, type) else "autofunction"
                 lines += [f"```{{{kind}}} {title}.{name}", *([":members:"] if kind == "autoclass" else []), "```", ""]
-        _write(HERE / "reference" / f"{stage}.md", "\n".join(lines))
+        _write(HERE / "reference" / f"{title.removeprefix('palpate.')}.md", "\n".join(lines))
     lines = ["# Commands", "", "`palpate COMMAND --help`, as the program prints it.", ""]
     for words in commands():
         call = [sys.executable, "-m", "palpate", *words, "--help"]

@@ -5,7 +5,8 @@ from functools import cache
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
-FILES = sorted(SOURCE.rglob("*.py"))
+PLUGINS = tuple(sorted(door.parent for door in SOURCE.parents[1].glob("plugins/*/palpate_*/__init__.py")))
+FILES = sorted(path for package in (SOURCE, *PLUGINS) for path in package.rglob("*.py"))
 
 
 @cache
@@ -21,5 +22,5 @@ def nodes(path: Path) -> tuple[ast.AST, ...]:
 
 
 def name(path: Path) -> str:
-    """Path of a file in the package."""
-    return path.relative_to(SOURCE).as_posix()
+    """Path of a file in the package, or in a plug-in beside it."""
+    return path.relative_to(SOURCE if path.is_relative_to(SOURCE) else PLUGINS[0].parents[1]).as_posix()

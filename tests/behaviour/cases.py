@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from palpate_benchmark import PRESETS, make_benchmark, read_set
+from palpate_benchmark.simulate_unit import simulate_unit
+from palpate_benchmark.spec import TINY_BASELINES
+from palpate_benchmark.trained_baselines import predict_by_markers
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
-from palpate.benchmark import PRESETS, make_benchmark, read_set
-from palpate.benchmark.draw_unit import simulate_unit
-from palpate.benchmark.learnt_baselines import predict_by_markers
-from palpate.benchmark.spec import TINY_BASELINES
 from palpate.calibration import AccuracySpec, ToleranceSpec, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore

@@ -9,11 +9,15 @@ import json
 import sys
 import tomllib
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import palpate
 from palpate.cli.app import app
+
+PLUGINS = ("palpate_zaid2024", "palpate_benchmark")
+"""Packages beside this one, which have names that were in `palpate` at the tag `before-restructure`."""
 
 
 def verbs(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, list[str]]]:
@@ -32,9 +36,10 @@ def verbs(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, l
 def public_names() -> Iterator[str]:
     """Public names of the package and of its subpackages."""
     yield from (f"palpate.{name}" for name in palpate.__all__)
-    for path in sorted(Path(palpate.__file__).parent.glob("*/__init__.py")):
-        module = importlib.import_module(f"palpate.{path.parent.name}")
-        yield from (f"palpate.{path.parent.name}.{name}" for name in module.__all__)
+    packages = [f"palpate.{path.parent.name}" for path in sorted(Path(palpate.__file__).parent.glob("*/__init__.py"))]
+    packages += [name for name in PLUGINS if find_spec(name)]
+    for package in packages:
+        yield from (f"{package}.{name}" for name in importlib.import_module(package).__all__)
 
 
 def registered() -> Iterator[str]:
@@ -49,8 +54,9 @@ def registered() -> Iterator[str]:
         yield from (f"{group}: {name}" for name in registry.names)
 
 
-def claims(package: str = "palpate.claims") -> list[str]:
+def claims() -> list[str]:
     """Claims about the paper, by their numbers, from the package that has them."""
+    package = next((name for name in PLUGINS if name.endswith("zaid2024") and find_spec(name)), "palpate.claims")
     return sorted(str(name) for name in importlib.import_module(f"{package}.claim").CLAIMS)
 
 

@@ -6,14 +6,16 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
+from typing import Annotated, Any, cast
 
 import docstring_parser
-from cyclopts import App
+from cyclopts import App, Parameter
 
 from palpate import __version__
 from palpate.cli.border import guarded
+from palpate.core import PalpateError
 
 _parse = docstring_parser.parse_from_object
 
@@ -29,13 +31,16 @@ _VERBS = {
     "run": ("run:run", "Run a study: presses, data, training and accuracy of every design."),
     "press": ("press:press", "Solve one press of a skin by a wall or another obstacle."),
     "search": ("optimise:optimise", "Search the best design that meets requirements."),
-    "benchmark": ("benchmark:app", "The open data set: make it, score predictions, run baselines."),
-    "claims": ("claims:claims", "Compare finished studies with the claims of the paper."),
     "view": ("view:view", "Look at results in a browser, design and press a dome."),
     "verify": ("verify:verify", "Solve problems with known answers and compare."),
     "doctor": ("doctor:doctor", "List what is installed and what is missing."),
 }
 """Verb → place below `palpate.cli`, and help."""
+_PLUGINS = {
+    "benchmark": ("palpate_benchmark", "cli:app", "The open data set: make it, score predictions, run baselines."),
+    "claims": ("palpate_zaid2024", "cli:claims", "Compare finished studies with the claims of the paper."),
+}
+"""Verb → package beside this one, place in it, and help."""
 _GROUPS = {
     "design": (
         "Look at a design, press it, and write the files to build or simulate it.",
@@ -137,6 +142,17 @@ OLD_VERBS = {
 """Verbs of version 0.2 → verbs; the old ones are accepted for one version."""
 
 
+def _without_package(name: str, package: str) -> Callable[..., None]:
+    def refuse(*words: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> None:
+        raise PalpateError(
+            f"palpate {name} is a command of the package {package}, which is not installed.",
+            f"Install it from a checkout of palpate: pip install -e plugins/{package}",
+            code="package-missing",
+        )
+
+    return refuse
+
+
 def _add_verbs(part: App, verbs: Mapping[str, tuple[str, str]]) -> None:
     for name, (place, help_text) in verbs.items():
         part.command(f"palpate.cli.{place}", name=name, help=help_text)
@@ -150,6 +166,9 @@ app = App(
     suppress_keyboard_interrupt=False,  # `guarded` answers it
 )
 _add_verbs(app, _VERBS)
+for _name, (_package, _place, _help) in _PLUGINS.items():
+    _found = find_spec(_package) is not None
+    app.command(f"{_package}.{_place}" if _found else _without_package(_name, _package), name=_name, help=_help)
 for _name, (_help, _verbs) in _GROUPS.items():
     _group = App(name=_name, help=_help)
     _add_verbs(_group, _verbs)

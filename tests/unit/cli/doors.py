@@ -11,9 +11,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from palpate_benchmark import PRESETS
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
-from palpate.benchmark import PRESETS
 from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.datasets import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark

@@ -25,6 +25,7 @@ from palpate.sensor import ReferencePress
 
 ROOT = Path(__file__).parents[3]
 SOURCE = ROOT / "src" / "palpate"
+FILES = sorted([*SOURCE.rglob("*.py"), *ROOT.glob("plugins/palpate_*/palpate_*/**/*.py")])
 ERRORS = ("PalpateError", "MissingExtraError", "StoreError", "LeakageError", "MissingArtefactError")
 OF_THE_CLASS = {"MissingExtraError": "extra-missing", "MissingArtefactError": "artefact-missing"}
 """Classes whose code, remedy and sentence are their own."""
@@ -78,7 +79,7 @@ def codes_of(call: ast.Call, kind: str) -> tuple[str, ...]:
 
 @cache
 def messages() -> tuple[Message, ...]:
-    return tuple(found for path in sorted(SOURCE.rglob("*.py")) for found in messages_of(path))
+    return tuple(found for path in FILES for found in messages_of(path))
 
 
 def messages_of(path: Path) -> Iterator[Message]:
@@ -86,7 +87,7 @@ def messages_of(path: Path) -> Iterator[Message]:
     module = ast.parse(text if any(f"{name}(" in text for name in ERRORS) else "")
     for node in ast.walk(module):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ERRORS:
-            kind, place = node.func.id, f"{path.relative_to(SOURCE)}:{node.lineno}"
+            kind, place = node.func.id, f"{path.relative_to(ROOT)}:{node.lineno}"
             what, *more = (text_of(each, module) for each in node.args)
             if kind in OF_THE_CLASS or kind == "LeakageError":
                 more = [FIELD]
@@ -164,7 +165,7 @@ def test_every_code_that_a_test_names_is_in_use() -> None:
     """Those of pydantic itself are written with underscores, and ``usage`` is the command line's own."""
     tests = sorted((ROOT / "tests").rglob("*.py"))
     known = {code for each in messages() for code in each.codes} | spec_codes() | {"usage", "enum", "missing"}
-    known |= {code for path in (*sorted(SOURCE.rglob("*.py")), *tests) for code in written_codes(path)}
+    known |= {code for path in (*FILES, *tests) for code in written_codes(path)}
     named = {code for path in tests for code in named_codes(path)}
     assert {code for code in named if code not in known and "_" not in code} == set()
 
@@ -193,7 +194,7 @@ def spec_codes() -> set[str]:
     """Types of the faults that specs find themselves."""
     calls = (
         node
-        for path in sorted(SOURCE.rglob("*.py"))
+        for path in FILES
         if "PydanticCustomError" in (text := path.read_text("utf-8"))
         for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)

@@ -1,9 +1,9 @@
 """Old columns are read with a warning; old keys of a spec are refused with the new one."""
 
 import pytest
+from palpate_benchmark import BenchmarkSpec, TwinPressSpec
 from pydantic import ValidationError
 
-from palpate.benchmark import BenchmarkSpec, TwinPressSpec
 from palpate.calibration import ToleranceSpec
 from palpate.camera import CalibrationSpec
 from palpate.core.renamed_keys import RENAMED_COLUMNS, RENAMED_KEYS, new_column, rename_columns

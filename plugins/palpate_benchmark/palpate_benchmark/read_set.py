@@ -1,0 +1,181 @@
+"""Read a set: marker positions, labels and pictures of one side."""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from palpate.core import FloatArray, IntArray, PalpateError, TextArray, load_opencv, reject_external_links
+from palpate_benchmark.set_files import CHECKSUMS, HIDDEN, digest
+from palpate_benchmark.spec import BenchmarkSpec, Split
+from palpate_benchmark.unit_images import LABELS
+
+_AGAIN = "Give the folder 'set' that palpate benchmark make wrote."
+
+
+@dataclass(frozen=True, eq=False)
+class SplitTable:
+    """What the tables say of one side, a row an image, by rising number.
+
+    Attributes
+    ----------
+    image, unit, press
+        (n,) numbers.
+    design, picture, branch
+        (n,) name of the design, of the picture (empty: none), and of the state.
+    labels
+        (n, 6) by `LABELS`.
+    """
+
+    image: IntArray
+    unit: IntArray
+    press: IntArray
+    design: TextArray
+    picture: TextArray
+    branch: TextArray
+    labels: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.image)
+
+
+@dataclass(frozen=True, eq=False)
+class SplitMarkers:
+    """Marker positions of one design and side.
+
+    Attributes
+    ----------
+    image, unit
+        (n,) numbers, images rising.
+    markers_px
+        (n, m, 2); NaN for a dot that is not there.
+    rest_px
+        Of each unit (m, 2), by its number.
+    """
+
+    image: IntArray
+    unit: IntArray
+    markers_px: FloatArray
+    rest_px: dict[int, FloatArray]
+
+
+@dataclass(frozen=True)
+class BenchmarkSet:
+    """A set on disk."""
+
+    folder: Path
+    spec: BenchmarkSpec
+
+    def table(self, split: Split) -> SplitTable:
+        """Labels of one side; those of the test are read from the hidden file.
+
+        Raises
+        ------
+        PalpateError
+            If a table is missing or broken.
+        """
+        sight = _read_columns(self.folder / f"{split}.csv")
+        told = _read_columns(self.folder / HIDDEN) if split == "test" else sight
+        try:
+            if told["image"] != sight["image"]:
+                raise PalpateError(
+                    f"{HIDDEN} does not have the images of {split}.csv.", _AGAIN, code="benchmark-images-differ"
+                )
+            return SplitTable(
+                image=np.array(sight["image"], int),
+                unit=np.array(sight["unit"], int),
+                press=np.array(told["press"], int),
+                design=np.array(sight["design"]),
+                picture=np.array(sight["picture"]),
+                branch=np.array(told["branch"]),
+                labels=np.array([told[name] for name in LABELS], float).T,
+            )
+        except (KeyError, ValueError) as error:
+            raise PalpateError(
+                f"The tables of {split} in {self.folder} are broken: {error}.", _AGAIN, code="benchmark-table-damaged"
+            ) from error
+
+    def markers(self, split: Split, design: str) -> SplitMarkers:
+        """Marker positions of one design on one side.
+
+        Raises
+        ------
+        PalpateError
+            If the file is missing or broken.
+        """
+        path = self.folder / f"{split}.h5"
+        try:
+            with h5py.File(path, "r") as file:
+                reject_external_links(file, path)
+                kept = file[design]
+                rest = zip(kept["rest_unit"][()].tolist(), kept["rest_px"][()].astype(float), strict=True)
+                return SplitMarkers(
+                    image=kept["image"][()].astype(int),
+                    unit=kept["unit"][()].astype(int),
+                    markers_px=kept["markers_px"][()].astype(float),
+                    rest_px=dict(rest),
+                )
+        except (OSError, KeyError, ValueError) as error:
+            raise PalpateError(
+                f"{path} holds no marker positions of {design}: {error}.", _AGAIN, code="benchmark-markers-damaged"
+            ) from error
+
+    def pictures(self, split: Split, names: Sequence[str], size: tuple[int, int]) -> NDArray[np.uint8]:
+        """Pictures (n, h, w) of one side, shrunk to a size (h, w).
+
+        Raises
+        ------
+        PalpateError
+            If a picture is missing or broken.
+        """
+        cv2, path, found = load_opencv(), self.folder / f"{split}_pictures.zip", []
+        try:
+            with zipfile.ZipFile(path) as archive:
+                for name in names:
+                    grey = cv2.imdecode(np.frombuffer(archive.read(name), np.uint8), cv2.IMREAD_GRAYSCALE)
+                    found.append(cv2.resize(grey, size[::-1], interpolation=cv2.INTER_AREA))
+        except (OSError, KeyError, zipfile.BadZipFile, cv2.error) as error:
+            raise PalpateError(
+                f"{path} cannot be read: {error}.", _AGAIN, code="benchmark-file-unreadable"
+            ) from error
+        return np.array(found, np.uint8).reshape(-1, *size)
+
+
+def read_set(folder: Path) -> BenchmarkSet:
+    """Open a set.
+
+    Raises
+    ------
+    PalpateError
+        If the folder holds none.
+    """
+    try:
+        digest(folder / CHECKSUMS)
+        content = json.loads((folder / "spec.json").read_text(encoding="utf-8"))
+        return BenchmarkSet(folder, BenchmarkSpec.model_validate(content))
+    except (OSError, ValueError, ValidationError) as error:
+        raise PalpateError(
+            f"{folder} holds no benchmark: its spec.json or SHA256SUMS cannot be read.",
+            _AGAIN,
+            code="benchmark-missing",
+        ) from error
+
+
+def _read_columns(path: Path) -> dict[str, list[str]]:
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            head, *rows = csv.reader(file)
+    except (OSError, ValueError, csv.Error) as error:
+        raise PalpateError(f"{path} cannot be read.", _AGAIN, code="benchmark-file-unreadable") from error
+    if any(len(row) != len(head) for row in rows) or not rows:
+        raise PalpateError(f"{path} is no whole table.", _AGAIN, code="benchmark-table-damaged")
+    return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))

@@ -1,0 +1,53 @@
+"""`palpate claims`: finished studies held against the claims of the paper."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from palpate.cli.output import Output
+
+if TYPE_CHECKING:
+    from palpate_zaid2024 import ClaimAnswer
+
+_FOLDERS = (
+    "Result folders of studies of the paper's designs, of `palpate calibration predict`, and of "
+    "`palpate design convergence --out`."
+)
+
+
+def claims(
+    *results: Annotated[Path, Parameter(help=_FOLDERS)],
+    out: Annotated[
+        Path | None, Parameter(name=["--out", "-o"], help="Page to write, .md or .html, with pictures beside it.")
+    ] = None,
+    output: Output = Output(),
+) -> None:
+    """Say of every claim of the paper whether it holds, with the figures that decide.
+
+    Give one result folder, or one a contact law. A claim whose designs are not there is not decided.
+    """
+    from palpate_zaid2024 import assess_claims, claim_report, read_evidence, write_claims
+
+    grids, meshes = read_evidence(results)
+    answers = assess_claims(grids, meshes)
+    if out is not None:
+        words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
+        write_claims(out, answers, grids, shlex.join(words))
+    page = [f"Page: {out}"] if out is not None else []
+    output.show([_describe(answer) for answer in answers], "The paper's claims", claim_report(answers), *page)
+
+
+def _describe(answer: ClaimAnswer) -> dict[str, Any]:
+    return {
+        "claim": answer.claim.name,
+        "statement": answer.claim.statement,
+        "test": answer.claim.test,
+        "source": answer.source,
+        "verdict": str(answer.finding.verdict),
+        "figures": answer.finding.figures,
+        "why": answer.finding.why,
+    }
