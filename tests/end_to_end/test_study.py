@@ -226,13 +226,13 @@ def test_a_broken_artefact_is_made_again(tiny_study: Path, finished: Path) -> No
 def test_the_grid_can_be_asked(finished: Path) -> None:
     done = finish(["study", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
     assert done.returncode == 0, done.stderr
-    assert [row["markers"] for row in json.loads(done.stdout)] == [19]
+    assert [row["markers"] for row in json.loads(done.stdout)["rows"]] == [19]
 
 
 def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_path: Path) -> None:
     done = finish(["claims", finished, "--out", tmp_path / "claims.md", "--json"])
     assert done.returncode == 0, done.stderr
-    answers = {answer["claim"]: answer for answer in json.loads(done.stdout)}
+    answers = {answer["claim"]: answer for answer in json.loads(done.stdout)["rows"]}
     assert len(answers) == 13
     assert answers["C1"]["verdict"] == "holds"
     assert {answers[name]["verdict"] for name in ("C3", "C6", "C9", "C10")} == {"not decided"}

@@ -63,6 +63,8 @@ def compare_names(old: dict[str, list[str]], new: dict[str, list[str]]) -> Itera
 
 def compare_values(old: Any, new: Any, place: str = "") -> Iterator[str]:
     """Values of two JSON documents that differ; keys are renamed by the table."""
+    if isinstance(old, list) and isinstance(new, dict) and "rows" in new:  # beside the inputs of the command
+        new = new["rows"]
     if isinstance(old, dict) and isinstance(new, dict):
         table = renames("key")
         for key, value in old.items():

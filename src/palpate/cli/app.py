@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from typing import Annotated, Any, cast
@@ -195,4 +197,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         Words after `palpate`; without them, those of the process.
     """
     words = current_words(list(sys.argv[1:] if arguments is None else arguments))
-    sys.exit(guarded(lambda: app(words, exit_on_error=False, print_error=False, result_action="return_value")))
+    sys.exit(guarded(lambda: _call(words)))
+
+
+def _call(words: list[str]) -> Any:
+    command, bound, _ = app.parse_args(words, exit_on_error=False, print_error=False)[:3]
+    if "--json" in words:
+        from palpate.cli.output import keep_inputs
+
+        flags = inspect.BoundArguments(bound.signature, OrderedDict(bound.arguments))
+        flags.apply_defaults()
+        keep_inputs(["palpate", *words], flags.arguments)
+    return command(*bound.args, **bound.kwargs)

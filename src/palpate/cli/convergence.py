@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
-from palpate.cli.press import PressFlags
+from palpate.cli.press import RefinedFlags
 from palpate.core.report import Column, Report, write_csv
 from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
-from palpate.mesh import MeshSpec
 
 _CELLS = "Cells from pole to rim of each mesh."
 _MARKERS = "Markers that are followed on every mesh."
@@ -32,14 +30,6 @@ _COLUMNS = (
     Column("marker_error", "marker error", "%", form=".3f", meaning="RMS distance of the markers over the depth"),
 )
 _OUT = "Folder for convergence.csv, .png and .svg; without it, only the table is printed."
-
-
-@Parameter(name="*")
-@dataclass(frozen=True)
-class RefinedFlags(PressFlags):
-    """A press whose meshes `--meshes` tells."""
-
-    mesh: Annotated[MeshSpec, flags_of(MeshSpec, without="cells", group="Mesh")] = MeshSpec()
 
 
 def convergence(

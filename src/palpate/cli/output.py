@@ -3,19 +3,48 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import sys
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, Spec
 from palpate.core.report import Report, json_text, report_text, wrapped
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
+
+
+_INPUTS: ContextVar[dict[str, Any] | None] = ContextVar("inputs", default=None)
+
+
+def keep_inputs(words: Sequence[str], flags: Mapping[str, Any]) -> None:
+    """Keep the words of the command and the values of its flags, defaults included, for its JSON."""
+    values = {name: value for name, value in flags.items() if not isinstance(value, JsonOutput)}
+    _INPUTS.set({"command": shlex.join(words), **_values(values)})
+
+
+def _values(value: Any) -> Any:
+    if isinstance(value, Spec):
+        return value.model_dump(mode="json")
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _values(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(name): _values(each) for name, each in value.items()}
+    if isinstance(value, list | tuple | set):
+        return [_values(each) for each in value]
+    return value if value is None or isinstance(value, bool | int | float) else str(value)
+
+
+def _with_inputs(data: Any) -> dict[str, Any]:
+    """Data of a command with its inputs; a list of rows becomes the entry `rows`."""
+    return {"inputs": _INPUTS.get(), **(data if isinstance(data, Mapping) else {"rows": data})}
 
 
 @Parameter(name="*")
@@ -34,7 +63,7 @@ class JsonOutput:
     def show(self, data: Any, *sentences: str) -> None:
         """Print the data as JSON if it was asked for, otherwise the sentences."""
         if self.json:
-            print(json_text(data))
+            print(json_text(_with_inputs(data)))
             return
         for sentence in sentences:
             print_text(sentence)
@@ -56,7 +85,7 @@ class Output(JsonOutput):
     def show(self, data: Any, *reports: Report | str) -> None:
         """Print the data as JSON if it was asked for, otherwise reports and sentences in their order."""
         if self.json:
-            print(json_text(data))
+            print(json_text(_with_inputs(data)))
             return
         above: Report | str = ""
         for report in reports:

@@ -87,6 +87,14 @@ class PressFlags(WallPressFlags):
 
 @Parameter(name="*")
 @dataclass(frozen=True)
+class RefinedFlags(PressFlags):
+    """A press on several meshes, whose cells another flag gives."""
+
+    mesh: Annotated[MeshSpec, flags_of(MeshSpec, without="cells", group="Mesh")] = MeshSpec()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
 class SolveFlags:
     """Who solves a press, which branch, and how."""
 

@@ -29,6 +29,17 @@ def test_design_gives_radius_shape_markers_and_findings(capsys: pytest.CaptureFi
     assert [finding["code"] for finding in shown["findings"]] == ["undercut"]
 
 
+def test_json_of_rows_has_the_inputs_with_their_defaults(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["design", "convergence", "--meshes", "4", "5", "--depth", "1", "--step", "1", "--json"]
+    assert call(*words) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["inputs"]["command"] == " ".join(["palpate", *words])
+    assert shown["inputs"]["meshes"] == [4, 5]
+    assert shown["inputs"]["flags"]["wall"]["depth"] == 1.0
+    assert shown["inputs"]["flags"]["material"]
+    assert [row["cells"] for row in shown["rows"]] == [4, 5]
+
+
 def test_design_takes_rings(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("design", "show", "--rings", "10", "25", "45", "--json") == 0
     shown = json.loads(capsys.readouterr().out)

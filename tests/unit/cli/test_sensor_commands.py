@@ -77,7 +77,7 @@ def model(tmp_path_factory):
 
 def test_find_counts_the_dots_of_every_image(recording, capsys):
     assert run("sensor", "detect", str(recording), "--json") == 0
-    shown = json.loads(capsys.readouterr().out)
+    shown = json.loads(capsys.readouterr().out)["rows"]
     assert [row["dots"] for row in shown] == [38, 38, 38, None]
     assert shown[3]["reason"]
     assert run("sensor", "detect", str(recording)) == 0
@@ -258,7 +258,7 @@ def test_hostile_images_in_a_recording_are_flagged_and_fill_no_memory(recording,
     assert "1 × 1 px" in shown[4]["reason"]
     assert shown[6]["depth_mm"] == pytest.approx(1.0, abs=0.1)
     assert run("sensor", "detect", str(recording), "--json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(capsys.readouterr().out)["rows"]
     assert [row["dots"] for row in found] == [38, 38, 38, None, None, None, None, 38]
 
 
