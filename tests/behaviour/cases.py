@@ -51,7 +51,7 @@ from palpate.simulation import ToleranceSpec, run_unit_trial
 from palpate.simulation.trial import COLUMNS
 from palpate.twin import TWIN_DERIVATIVES, build_field
 from presses import run_tiny_study, solve_press, stored_folder
-from small_chain import small_bench, small_twin, write_small_twin
+from small_chain import TWIN_CELLS, TWIN_DEPTH, small_bench, small_twin, write_small_twin
 
 Results = dict[str, dict[str, Any]]
 
@@ -190,6 +190,7 @@ def datasets() -> Results:
             "pad",
             WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, depth=0.4, depth_step=0.2),
             cells=4,
+            core=1,
             filled=True,
             **({"whole": True} if azimuth else {}),
         )
@@ -282,7 +283,8 @@ def accuracies() -> Results:
 
 def unit_trials() -> Results:
     with tempfile.TemporaryDirectory() as name:
-        bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), units=1, tilts=1, azimuths=2)
+        small = {"units": 1, "tilts": 1, "azimuths": 2, "depth": TWIN_DEPTH, "cells": TWIN_CELLS}
+        bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), **small)
         found = run_unit_trial(bench, sample_deviation(bench.spec.tolerance, 3, 1))
     return {"twin": {name: found.column(name) for name in COLUMNS if name != "latency_ms"}}
 
