@@ -145,7 +145,7 @@ def presses() -> Results:
             cells=10,
             core=2,
         ),
-        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), filled=True),
+        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), core=1, filled=True),
     }
     meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
     sizes = {
@@ -290,9 +290,9 @@ def unit_trials() -> Results:
 
 
 def skin_evaluations() -> Results:
-    spec = RequirementsSpec(name="behaviour", markers=37, depth=5.0, max_tilt_deg=8.0)
+    spec = RequirementsSpec(name="behaviour", markers=19, depth=4.0, max_tilt_deg=8.0)
     skin = skin_from_data(SKINS["dome"])
-    found = evaluate_skin(small_twin(), SkinEvaluation(skin, SILICONE, 5.0, 0.3, None, ()), spec)
+    found = evaluate_skin(small_twin(), SkinEvaluation(skin, SILICONE, 4.0, 0.3, None, ()), spec)
     return {
         f"option {number}": {
             "rings": option.markers.ring_diameters or (),
