@@ -17,9 +17,9 @@ def main() -> float:
         {"kind": "edge", "radius": 4, "opening_deg": 120, "depth": 3, "contact": "frictionless"}
     )
     rubber, gel = pp.get_material("neo-hooke:0.1"), pp.get_material("neo-hooke:0.005")
-    hollow = pp.solve_press(pp.mesh_skin(skin, pp.MeshSpec(cells=8, core=2)), rubber, edge)
+    hollow = pp.solve_press(pp.mesh_skin(skin, pp.MeshSpec(cells=8, core=1)), rubber, edge)
     filled = pp.solve_press(
-        pp.mesh_skin(skin, pp.MeshSpec(cells=8, core=2, filled=True)), replace(rubber, gel=gel), edge
+        pp.mesh_skin(skin, pp.MeshSpec(cells=8, core=1, filled=True)), replace(rubber, gel=gel), edge
     )
     figure, axis = plt.subplots(figsize=(5, 3), layout="constrained")
     for name, press in (("hollow", hollow), ("filled", filled)):

@@ -14,11 +14,11 @@ def main() -> float:
     figure, axes = plt.subplots(figsize=(6, 3.5), layout="constrained")
     for friction in (0.3, 0.6):
         # depth, x, y in mm: down, aside, back
-        there_and_back = [[3], [3, 2.5], [3, 0]]
+        there_and_back = [[2], [2, 2], [2, 0]]
         wall = RouteSpec(waypoints=there_and_back, contact=friction, depth_step=0.5)
         press = pp.solve_press(mesh, silicone, wall, SolverSpec(adhesion=0))
         aside = np.array([wall.waypoint(length).x_mm for length in press.depth])
-        sliding = press.depth >= 3
+        sliding = press.depth >= 2
         share = -press.force[sliding, 0] / press.force[sliding, 2]
         axes.plot(aside[sliding], share, label=f"µ = {friction}")
         lost = press.dissipation[-1]

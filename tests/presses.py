@@ -22,10 +22,11 @@ from typing import Any
 
 from palpate import fea
 from palpate import surrogate as twins
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
-from palpate.material import Material
+from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
-from palpate.mesh import Mesh
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.surrogate import Twin
 from source_stamp import SOURCE, source_stamp
 
@@ -58,7 +59,12 @@ def solve_press(
     """Press of a skin as `palpate.fea.solve_press` returns it, from the store if it was solved before."""
     obstacle, solver = obstacle or WallSpec(), solver or SolverSpec()
     inputs = (*_mesh_parts(mesh), _data(material.key_data()), *_spec_parts(obstacle), *_spec_parts(solver), branch)
-    return stored("press", inputs, lambda: fea.solve_press(mesh, material, obstacle, solver, branch))
+
+    def solve() -> Press:
+        _compile_kernels()
+        return fea.solve_press(mesh, material, obstacle, solver, branch)
+
+    return stored("press", inputs, solve)
 
 
 def build_twin(presses: Iterable[Press], inverted: Iterable[Press] = ()) -> Twin:
@@ -103,6 +109,16 @@ def stored_folder(kind: str, inputs: Iterable[Any], make: Callable[[Path], None]
             make(draft)
             draft.rename(path)
     return path
+
+
+@cache
+def _compile_kernels() -> None:
+    """Solve a small press: workers that begin together wait here for one of them to compile."""
+    wall = WallSpec(tilt_deg=4.0, contact=0.5, depth=0.1, depth_step=0.1)
+    solver = SolverSpec(derivatives=twins.TWIN_DERIVATIVES)
+    with _locked(_folder("press") / "kernels"):
+        mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=4))
+        fea.solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
 
 
 @cache

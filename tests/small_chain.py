@@ -20,7 +20,10 @@ MARKERS = MarkerSpec(count=37)
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 CELLS = 6
 TILTS = (0.0, 4.0, 8.0)
-FINE_TILTS = (0.0, 4.0, 8.0, 12.0)
+TWIN_CELLS = 9
+TWIN_TILTS, TWIN_CONTACTS, TWIN_DEPTH = (0.0, 4.0, 8.0, 12.0), ("no-slip", 1.4, 0.8, 0.4), 4.0
+EDGE_SHARE = 1.0
+"""Increments of twice the usual length, in the presses of a twin and in those it is compared with."""
 
 
 def solve(tilt_deg, **wall):
@@ -39,28 +42,21 @@ def write_small_model(path):
     return path
 
 
-def small_twin():
-    """Twin of the small dome for tilts up to 9° and every friction; the one twin of tests that need no other."""
-    solver = SolverSpec(derivatives=TWIN_DERIVATIVES)
+def twin_presses():
+    """Presses of the small dome for tilts up to 12° and every friction: those of the one twin of most tests."""
+    solver = SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=EDGE_SHARE)
     walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
-        for contact in ("no-slip", 1.4, 0.8, 0.4)
-        for tilt in (0.0, 3.0, 6.0, 9.0)
+        WallSpec(tilt_deg=tilt, contact=contact, depth=TWIN_DEPTH, depth_step=0.5)
+        for contact in TWIN_CONTACTS
+        for tilt in TWIN_TILTS
     ]
-    mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    return build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls])
-
-
-def fine_presses():
-    """Presses of the same dome on a finer mesh for tilts up to 12° and every friction: for tests of accuracy."""
-    solver = SolverSpec(derivatives=TWIN_DERIVATIVES)
-    walls = [
-        WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.5)
-        for contact in ("no-slip", 1.4, 0.8, 0.4)
-        for tilt in FINE_TILTS
-    ]
-    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=2)), MeshSpec(cells=9))
+    mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=TWIN_CELLS))
     return [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
+
+
+def small_twin():
+    """Twin of the small dome for tilts up to 12° and every friction; the one twin of tests that need no other."""
+    return build_twin(twin_presses())
 
 
 def write_small_twin(path):

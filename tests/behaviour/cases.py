@@ -52,7 +52,7 @@ from palpate.simulation import run_unit_trial
 from palpate.simulation.trial import COLUMNS
 from palpate.surrogate import TWIN_DERIVATIVES, build_field
 from presses import run_tiny_study, solve_press, stored_folder
-from small_chain import small_bench, small_twin, write_small_twin
+from small_chain import TWIN_CELLS, TWIN_DEPTH, small_bench, small_twin, write_small_twin
 
 Results = dict[str, dict[str, Any]]
 
@@ -146,7 +146,7 @@ def presses() -> Results:
             cells=10,
             core=2,
         ),
-        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), filled=True),
+        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), core=1, filled=True),
     }
     meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
     sizes = {
@@ -191,6 +191,7 @@ def datasets() -> Results:
             "pad",
             WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, depth=0.4, depth_step=0.2),
             cells=4,
+            core=1,
             filled=True,
             **({"whole": True} if azimuth else {}),
         )
@@ -283,15 +284,16 @@ def accuracies() -> Results:
 
 def unit_trials() -> Results:
     with tempfile.TemporaryDirectory() as name:
-        bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), units=1, tilts=1, azimuths=2)
+        small = {"units": 1, "tilts": 1, "azimuths": 2, "depth": TWIN_DEPTH, "cells": TWIN_CELLS}
+        bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), **small)
         found = run_unit_trial(bench, sample_deviation(bench.spec.tolerance, 3, 1))
     return {"twin": {name: found.column(name) for name in COLUMNS if name != "latency_ms"}}
 
 
 def skin_evaluations() -> Results:
-    spec = RequirementsSpec(name="behaviour", markers=37, depth=5.0, max_tilt_deg=8.0)
+    spec = RequirementsSpec(name="behaviour", markers=19, depth=4.0, max_tilt_deg=8.0)
     skin = skin_from_data(SKINS["dome"])
-    found = evaluate_skin(small_twin(), SkinEvaluation(skin, SILICONE, 5.0, 0.3, None, ()), spec)
+    found = evaluate_skin(small_twin(), SkinEvaluation(skin, SILICONE, 4.0, 0.3, None, ()), spec)
     return {
         f"option {number}": {
             "rings": option.markers.ring_diameters or (),

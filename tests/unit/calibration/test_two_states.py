@@ -28,10 +28,10 @@ DEPTH = 6.0
 TILTS = (0.0, 4.0, 8.0, 12.0)
 
 
-def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.4) -> Press:
+def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.5) -> Press:
     wall = WallSpec(tilt_deg=tilt, azimuth_deg=70.0, depth=DEPTH, depth_step=step)
-    mesh = mesh_skin(DOME, MeshSpec(cells=12, core=2 if branch is Branch.INVERTED else 1))
-    return solve_press(mesh, ECOFLEX, wall, SolverSpec(derivatives=names), branch)
+    mesh = mesh_skin(DOME, MeshSpec(cells=10, core=2 if branch is Branch.INVERTED else 1))
+    return solve_press(mesh, ECOFLEX, wall, SolverSpec(derivatives=names, edge_share=1.0), branch)
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +138,6 @@ def test_a_skin_without_another_state_has_a_twin_of_one(flat: list[Press]) -> No
     """The search says "none" as it does for a thick dome, where it ends at rest."""
     wall = WallSpec(depth=0.8, depth_step=0.2)
     none = solve_press(
-        mesh_skin(DOME, MeshSpec(cells=12)), ECOFLEX, wall, SolverSpec(derivatives=TWIN_DERIVATIVES), Branch.INVERTED
+        mesh_skin(DOME, MeshSpec(cells=10)), ECOFLEX, wall, SolverSpec(derivatives=TWIN_DERIVATIVES), Branch.INVERTED
     )
     assert build_twin(flat, [none]).inverted is None

@@ -45,9 +45,9 @@ def test_a_window_that_fits_the_squares_fits_the_photos_better():
 
 
 @pytest.mark.parametrize("name", BOARDS)
-def test_a_known_camera_is_found_from_sixteen_views_of_every_board(name):
-    found = calibrate_camera(views(BOARDS[name]), CalibrationSpec(board=BOARDS[name]))
-    assert len(found.image_names) == 16
+def test_a_known_camera_is_found_from_eight_views_of_every_board(name):
+    found = calibrate_camera(views(BOARDS[name], 8), CalibrationSpec(board=BOARDS[name]))
+    assert len(found.image_names) == 8
     np.testing.assert_allclose(found.intrinsics_px[:2], TRUE[:2], rtol=0.002)
     np.testing.assert_allclose(found.intrinsics_px[2:], TRUE[2:], atol=0.5)
     assert found.covered > 0.4

@@ -1,5 +1,6 @@
 """A wrong input at every door of every command ends at once: one sentence, its remedy, exit code 2, nothing left."""
 
+import copy
 import re
 import shlex
 import time
@@ -10,13 +11,15 @@ from typing import Any, get_args
 
 import pytest
 from command_table import list_commands
-from cyclopts import Argument
+from cyclopts import App, Argument
+from cyclopts.argument import ArgumentCollection
 from doors import ROWS, furnish
 
 from needs import needs
 from palpate.cli import main
 
 COMMANDS = dict(list_commands())
+ASSEMBLED: dict[Any, ArgumentCollection] = {}
 HEAVY = (
     ("mechanics.newton", "Problem", "solve"),
     ("study.run_study", "Run", "run"),
@@ -97,6 +100,29 @@ def command(name: str, house: dict[str, Path], change: str = "") -> list[str]:
 @pytest.fixture(scope="module")
 def house(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return furnish(tmp_path_factory.mktemp("house"))
+
+
+@pytest.fixture(autouse=True)
+def _flags_are_assembled_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thousands of attempts parse the same commands: their flags are assembled once, and copied for every attempt."""
+    assemble = App.assemble_argument_collection
+
+    def again(command: App, **chosen: Any) -> ArgumentCollection:
+        place = command.default_command, tuple(chosen.items())
+        if place not in ASSEMBLED:
+            ASSEMBLED[place] = assemble(command, **chosen)
+        return copy_arguments(ASSEMBLED[place])
+
+    monkeypatch.setattr(App, "assemble_argument_collection", again)
+
+
+def copy_arguments(found: ArgumentCollection) -> ArgumentCollection:
+    """Arguments without words yet; what describes them is shared."""
+    shared = {}
+    for one in found:
+        for part in (one.field_info, one.parameter, one.hint, one._lookup, one._default, one._union_branches):
+            shared[id(part)] = part
+    return copy.deepcopy(found, shared)
 
 
 @pytest.fixture(autouse=True)

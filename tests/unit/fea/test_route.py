@@ -14,7 +14,7 @@ from palpate.mesh import MeshSpec, mesh_skin
 from presses import solve_press
 
 SKIN = DomeSpec(height=20, thickness=2).build()
-MESH = mesh_skin(SKIN, MeshSpec(cells=9, whole=True, centred=False))
+MESH = mesh_skin(SKIN, MeshSpec(cells=8, whole=True, centred=False))
 MARKERS = place_markers(SKIN, MarkerSpec(count=37)).positions
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 

@@ -68,7 +68,7 @@ def test_the_recording_tells_in_which_sense_tilts_turn():
 def train_rotated(samples):
     from palpate.learn.train_member import train_marker_network
 
-    return MarkerNetwork("turned", train_marker_network("turned", samples, epochs=200))
+    return MarkerNetwork("turned", train_marker_network("turned", samples, epochs=120))
 
 
 def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_not():

@@ -121,7 +121,7 @@ def test_a_camera_too_near_sees_fewer_rings(twin: Twin) -> None:
 
 
 @pytest.mark.parametrize("known", [0, 5])
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_more_dots_are_never_foreseen_to_be_worse(twin: Twin, known: int, seed: int) -> None:
     """Each layout holds all dots of the one before; units, poses and known presses are drawn alike for all."""
     spec = AccuracySpec(calibration_presses=known, max_tilt_deg=9.0, units=100, poses=40, seed=seed)
@@ -198,7 +198,13 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
 ) -> None:
     """The checks of a twin tell a unit as known presses do, and those may be refused."""
     spec = RequirementsSpec(
-        name="small", markers=19, max_tilt_deg=9.0, depth=4.0, min_depth=1.0, calibration_presses=0
+        name="small",
+        markers=19,
+        max_tilt_deg=9.0,
+        depth=4.0,
+        min_depth=1.0,
+        calibration_presses=0,
+        cameras=(CameraChoice(distances=(44.0, 44.0)),),
     )
     known = SkinEvaluation(DomeSpec(height=20, thickness=2), spec.materials[0], 4.0, 0.3)
 
@@ -247,7 +253,13 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
 ) -> None:
     """A layout that one of 20 units cannot be read by is offered by the coarse search, and not to a finalist."""
     spec = RequirementsSpec(
-        name="small", markers=19, max_tilt_deg=9.0, depth=4.0, min_depth=1.0, calibration_presses=0
+        name="small",
+        markers=19,
+        max_tilt_deg=9.0,
+        depth=4.0,
+        min_depth=1.0,
+        calibration_presses=0,
+        cameras=(CameraChoice(distances=(44.0, 44.0)),),
     )
     known = SkinEvaluation(DomeSpec(height=20, thickness=2), spec.materials[0], 4.0, 0.3)
     opened = list[int]()

@@ -82,9 +82,9 @@ def test_skins_of_which_nothing_is_known_do_not_hide_how_the_others_differ(
 
 @pytest.mark.parametrize("sampler", ["gp", "random"])
 def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sampler: Sampler) -> None:
-    plan, whole, cut = SearchPlan(16, 3, sampler), tmp_path / "whole", tmp_path / "cut"
+    plan, whole, cut = SearchPlan(12, 3, sampler), tmp_path / "whole", tmp_path / "cut"
     expected = search_skins(SPACE, judge, plan, whole)
-    tried = search_skins(SPACE, judge, replace(plan, trials=12), cut)
+    tried = search_skins(SPACE, judge, replace(plan, trials=8), cut)
     rewrite_journal(cut, SPACE, plan, tried)
     assert read_trials(cut) == tried
     assert search_skins(SPACE, judge, plan, cut) == expected
@@ -92,7 +92,7 @@ def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sam
     other = [replace(one, evaluation=replace(one.evaluation, values=(one.place["aspect"],))) for one in tried]
     rewrite_journal(cut, SPACE, plan, other)
     found = search_skins(SPACE, judge, plan, cut)
-    assert (found[12:] == expected[12:]) == (sampler == "random")
+    assert (found[8:] == expected[8:]) == (sampler == "random")
 
 
 @pytest.mark.parametrize("known", [0, 1])
@@ -128,9 +128,9 @@ class CutError(Exception):
     pass
 
 
-@pytest.mark.parametrize("when", [1, 2, 4])
+@pytest.mark.parametrize("when", [1, 3])
 def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path, when: int) -> None:
-    plan = SearchPlan(18, seed=3, initial=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
+    plan = SearchPlan(14, seed=3, initial=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
     whole = search_skins(SPACE, judge, plan, tmp_path / "whole")
     calls = []
 

@@ -19,7 +19,7 @@ from palpate.vision import MarkerAssignment, TrackedMarkers
 from presses import build_twin, solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
-LAYOUT = place_markers(DOME, MarkerSpec(count=169))
+LAYOUT = place_markers(DOME, MarkerSpec(count=91))
 FEW = place_markers(DOME, MarkerSpec(count=37, ring_diameters=(4.1, 18.9, 31.1)))
 NOISE = 0.02
 NOMINAL = CameraSpec()
@@ -103,8 +103,8 @@ def test_a_slow_drift_is_followed_and_poses_stay_right(twin: Twin, way: str) -> 
     unit = Drawn(twin)
     reader, forgetful = unit.open(), unit.open(follow_px=0.0)
     before = read_pressed(reader, unit)
-    for number in range(1000):
-        unit.drift(way, number / 1000)
+    for number in range(400):
+        unit.drift(way, number / 400)
         assert Flag.CAMERA_MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
     assert reader.rest.rms_px == pytest.approx(0.5, abs=0.2)
     off = read_pressed(reader, unit) - before
@@ -119,7 +119,7 @@ def test_a_slow_drift_is_followed_and_poses_stay_right(twin: Twin, way: str) -> 
 def test_a_light_touch_is_never_learnt_however_long_it_lasts(twin: Twin, depth: float) -> None:
     unit = Drawn(twin)
     reader, touch = unit.open(), np.array([2.0, 1.0, depth])
-    seen = [read(reader, unit.dots(touch)).pose[2] for _ in range(600)]
+    seen = [read(reader, unit.dots(touch)).pose[2] for _ in range(300)]
     assert np.mean(seen[-50:]) == pytest.approx(np.mean(seen[:50]), abs=0.02)
     assert reader.rest.rms_px < 0.04
 
@@ -139,8 +139,8 @@ def test_a_knock_of_the_camera_is_said_at_once_and_until_it_is_undone(twin: Twin
 def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
     unit = Drawn(twin)
     reader, flags = unit.open(follow_px=0.2), []
-    for number in range(450):
-        unit.aside_px = 1e-3 * number, 0.0
+    for number in range(300):
+        unit.aside_px = 1.5e-3 * number, 0.0
         flags.append(Flag.CAMERA_MOVED in read(reader, unit.dots()).flags)
     assert not any(flags[:100])
     assert flags[-1]
@@ -150,8 +150,8 @@ def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
 def test_what_moved_is_said_as_shift_turn_and_scale(twin: Twin) -> None:
     unit = Drawn(twin)
     reader = unit.open()
-    for number in range(500):
-        unit.camera = moved(roll_deg=0.2 * min(number / 250, 1.0))
+    for number in range(300):
+        unit.camera = moved(roll_deg=0.2 * min(number / 150, 1.0))
         read(reader, unit.dots())
     assert abs(reader.rest.turn_deg) == pytest.approx(0.2, abs=0.01)
     assert reader.rest.scale == pytest.approx(1.0, abs=3e-4)
@@ -168,7 +168,7 @@ def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
     assert reader.rest.rms_px < 0.03
 
 
-@pytest.mark.parametrize("seed", [5, 6, 7, 8])
+@pytest.mark.parametrize("seed", [5, 6])
 def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_followed(twin: Twin, seed: int) -> None:
     unit = Drawn(twin, moved(distance=30.0), FEW, rng=np.random.default_rng(seed))
     watchful = unit.open(images=1)

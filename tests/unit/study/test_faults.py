@@ -73,7 +73,7 @@ def test_a_clock_that_jumps_stops_nobody(store: ArtefactStore, monkeypatch: pyte
 @pytest.mark.parametrize("damage", ["truncated", "bit flipped", "emptied", "removed", "manifest lost"])
 def test_an_input_that_breaks_in_the_middle_of_a_run_is_made_again(store: ArtefactStore, damage: str) -> None:
     one = Sum("one", 1.5)
-    do([one], [], store, 1)
+    run_task(one, store, Progress())
     path = store.path(one.recipe)
     content = path.read_bytes()
     if damage == "truncated":
@@ -134,7 +134,7 @@ def test_an_artefact_of_an_older_version_is_left_alone_and_made_anew(store: Arte
 
 def test_an_artefact_under_the_key_of_another_is_never_read(store: ArtefactStore) -> None:
     one, two = Sum("one", 1.0), Sum("two", 2.0)
-    do([two], [], store, 1)
+    run_task(two, store, Progress())
     for ending in (".h5", ".manifest.json"):
         target = store.path(one.recipe, ending)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -155,7 +155,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 def test_a_full_disk_ends_the_run_with_the_reason_and_loses_nothing(small_disk: Path) -> None:
     store = ArtefactStore(small_disk)
     first = Sum("first", 1.0, seconds=9)
-    do([first], [], store, 1)
+    run_task(first, store, Progress())
     ballast = small_disk / "ballast"
     _fill(ballast)
     rest = [Sum(f"task {i}", 1.0, after=(first,)) for i in range(4)]
@@ -177,7 +177,7 @@ def _fill(path: Path) -> None:
 def test_a_read_only_store_is_read_and_not_written(small_disk: Path) -> None:
     store = ArtefactStore(small_disk)
     one, two = Sum("one", 1.0), Sum("two", 2.0)
-    do([one], [], store, 1)
+    run_task(one, store, Progress())
     broken = store.path(one.recipe)
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
     assert store.find(one.recipe) == broken
@@ -189,7 +189,7 @@ def test_a_read_only_store_is_read_and_not_written(small_disk: Path) -> None:
 def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) -> None:
     store = ArtefactStore(small_disk)
     one = Sum("one", 1.0)
-    do([one], [], store, 1)
+    run_task(one, store, Progress())
     store.path(one.recipe).write_text("9.0")
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
     assert store.find(one.recipe) is None
@@ -218,7 +218,8 @@ def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: Artefa
 
 def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i)) for i in range(3)]
-    do(tasks[:2], [], store, 1)
+    for task in tasks[:2]:
+        run_task(task, store, Progress())
     with LocalWorkers(1) as pool:
         outcomes = run_task_graph(tasks, [], pool, store)
     assert [outcomes[task.recipe.key].value for task in tasks] == [

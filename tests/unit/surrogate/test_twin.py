@@ -17,24 +17,28 @@ from palpate.mesh import MeshSpec, mesh_skin
 from palpate.surrogate import TWIN_DERIVATIVES, TWIN_STATE, Twin, measure_interpolation_error, read_twin, write_twin
 from palpate.surrogate.tensor_spline import fit_spline
 from presses import build_twin, solve_press
-from small_chain import FINE_TILTS, fine_presses
+from small_chain import EDGE_SHARE, TWIN_CELLS, TWIN_TILTS, twin_presses
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
 DOME = build_skin(SKIN)
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 CAMERA = build_camera()
+SOLVER = SolverSpec(edge_share=EDGE_SHARE)
 
 
-def press(tilt: float, contact: str | float, thickness: float = 2.0, **wall: float) -> Press:
+def press(
+    tilt: float, contact: str | float, thickness: float = 2.0, derivatives: tuple[str, ...] = (), **wall: float
+) -> Press:
     skin = build_skin(SKIN.model_copy(update={"thickness": thickness}))
     spec = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, depth_step=0.5, **wall)
-    return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=TWIN_DERIVATIVES))
+    solver = SOLVER.model_copy(update={"derivatives": derivatives})
+    return solve_press(mesh_skin(skin, MeshSpec(cells=TWIN_CELLS)), ECOFLEX, spec, solver)
 
 
 @pytest.fixture(scope="module")
 def presses() -> list[Press]:
-    return fine_presses()
+    return twin_presses()
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +110,7 @@ def test_a_wall_that_is_not_flat_is_foreseen(twin: Twin) -> None:
     dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 0.0, 3.2)
     for bend in (4.0, -4.0):
         wall = WallSpec(tilt_deg=6.0, contact=0.9, depth=3.2, depth_step=1.6, curvature=bend)
-        seen = solve_press(mesh_skin(build_skin(SKIN), MeshSpec(cells=9)), ECOFLEX, wall)
+        seen = solve_press(mesh_skin(build_skin(SKIN), MeshSpec(cells=TWIN_CELLS)), ECOFLEX, wall, SOLVER)
         told, blind = (dots.evaluate(pose, 1 / 0.9, curvature=each) for each in (bend, 0.0))
         assert pixels_apart(told.positions, seen, -1) < 0.03
         assert pixels_apart(blind.positions, seen, -1) > 0.1
@@ -132,12 +136,12 @@ def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
     skin, azimuth = build_skin(SKIN), np.radians(77.0)
     wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=4.0, depth_step=2.0)
     mesh, drifting = (
-        mesh_skin(skin, MeshSpec(cells=9, whole=True)),
-        {"lateral_rate": 0.06, "lateral_rate_across": -0.1},
+        mesh_skin(skin, MeshSpec(cells=TWIN_CELLS, whole=True)),
+        {"lateral_rate": 0.045, "lateral_rate_across": -0.07},
     )
-    seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}))
+    seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}), SOLVER)
     dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 77.0, 4.0)
-    up, aside = 4.0 * wall.model_copy(update=drifting).lateral_rate, -4.0 * 0.1
+    up, aside = 4.0 * wall.model_copy(update=drifting).lateral_rate, -4.0 * 0.07
     drift = np.array(
         [
             aside * np.cos(azimuth) - up * np.sin(azimuth),
@@ -179,7 +183,7 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
     with refused("twin-few-tilts", "2", "0", "4"):
         build_twin([each for each in presses if each.obstacle.tilt_deg <= 4.0])
     with refused("presses-designs-differ"):
-        build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
+        build_twin([*presses, press(0.0, 0.9, thickness=3.0, derivatives=TWIN_DERIVATIVES)])
 
 
 def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press], twin: Twin, tmp_path: Path) -> None:
@@ -235,7 +239,7 @@ def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
 
 def test_a_thicker_wall_is_foreseen() -> None:
     """A whole press of a unit that is 0.1 mm thicker, of which nothing was in the twin; of one contact law only."""
-    presses = [press(tilt, "frictionless") for tilt in FINE_TILTS]
+    presses = [press(tilt, "frictionless", derivatives=TWIN_DERIVATIVES) for tilt in TWIN_TILTS]
     dots, image = build_twin(presses).with_markers(LAYOUT.positions), 8
     thick = press(4.0, "frictionless", thickness=2.1)
     pose = at(4.0, 0.0, float(thick.depth[image]))

@@ -87,14 +87,14 @@ def test_a_mark_among_many_false_dots_is_not_believed():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [37, 91, 169])
-def test_of_a_thousand_random_poses_none_is_misnamed_without_a_word(count):
+def test_of_hundreds_of_random_poses_none_is_misnamed_without_a_word(count):
     """The issue's row: any rotation, 20 px, 5°, 10 % missing, 5 % false; heights in turn."""
     rng, wrong, ambiguous, lost, strayed = generator(11, "thousand", count), 0, 0, 0, 0
     patterns = []
     for height in (10.0, 20.0, 30.0):
         positions, mark = layout(count, height)
         patterns.append((np.vstack([positions, mark]), build_pattern(positions, project, mark)))
-    for number in range(334):
+    for number in range(120):
         points, pattern = patterns[number % 3]
         dots, truth, mirror = posed_dots(points, count, rng)
         naming = assign_markers(dots, pattern)
@@ -110,7 +110,7 @@ def test_of_a_thousand_random_poses_none_is_misnamed_without_a_word(count):
     assert wrong == 0
     assert lost == 0
     assert strayed <= 2  # a false dot nearer to the marker's place than its own dot, both within 0.3 px
-    assert ambiguous <= 55  # of which 33 or so have lost their mark
+    assert ambiguous <= 20  # of which 12 or so have lost their mark
 
 
 def test_in_the_nominal_pose_turn_and_positions_are_those_of_the_camera():
