@@ -5,11 +5,13 @@
 
 from __future__ import annotations
 
+import csv
 import inspect
 import sys
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Annotated, Any, cast
 
 import docstring_parser
@@ -155,11 +157,21 @@ def _without_package(name: str, package: str) -> Callable[..., None]:
     return refuse
 
 
-def _add_verbs(part: App, verbs: Mapping[str, tuple[str, str]]) -> None:
+def _read_costs() -> dict[str, str]:
+    """Verb → sentence on its cost, from the figures of `benchmarks/command_costs.py`."""
+    with Path(__file__).with_name("costs.csv").open(newline="", encoding="utf-8") as file:
+        return {
+            row["verb"]: f"Cost: {row['cpu_s']} CPU-seconds for `{row['command']}`." for row in csv.DictReader(file)
+        }
+
+
+def _add_verbs(part: App, verbs: Mapping[str, tuple[str, str]], group: str = "") -> None:
     for name, (place, help_text) in verbs.items():
-        part.command(f"palpate.cli.{place}", name=name, help=help_text)
+        cost = _COSTS.get(f"{group} {name}".strip(), _COSTS.get(name))
+        part.command(f"palpate.cli.{place}", name=name, help=help_text, help_epilogue=cost)
 
 
+_COSTS = _read_costs()
 app = App(
     name="palpate",
     version=__version__,
@@ -173,7 +185,7 @@ for _name, (_package, _place, _help) in _PLUGINS.items():
     app.command(f"{_package}.{_place}" if _found else _without_package(_name, _package), name=_name, help=_help)
 for _name, (_help, _verbs) in _GROUPS.items():
     _group = App(name=_name, help=_help)
-    _add_verbs(_group, _verbs)
+    _add_verbs(_group, _verbs, _name)
     app.command(_group)
 
 

@@ -1,5 +1,7 @@
+import csv
 import json
 import os
+import shlex
 import signal
 import time
 from pathlib import Path
@@ -7,9 +9,10 @@ from pathlib import Path
 import pytest
 from command_table import list_commands
 
+import palpate
 from errors import check_refusal, check_values
 from palpate.cli import main
-from palpate.cli.app import OLD_VERBS, current_words
+from palpate.cli.app import OLD_VERBS, app, current_words
 from palpate.cli.border import guarded
 
 
@@ -230,3 +233,16 @@ def test_a_group_of_the_same_name_as_an_old_verb_is_a_group(capsys: pytest.Captu
     for words in (["design"], ["design", "--help"], ["design", "press", "--tilt", "3"], ["run", "first"]):
         assert current_words(words) == words
     assert not capsys.readouterr().err
+
+
+def test_every_verb_that_ends_states_its_cost() -> None:
+    with (Path(palpate.__file__).parent / "cli" / "costs.csv").open(newline="") as file:
+        costs = {row["verb"]: row for row in csv.DictReader(file)}
+    verbs = {verb for verb, _ in list_commands(app)}
+    served = {"view", "sensor serve", "search", "claims", "benchmark make", "benchmark score", "benchmark baselines"}
+    assert verbs - served == set(costs)
+    for verb, row in costs.items():
+        words = shlex.split(row["command"])
+        assert words[: 1 + len(verb.split())] == ["palpate", *verb.split()]
+        assert app.parse_args(words[1:], exit_on_error=False, print_error=False)[0]
+        assert float(row["cpu_s"]) > 0
