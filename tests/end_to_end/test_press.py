@@ -21,7 +21,7 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 
 def test_the_layout_is_the_agreed_one(pressed: dict[str, object]) -> None:
-    agreed = {"ended", "cpu_s", "unknowns", "newton_iterations", "images"}
+    agreed = {"inputs", "ended", "cpu_s", "unknowns", "newton_iterations", "images"}
     assert set(pressed) == agreed | {"ended_depth_mm", "jump_depth_mm", "message"}
     images = pressed["images"]
     assert isinstance(images, list)

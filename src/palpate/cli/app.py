@@ -5,13 +5,11 @@
 
 from __future__ import annotations
 
-import csv
 import inspect
 import sys
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Annotated, Any, cast
 
 import docstring_parser
@@ -19,6 +17,7 @@ from cyclopts import App, Parameter
 
 from palpate import __version__
 from palpate.cli.border import guarded
+from palpate.cli.costs import cost_sentence
 from palpate.core import PalpateError
 
 _parse = docstring_parser.parse_from_object
@@ -157,21 +156,13 @@ def _without_package(name: str, package: str) -> Callable[..., None]:
     return refuse
 
 
-def _read_costs() -> dict[str, str]:
-    """Verb → sentence on its cost, from the figures of `benchmarks/command_costs.py`."""
-    with Path(__file__).with_name("costs.csv").open(newline="", encoding="utf-8") as file:
-        return {
-            row["verb"]: f"Cost: {row['cpu_s']} CPU-seconds for `{row['command']}`." for row in csv.DictReader(file)
-        }
-
-
 def _add_verbs(part: App, verbs: Mapping[str, tuple[str, str]], group: str = "") -> None:
     for name, (place, help_text) in verbs.items():
-        cost = _COSTS.get(f"{group} {name}".strip(), _COSTS.get(name))
-        part.command(f"palpate.cli.{place}", name=name, help=help_text, help_epilogue=cost)
+        cost = cost_sentence(f"{group} {name}".strip()) or cost_sentence(name)
+        epilogue = {"help_epilogue": cost} if cost else {}
+        part.command(f"palpate.cli.{place}", name=name, help=help_text, **epilogue)
 
 
-_COSTS = _read_costs()
 app = App(
     name="palpate",
     version=__version__,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
+from palpate.cli.costs import cost_sentence
 from palpate.cli.output import JsonOutput
 from palpate.core import PalpateError, check_store, clean_store
 
@@ -15,7 +16,7 @@ app = App(name="store", help="Verify or clean the artefacts of a result folder."
 Folder = Annotated[Path, Parameter(help="Result folder of one or several studies.")]
 
 
-@app.command
+@app.command(help_epilogue=cost_sentence("study store check"))
 def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
     """Read every artefact and set the broken ones aside; a run of their study makes them again.
 
@@ -30,7 +31,7 @@ def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
     return 1 if broken else 0
 
 
-@app.command
+@app.command(help_epilogue=cost_sentence("study store gc"))
 def gc(
     folder: Folder,
     *studies: Annotated[str, Parameter(help="YAML files, or presets, of every study that shall keep its artefacts.")],

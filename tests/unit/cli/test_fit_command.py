@@ -150,7 +150,7 @@ def test_what_cannot_be_done_is_refused_with_2(
 
 def test_the_library_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("material", "list", "--json") == 0
-    shown = json.loads(capsys.readouterr().out)
+    shown = json.loads(capsys.readouterr().out)["rows"]
     assert [item["name"] for item in shown] == list(list_materials())
     assert all(item["stable"] for item in shown)
     assert call("material", "list") == 0

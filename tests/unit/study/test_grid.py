@@ -1,6 +1,7 @@
 import csv
 import json
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -256,7 +257,7 @@ def test_a_grid_that_cannot_be_finished_leaves_the_older_one_as_it_was(tmp_path,
     def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("palpate.study.draw_grid.draw_travel", fail)
+    monkeypatch.setattr(import_module("palpate.study.draw_grid"), "draw_travel", fail)
     with refused("disk-unwritable", "No space left"):
         write_grid(tmp_path, evaluate_grid(FIRST))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
