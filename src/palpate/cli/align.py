@@ -74,7 +74,7 @@ def align(
     *,
     design: DesignFlags = DesignFlags(),
     reads: ModelFlags = ModelFlags(),
-    spec: Annotated[AlignSpec, flags_of(AlignSpec, group="Touches")] = AlignSpec(),
+    spec: Annotated[AlignSpec, flags_of(AlignSpec, group="Alignment")] = AlignSpec(),
     robot: Annotated[
         SimulatedRobotSpec, flags_of(SimulatedRobotSpec, group="Simulated robot")
     ] = SimulatedRobotSpec(),

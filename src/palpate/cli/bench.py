@@ -54,7 +54,7 @@ class BenchFlags:
 
     design: DesignFlags = DesignFlags()
     reads: ModelFlags = ModelFlags()
-    spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Bench")] = (
+    spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Test bench")] = (
         VirtualBenchSpec()
     )
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
