@@ -142,7 +142,7 @@ class ObstacleSpec(Spec, ABC):
         return partial(translate_obstacle, self.at_first_contact(mesh)[0], self.approach_axis(mesh))
 
     def approach_axis(self, mesh: Mesh) -> FloatArray:
-        """Return the unit vector (3,) opposite to the motion, in the frame of the mesh; the skin's axis by default."""
+        """Return the unit vector (3,) opposite to the motion, in the mesh's frame; by default the skin's axis."""
         return np.array([0.0, 0.0, 1.0])
 
     def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
