@@ -1,4 +1,4 @@
-"""`palpate simulation bench`: simulated built units that deviate from a design, and their error budget."""
+"""`palpate simulation bench`: simulated units that deviate from a design, and their error budget."""
 
 from __future__ import annotations
 

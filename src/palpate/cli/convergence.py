@@ -40,7 +40,7 @@ def convergence(
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     output: Output = Output(),
 ) -> None:
-    """Solve one press on successively finer meshes: maximum stress, force and markers by number of elements."""
+    """Solve one press on successively finer meshes; compare maximum stress, force and markers."""
     points = place_markers(flags.shape.skin_spec().build(), MarkerSpec(count=markers)).positions
     check_folder(out)
     announce_compilation()

@@ -1,4 +1,4 @@
-"""`palpate recording train`: training of estimators on a recording of any sensor with markers, with poses."""
+"""`palpate recording train`: training of estimators on a recording with markers and poses."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def limit(
     workers: Annotated[int | None, Parameter(help="Number of worker processes; by default one per core.")] = None,
     output: Output = Output(),
 ) -> int:
-    """Compute lower bounds on the error of any estimator, by design and depth, from the simulated Jacobian.
+    """Compute lower error bounds of any estimator, by design and depth, from the simulated Jacobian.
 
     Presses in the result folder are reused, and missing presses are solved. No estimator is trained.
     """

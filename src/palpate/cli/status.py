@@ -31,7 +31,7 @@ def status(
     out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
     output: Output = Output(),
 ) -> None:
-    """Show the progress of a study: finished, running, broken and failed artefacts, and the remaining time.
+    """Show the progress of a study: finished, running, broken and failed artefacts; remaining time.
 
     Files are counted but not opened; `palpate study store check` reads them. The time is the sum of expected costs.
     """

@@ -17,7 +17,7 @@ Folder = Annotated[Path, Parameter(help="Result folder of one or several studies
 
 @app.command
 def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
-    """Read every artefact and move broken ones to quarantine; the next run of their study makes them again.
+    """Read every artefact and move broken ones to quarantine; the next run makes them again.
 
     The exit code is 1 if an artefact was broken.
     """

@@ -1,4 +1,4 @@
-"""`palpate calibration predict`: twins of a study's designs, and predicted accuracy of their built units."""
+"""`palpate calibration predict`: twins of designs, and predicted accuracy of their built units."""
 
 from __future__ import annotations
 

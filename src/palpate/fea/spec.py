@@ -171,7 +171,7 @@ class ObstacleSpec(Spec, ABC):
 
 
 def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
-    """Raise a `PalpateError` if the obstacle cannot reach the skin, or a half model is not symmetric about it."""
+    """Raise a `PalpateError` if the obstacle misses the skin or a half model is asymmetric about it."""
     obstacle.check_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
     if mesh.spec.whole or symmetry is Symmetry.REVOLVED:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from palpate.core import Spec, parameter
 
 BASE_RADIUS = 20.0
-"""Base radius in mm of the skin for which the lengths of a `SolverSpec` are given, as in the paper's domes."""
+"""Base radius, mm, for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
 
 
 class SolverSpec(Spec):

@@ -1,4 +1,4 @@
-"""Requirements of a design search: task of the sensor, limits of fabrication, and settings of the search."""
+"""Requirements of a design search: task of the sensor, limits of fabrication, search settings."""
 
 from __future__ import annotations
 
