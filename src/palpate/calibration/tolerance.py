@@ -14,69 +14,79 @@ _SLIP_MEAN, _SLIP_SD = 1.0, 1.0
 
 
 class ToleranceSpec(Spec):
-    """How far a built unit may be from its design, either way: what a careful workshop reaches.
+    """Tolerances of a built unit: half-widths of its deviations from the design, as a careful workshop reaches them.
 
-    A mold of printed or turned parts measured by a caliper, a syringe and scale for the two components, pad print,
-    a camera on a printed holder, calibrated by a board.
+    The defaults assume a mold of printed or turned parts measured by a caliper, a syringe and a scale for the two
+    components, pad printing, and a camera on a printed holder, calibrated by a board.
     """
 
-    thickness: float = parameter(0.05, unit="mm", meaning="thickness of the wall", ge=0, le=1)
+    thickness: float = parameter(0.05, unit="mm", meaning="skin thickness", ge=0, le=1)
     modulus: float = parameter(
-        0.03, unit="1", meaning="stiffness, all constants of the law by one share", ge=0, le=0.9
+        0.03,
+        unit="1",
+        meaning="relative deviation of the stiffness, equal for all constants of the law",
+        ge=0,
+        le=0.9,
     )
     stiffening: float = parameter(
-        0.1, unit="1", meaning="constants of higher order, over the first of the law", ge=0, le=0.9
+        0.1,
+        unit="1",
+        meaning="relative deviation of the higher-order constants from the first constant of the law",
+        ge=0,
+        le=0.9,
     )
     friction_min: float = parameter(
         0.8,
         unit="1",
-        meaning="least coefficient of friction on a clean wall; 0: as in the training",
+        meaning="minimum coefficient of friction on a clean wall; 0: as in the training",
         ge=0,
         le=5,
     )
     friction_max: float = parameter(
-        0.0, unit="1", meaning="greatest coefficient of friction; 0: twice the least", ge=0, le=10
+        0.0, unit="1", meaning="maximum coefficient of friction; 0: twice the minimum", ge=0, le=10
     )
     marker_position: float = parameter(
-        0.1, unit="mm", meaning="place of each printed dot, in both directions", ge=0, le=2
+        0.1, unit="mm", meaning="position of each printed marker, in both directions", ge=0, le=2
     )
-    print_shift: float = parameter(0.2, unit="mm", meaning="place of the whole print, in both directions", ge=0, le=5)
-    missing: float = parameter(0.02, unit="1", meaning="share of dots that are not there", ge=0, le=0.4)
-    camera_offset: float = parameter(0.5, unit="mm", meaning="camera off the axis, in both directions", ge=0, le=5)
+    print_shift: float = parameter(
+        0.2, unit="mm", meaning="position of the whole print, in both directions", ge=0, le=5
+    )
+    missing: float = parameter(0.02, unit="1", meaning="share of missing markers", ge=0, le=0.4)
+    camera_offset: float = parameter(
+        0.5, unit="mm", meaning="offset of the camera from the axis, in both directions", ge=0, le=5
+    )
     camera_distance: float = parameter(0.5, unit="mm", meaning="distance of the camera", ge=0, le=10)
     camera_tilt_deg: float = parameter(1.0, unit="deg", meaning="tilt of the camera about both axes", ge=0, le=10)
-    camera_roll_deg: float = parameter(5.0, unit="deg", meaning="turn of the camera about its axis", ge=0, le=180)
-    focal: float = parameter(0.003, unit="1", meaning="focal length, left over by the calibration", ge=0, le=0.2)
+    camera_roll_deg: float = parameter(5.0, unit="deg", meaning="rotation of the camera about its axis", ge=0, le=180)
+    focal: float = parameter(0.003, unit="1", meaning="relative error of the calibrated focal length", ge=0, le=0.2)
     centre_px: float = parameter(
-        1.0, unit="px", meaning="centre of the lens, left over by the calibration, in both directions", ge=0, le=50
+        1.0, unit="px", meaning="error of the calibrated centre of the lens, in both directions", ge=0, le=50
     )
     distortion: float = parameter(
-        0.01, unit="1", meaning="first coefficient of the distortion, left over by the calibration", ge=0, le=0.5
+        0.01, unit="1", meaning="error of the calibrated first distortion coefficient", ge=0, le=0.5
     )
     seating_tilt_deg: float = parameter(
-        0.1, unit="deg", meaning="tilt of the dome against the robot, about both axes", ge=0, le=5
+        0.1, unit="deg", meaning="tilt of the skin relative to the robot, about both axes", ge=0, le=5
     )
     seating_turn_deg: float = parameter(
-        0.3, unit="deg", meaning="turn of the dome about its axis against the robot", ge=0, le=30
+        0.3, unit="deg", meaning="rotation of the skin about its axis relative to the robot", ge=0, le=30
     )
     depth_zero: float = parameter(
         1.0,
         unit="mm",
-        meaning="depth that the robot takes for the first touch",
+        meaning="error of the robot's depth at first contact",
         source="depth bias of Zaid et al. 2024, Table 3",
         ge=0,
         le=5,
     )
     lateral: float = parameter(
-        0.0, unit="mm", meaning="sideways travel of the robot in a press, in both directions", ge=0, le=5
+        0.0, unit="mm", meaning="lateral motion of the robot in a press, in both directions", ge=0, le=5
     )
     twist_deg: float = parameter(
-        0.0, unit="deg", meaning="turn of the robot about the wall's normal in a press", ge=0, le=10
+        0.0, unit="deg", meaning="twist of the robot about the wall normal in a press", ge=0, le=10
     )
 
-    curvature: float = parameter(
-        0.0, unit="1/m", meaning="curvature of the walls that are pressed, either way; 0: they are flat", ge=0, le=20
-    )
+    curvature: float = parameter(0.0, unit="1/m", meaning="curvature of the walls, both ways; 0: flat", ge=0, le=20)
 
     def friction_at(self, share: float) -> float:
         """Coefficient of friction at a share (0 to 1) of what is met: even in µ, with both ends given in 1/µ."""

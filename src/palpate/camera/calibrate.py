@@ -34,11 +34,11 @@ class CalibrationSpec(Spec):
     fix_k3: bool = parameter(
         False, unit="", meaning="whether the sixth-order term is 0; few boards separate it from the fourth"
     )
-    keep_outliers: bool = parameter(False, unit="", meaning="whether images that fit badly are kept")
+    keep_outliers: bool = parameter(False, unit="", meaning="whether outlier images are kept")
     window_px: int | None = parameter(
         None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
     )
-    min_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
+    min_images: int = parameter(4, unit="1", meaning="minimum number of images for a fit", ge=3, le=1000)
 
 
 @dataclass(frozen=True, eq=False)

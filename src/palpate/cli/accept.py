@@ -1,4 +1,4 @@
-"""`palpate calibration accept`: whether a built unit reads recorded presses of known angles within its tolerances."""
+"""`palpate calibration accept`: acceptance test of a built unit on recorded presses of known angles."""
 
 from __future__ import annotations
 
@@ -28,10 +28,13 @@ if TYPE_CHECKING:
     from palpate.surrogate import Twin
 
 OUTSIDE = 1
-"""Exit code where a figure is outside its tolerance, as in `palpate verify`."""
+"""Exit code if a figure is outside its tolerance, as in `palpate verify`."""
 
-_TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
-_READINGS = "What `palpate sensor live --out` wrote about these images; then none is read."
+_TRUTH = (
+    "CSV of the ground truth: columns image, press, rx_deg, ry_deg, depth_mm; in the folder of its images. "
+    "Images of the unloaded skin have the press 'rest'."
+)
+_READINGS = "Readings of these images by `palpate sensor live --out`; the images are then not evaluated again."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
 
@@ -39,7 +42,7 @@ _NAME = "Name of the unit in the report."
 @Parameter(name="*")
 @dataclass(frozen=True)
 class EstimatorFlags:
-    """What read the images, or reads them now."""
+    """Estimator of the images, or readings of them."""
 
     reads: ModelFlags = ModelFlags()
     readings: Annotated[Path | None, Parameter(help=_READINGS)] = None
@@ -48,7 +51,7 @@ class EstimatorFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ReportFlags:
-    """What is written about the unit."""
+    """Name and folder of the report."""
 
     name: Annotated[str, Parameter(help=_NAME)] = "unit"
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
@@ -63,7 +66,7 @@ def accept(
     report: ReportFlags = ReportFlags(),
     output: Output = Output(),
 ) -> int:
-    """Tell whether a unit's readings of presses with known angles are within their tolerances."""
+    """Test a unit's pose errors on presses of known angles against the tolerances."""
     from palpate.sensor import (
         accept_unit,
         acceptance_page,
@@ -75,8 +78,8 @@ def accept(
 
     if estimator.reads.model is not None and estimator.readings is not None:
         raise PalpateError(
-            "A unit is judged by a model or by readings.",
-            "Give --model or --readings, or neither.",
+            "--model and --readings exclude each other.",
+            "Give one of them, or neither.",
             code="options-exclusive",
         )
     check_folder(report.out)
@@ -107,8 +110,8 @@ def _read(folder: Path, known: GroundTruth, model: Predictor | Twin, unit: Unit)
     check_model(model, unit, TILT_SPACE)
     if not known.rest:
         raise PalpateError(
-            "The table has no image of the untouched dome.",
-            "Add a row whose press is 'rest' before the others.",
+            "The table has no image of the unloaded skin.",
+            "Add a row whose press is 'rest' before the other rows.",
             code="rest-image-missing",
         )
     sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
@@ -124,8 +127,8 @@ def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tu
 
     if any(name not in model.space.names for name in TILT_SPACE.names):
         raise PalpateError(
-            f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
-            "Learn these by palpate recording train --targets.",
+            f"Acceptance tests rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
+            "Train a model of all three: palpate recording train --targets.",
             code="model-outputs-missing",
         )
     found = list(run_sensor(model, _images(folder, known.images)))

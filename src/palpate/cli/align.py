@@ -1,4 +1,4 @@
-"""`palpate simulation align`: a drill that is squared to walls by touching them, on a simulated robot."""
+"""`palpate simulation align`: alignment of a tool normal to walls by presses, on a simulated robot."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from palpate.simulation import (
 from palpate.surrogate import Twin
 
 _OUT = "Folder for touches.csv and alignment.json."
-_WALLS = "Walls to square to, each of another tilt, friction and distance."
-_NUMBER = "Which virtual unit, from 1; it decides what is not as designed about it."
-_KNOWN = "Known presses at a jig by which the unit is identified first; 0: it is not."
+_WALLS = "Number of walls; each has its own tilt, friction and distance."
+_NUMBER = "Number of the simulated unit, from 1; it determines the deviations of the unit from the design."
+_KNOWN = "Calibration presses by which the unit is identified first, 0 to 5; 0: the unit is not identified."
 _COLUMNS = (
     Column("wall"),
     Column("touch"),
@@ -38,19 +38,19 @@ _COLUMNS = (
     Column("depth_mm", form=".3f"),
     Column("angle_deg", form=".3f", meaning="estimated angle between tool and wall normal"),
     Column("half_width_deg", "half-width", form=".3f", meaning="half-width of the interval of the angle"),
-    Column("turned_deg", form=".3f", meaning="turn of the tool after the touch"),
+    Column("turned_deg", form=".3f", meaning="rotation of the tool after the press"),
     Column("force_n", form=".3f"),
-    Column("friction", form=".3f", meaning="estimated coefficient of friction; none if nothing slips"),
+    Column("friction", form=".3f", meaning="estimated coefficient of friction; empty without slip"),
     Column("force_upper_n", "force, upper end", form=".3f", deciding=False),
     Column("images", meaning="images averaged", deciding=False),
 )
-_SEED = "Seed of units, walls and the robot's errors."
+_SEED = "Random seed of units, walls and robot errors."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class AlignFlags:
-    """Which unit is played, how many walls, and where to."""
+    """Simulated unit, number of walls, seed and output folder."""
 
     walls: Annotated[int, Parameter(help=_WALLS)] = 3
     unit_number: Annotated[int, Parameter(help=_NUMBER)] = 1
@@ -59,12 +59,12 @@ class AlignFlags:
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
 
     def check(self) -> None:
-        """Refuse what cannot be played, with a `PalpateError`."""
+        """Raise a `PalpateError` if a number is out of bounds or the folder cannot be written."""
         if self.walls < 1 or self.unit_number < 1 or not 0 <= self.calibration_presses <= 5 or self.seed < 0:
             raise PalpateError(
-                f"{self.walls} walls, unit {self.unit_number}, {self.calibration_presses} known presses, "
-                f"seed {self.seed}.",
-                "Give 1 wall or more, a unit from 1, 0 to 5 known presses, and a seed of 0 or more.",
+                f"{self.walls} walls, unit {self.unit_number}, {self.calibration_presses} calibration presses or "
+                f"seed {self.seed} is out of bounds.",
+                "Give at least 1 wall, a unit from 1, 0 to 5 calibration presses, and a seed from 0.",
                 code="option-out-of-bounds",
             )
         check_folder(self.out)
@@ -74,24 +74,24 @@ def align(
     *,
     design: DesignFlags = DesignFlags(),
     reads: ModelFlags = ModelFlags(),
-    spec: Annotated[AlignSpec, flags_of(AlignSpec, group="Touches")] = AlignSpec(),
+    spec: Annotated[AlignSpec, flags_of(AlignSpec, group="Alignment")] = AlignSpec(),
     robot: Annotated[
         SimulatedRobotSpec, flags_of(SimulatedRobotSpec, group="Simulated robot")
     ] = SimulatedRobotSpec(),
     run: AlignFlags = AlignFlags(),
     output: Output = Output(),
 ) -> None:
-    """Touch, read, turn and touch again until a drill is square: a virtual unit on a simulated robot.
+    """Align a tool normal to walls by repeated presses: a simulated unit on a simulated robot.
 
-    On a robot of your own: `palpate.sensor.Aligner`.
+    For a real robot, use `palpate.sensor.Aligner` in Python.
     """
     run.check()
     designed = design.design(reads.material)
     twin = open_model(reads.find(design), designed.skin)
     if not isinstance(twin, Twin):
         raise PalpateError(
-            "A network tells no force for a limit.",
-            "Give the design's twin, see `palpate calibration predict`.",
+            "The force limit is computed from a twin, and this model is a trained network.",
+            "Give the twin of the design (.h5): `palpate calibration predict` makes it.",
             code="network-no-force",
         )
     check_model(twin, Unit(designed))
@@ -105,7 +105,8 @@ def align(
     )
     unit = VirtualUnit(play, run.unit_number)
     print(
-        f"Tool's offset told by {unit.offset_touches} touches; it is off by {unit.offset_error_deg:.3f}°.",
+        f"Rotation offset of the tool estimated from {unit.offset_touches} presses; "
+        f"its error is {unit.offset_error_deg:.3f}°.",
         file=sys.stderr,
     )
     walls = [unit.square(number) for number in range(run.walls)]

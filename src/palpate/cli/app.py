@@ -34,25 +34,25 @@ _VERBS = {
     "run": ("run:run", "Run a study: presses, data, training and accuracy of every design."),
     "press": ("press:press", "Solve one press of a skin by a wall or another obstacle."),
     "search": ("optimise:optimise", "Search the best design that meets requirements."),
-    "view": ("view:view", "Look at results in a browser, design and press a dome."),
-    "verify": ("verify:verify", "Solve problems with known answers and compare."),
-    "doctor": ("doctor:doctor", "List what is installed and what is missing."),
+    "view": ("view:view", "Show results in a browser; design and press a dome there."),
+    "verify": ("verify:verify", "Solve problems with known solutions and compare."),
+    "doctor": ("doctor:doctor", "List installed and missing packages, with remedies."),
 }
 """Verb → place below `palpate.cli`, and help."""
 _PLUGINS = {
-    "benchmark": ("palpate_benchmark", "cli:app", "The open data set: make it, score predictions, run baselines."),
+    "benchmark": ("palpate_benchmark", "cli:app", "Make the open data set, score predictions, run baselines."),
     "claims": ("palpate_zaid2024", "cli:claims", "Compare finished studies with the claims of the paper."),
 }
 """Verb → package beside this one, place in it, and help."""
 _GROUPS = {
     "design": (
-        "Look at a design, press it, and write the files to build or simulate it.",
+        "Show a design, press it, and write the files to build or simulate it.",
         {
-            "show": ("design:design", "Radius, shape, markers and limits of a design."),
+            "show": ("design:design", "Show radius, shape, markers and limits of a design."),
             "press": _VERBS["press"],
-            "stability": ("stability:stability", "Where a dome has two stable states."),
-            "convergence": ("convergence:convergence", "How much a press depends on its mesh."),
-            "bound": ("limit:limit", "The error that no estimator of a design can be below."),
+            "stability": ("stability:stability", "Follow the flat and the inverted branch of a dome."),
+            "convergence": ("convergence:convergence", "Compute the mesh dependence of a press."),
+            "bound": ("limit:limit", "Compute lower bounds on the error of any estimator of a design."),
             "make": ("make:make", "Write mold, print pattern, enclosure and instructions."),
             "specimens": ("specimens:specimens", "Write molds of test specimens."),
             "export": ("export:export", "Write a sensor as an asset of MuJoCo, URDF or USD."),
@@ -60,12 +60,12 @@ _GROUPS = {
         },
     ),
     "study": (
-        "Run studies and look at their results.",
+        "Run studies and show their results.",
         {
             "run": _VERBS["run"],
-            "status": ("status:status", "Progress of a study."),
+            "status": ("status:status", "Show the progress of a study."),
             "store": ("store:app", "Verify or clean the artefacts of a result folder."),
-            "show": ("grid:show", "Show the designs of a result folder, chosen and sorted."),
+            "show": ("grid:show", "Show the designs of a result folder, filtered and sorted."),
             "plot": ("grid:plot", "Draw one metric of a result folder as PNG and SVG."),
             "compare": ("grid:compare", "Compare the designs of two result folders."),
             "export": ("grid:export", "Write the table of a result folder as CSV, Parquet or Markdown."),
@@ -73,7 +73,7 @@ _GROUPS = {
         },
     ),
     "material": (
-        "Fit materials to test files, and look at the library.",
+        "Fit materials to test files, and show the library.",
         {
             "list": ("material:list_library", "List the materials of the library."),
             "show": ("material:show", "Show one material and its validity."),
@@ -91,22 +91,22 @@ _GROUPS = {
         },
     ),
     "sensor": (
-        "Read a built sensor.",
+        "Read poses from the images of a built sensor.",
         {
             "live": ("sensor:live", "Read poses from the images of a sensor."),
-            "serve": ("serve:serve", "Offer the readings of a sensor to other programs by WebSocket."),
+            "serve": ("serve:serve", "Send the readings of a sensor to other programs by WebSocket."),
             "detect": ("sensor:find", "Detect the markers in images."),
         },
     ),
     "recording": (
-        "Train on recordings of any sensor with markers.",
+        "Train estimators on recordings of any sensor with markers.",
         {"train": ("learn:learn", "Train estimators on a recording with poses.")},
     ),
     "simulation": (
         "Simulate built units and robots.",
         {
             "bench": ("bench:bench", "Simulate built units that deviate from a design, from image to pose."),
-            "align": ("align:align", "Square a tool to walls on a simulated robot."),
+            "align": ("align:align", "Align a tool normal to walls on a simulated robot."),
         },
     ),
 }

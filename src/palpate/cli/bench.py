@@ -25,9 +25,11 @@ from palpate.surrogate import Twin, twin_path
 if TYPE_CHECKING:
     from palpate.simulation import VirtualBench
 
-_OUT = "Folder for tables and presses; the same command goes on where it was stopped."
+_OUT = "Folder for tables and presses. The same command resumes an interrupted run."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
-_BUDGET = "Measure every imperfection alone instead of sampled units; calculated where a twin reads."
+_BUDGET = (
+    "Error of each deviation alone, instead of sampled units; computed without simulation if the model is a twin."
+)
 _PREDICTED = (
     Column("imperfection", prose=True),
     Column("tolerance"),
@@ -42,17 +44,17 @@ _SIMULATED = (
     Column("depth", "depth RMS", "mm", form=".3f", meaning="RMS change of the depth"),
     Column("units", deciding=False, meaning="simulated units"),
 )
-_CLEAN = "Images without uneven light, blur, noise and dirt."
+_CLEAN = "Render images without uneven light, blur, noise and dirt."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class BenchFlags:
-    """The design, how its units are built, pressed and seen."""
+    """Design, estimator, test bench, tolerances and images of the units."""
 
     design: DesignFlags = DesignFlags()
     reads: ModelFlags = ModelFlags()
-    spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Bench")] = (
+    spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Test bench")] = (
         VirtualBenchSpec()
     )
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
@@ -72,7 +74,7 @@ def bench(
     budget: Annotated[bool, Parameter(negative="", help=_BUDGET)] = False,
     output: Output = Output(),
 ) -> None:
-    """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
+    """Simulate the paper's experiment on built units that deviate from the design within tolerances."""
     from palpate.simulation import VirtualBench
 
     check_folder(out)
@@ -88,13 +90,13 @@ def bench(
 
 
 def _model(flags: BenchFlags) -> Path:
-    """The model that reads, as `palpate sensor live` finds it; a missing twin is made first."""
+    """Return the model as `palpate sensor live` finds it; make a missing twin first."""
     from palpate.study import export_twins, run_twins, single_design_study
 
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
-        _print_result(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
+        _print_result(f"{error.problem} It is made and stored first: about 3 minutes on one core.")
     skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
     folder = keep_results(RESULTS / study.name)
@@ -102,8 +104,8 @@ def _model(flags: BenchFlags) -> Path:
         made = run_twins(study, folder, progress=progress)[0]
     if made.twin is None:
         raise PalpateError(
-            f"There is no twin of {skin.build().name}: {made.problem}",
-            "Give a network by --model.",
+            f"The twin of {skin.build().name} could not be made: {made.problem}",
+            "Give a trained network by --model.",
             code="twin-not-made",
         )
     export_twins(folder, [(made.design.skin_spec, made.twin)])
@@ -125,7 +127,7 @@ def _units(trials: VirtualBench, out: Path, output: Output) -> None:
 
 
 def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
-    """The budget of units that are read by their twin, calculated instead of played."""
+    """Write and print the error budget of units with a twin as estimator, computed without simulation."""
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
     costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
     rows = [(cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}") for cost in costs]
@@ -144,12 +146,12 @@ def _budget(trials: VirtualBench, out: Path, output: Output) -> None:
         _print_result(f"{line.label}: {line.angle_deg:.3f}°")
         write_budget(out, trials, lines)
     described = describe_budget(trials, lines)
-    total = f"All at once, root of the sum of squares: {described['total_angle_deg']:.3f}°. Tables and chart: {out}"
+    total = f"Root sum of squares of all: {described['total_angle_deg']:.3f}°. Tables and chart: {out}"
     output.show(described, Report("error budget", _SIMULATED, described["lines"], (total,)))
 
 
 def read_tolerance(texts: tuple[str, ...]) -> ToleranceSpec:
-    """Tolerances from NAME=VALUE."""
+    """Read tolerances from texts NAME=VALUE."""
     return ToleranceSpec.model_validate(dict(_read_pair(text) for text in texts))
 
 
@@ -157,7 +159,7 @@ def _read_pair(text: str) -> tuple[str, str]:
     name, sign, value = text.partition("=")
     if not sign or name not in ToleranceSpec.model_fields:
         raise PalpateError(
-            f"The tolerance '{text}' is not known.",
+            f"Unknown tolerance '{text}'.",
             f"Write NAME=VALUE with one of {', '.join(ToleranceSpec.model_fields)}.",
             code="tolerance-unknown",
         )

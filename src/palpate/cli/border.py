@@ -1,4 +1,4 @@
-"""The border where errors meet a person: a clear sentence, the remedy and a code, never a traceback."""
+"""Conversion of errors into a sentence, a remedy and a code for the user, without a traceback."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ _RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished result
 
 
 def guarded(command: Callable[[], Any]) -> int:
-    """Run `command`; print what went wrong to standard error and return the exit code."""
+    """Run `command`; print errors to standard error and return the exit code."""
     _RESULTS_FOLDER.set(None)
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # a job in the background, or a test
         return _answer(command)
     postponed: list[threading.Timer] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
-        """Interrupt; where the interruption would be lost, a little later."""
+        """Interrupt; retry shortly after if the interruption would be lost."""
         if not _loses_interruption(frame):
             signal.default_int_handler(number, frame)
         postponed.append(threading.Timer(_POSTPONE_S, os.kill, (os.getpid(), signal.SIGINT)))
@@ -134,12 +134,12 @@ def _refuse(what: str, remedy: str, code: str) -> int:
 
 
 def _kind(error: ValidationError) -> str:
-    """The code of a spec's first error, which is pydantic's type."""
+    """Return the code of a spec's first error, which is pydantic's type."""
     return error.errors()[0]["type"]
 
 
 def _describe_all(error: ValidationError, argument: Argument | None = None) -> str:
-    """What is wrong with a spec, a line a field; the spec's argument knows the names of its flags."""
+    """Return the errors of a spec, one line per field, with flag names by the spec's argument."""
     transform = argument.parameter.name_transform if argument is not None else None
     return "\n".join(_describe(details, transform or default_name_transform) for details in error.errors())
 

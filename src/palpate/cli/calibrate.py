@@ -1,4 +1,4 @@
-"""`palpate calibration camera`: the lens of a camera from images of a board, or the board to print."""
+"""`palpate calibration camera`: calibration of a camera from images of a board, or the board as PDF."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FOLDER = "Folder of images of the board."
-_BOARD = "charuco, chessboard or circles, with COLUMNSxROWS:SQUARE_MM[:MARKER_MM] if wished: chessboard:9x6:25."
-_OUT = "YAML file for OpenCV and ROS; without it, nothing is written."
+_BOARD = "charuco, chessboard or circles, optionally with COLUMNSxROWS:SQUARE_MM[:MARKER_MM]: chessboard:9x6:25."
+_OUT = "YAML file of the calibration, for OpenCV and ROS; without it, no file is written."
 _PARAMETERS = ("parameter", "value", "standard deviation")
 _IMAGES = ("image", Column("rms_px", "RMS residual", form=".3f", meaning="RMS distance of the board's points"))
-_PRINT = "PDF of the board in true size; then no folder is needed."
+_PRINT = "Write a PDF of the board in true size; FOLDER is then optional."
 
 
 def calibrate(
@@ -44,7 +44,7 @@ def calibrate(
     print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
     output: Output = Output(),
 ) -> None:
-    """Find the focal length, centre and distortion of a camera from images of a board."""
+    """Fit the focal length, centre and distortion of a camera to images of a board."""
     chosen = read_board(board)
     check_file(print_board, ".pdf")
     check_file(out)
@@ -58,7 +58,7 @@ def calibrate(
             return
     if folder is None:
         raise PalpateError(
-            "No folder of images was given.", "Give one, or --print-board FILE.pdf.", code="argument-missing"
+            "No folder of images was given.", "Give FOLDER, or --print-board FILE.pdf.", code="argument-missing"
         )
     found = calibrate_camera(_read(folder), spec.model_copy(update={"board": chosen}))
     if out is not None:
@@ -98,4 +98,4 @@ def _reports(found: Calibration) -> Iterator[Report | str]:
     yield Report.of("images", _IMAGES, zip(found.image_names, map(float, found.image_rms_px), strict=True))
     for name, reason in found.rejected:
         yield f"left out: {name}: {reason}"
-    yield f"rms {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells"
+    yield f"RMS residual {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells"

@@ -1,4 +1,4 @@
-"""Tell a person that the first press after an installation compiles the kernels."""
+"""Notice that the first press after an installation compiles the kernels."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 
 
 def announce_compilation() -> None:
-    """Say on standard error, once after an installation, why the first press takes longer."""
+    """Print to standard error, once after an installation, that the kernels are compiled."""
     from palpate.mechanics import kernels_compiled
 
     if not kernels_compiled():

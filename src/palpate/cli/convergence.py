@@ -1,4 +1,4 @@
-"""`palpate design convergence`: one press on finer and finer meshes, as the paper's Fig. 9."""
+"""`palpate design convergence`: one press on successively finer meshes, as in the paper's Fig. 9."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from palpate.core.report import Column, Report, write_csv
 from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
-_CELLS = "Cells from pole to rim of each mesh."
-_MARKERS = "Markers that are followed on every mesh."
+_CELLS = "Cells from pole to rim, one number per mesh."
+_MARKERS = "Number of markers whose displacements are compared."
 _COLUMNS = (
     Column("cells", meaning="cells from pole to rim"),
     Column("elements"),
@@ -40,7 +40,7 @@ def convergence(
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     output: Output = Output(),
 ) -> None:
-    """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
+    """Solve one press on successively finer meshes; compare maximum stress, force and markers."""
     points = place_markers(flags.shape.skin_spec().build(), MarkerSpec(count=markers)).positions
     check_folder(out)
     announce_compilation()

@@ -11,7 +11,7 @@ from palpate.cli.output import JsonOutput
 from palpate.cli.press import PressFlags
 from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
 
-_ELEMENT = "Bricks through the wall, or shells on the mid surface as in the paper (abaqus only)."
+_ELEMENT = "Brick elements through the skin thickness, or shells on the mid surface as in the paper (abaqus only)."
 
 
 def deck(

@@ -19,7 +19,7 @@ from palpate.design import (
 
 
 def design(*, flags: DesignFlags = DesignFlags(), output: Output = Output()) -> None:
-    """Radius, shape, marker positions and limits of one design."""
+    """Show radius, shape, marker positions and limits of one design."""
     built = build_skin(flags.skin_spec())
     layout = place_markers(built, flags.markers)
     findings = check_design(built, layout)

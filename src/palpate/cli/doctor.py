@@ -1,4 +1,4 @@
-"""`palpate doctor`: what is installed, which solver is used, what is missing and how to get it."""
+"""`palpate doctor`: installed and missing packages, the linear solver, and remedies."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ SYSTEM_PACKAGES = {
     "libgthread-2.0.so.0": "libglib2.0-0",
     "libstdc++.so.6": "libstdc++6",
 }
-"""Shared library → system package (Debian, Ubuntu) that brings it."""
+"""Shared library → system package (Debian, Ubuntu) that contains it."""
 LINKED = {"build123d": ("libGL.so.1", "libX11.so.6", "libexpat.so.1"), "pyvista": ("libGL.so.1",)}
-"""Package → shared libraries of the system that it needs to load."""
-_LOAD = "Also import every package, which takes some 10 s, and report those that do not load."
+"""Package → shared libraries of the system that its import needs."""
+_LOAD = "Also import every package (about 10 s) and report those that do not load."
 
 
 @dataclass(frozen=True)
 class InstallCheck:
-    """One thing looked at: what it is, whether it is fine, and what to do where it is not."""
+    """One check of the installation: name, result, detail, and remedy if it fails."""
 
     name: str
     ok: bool
@@ -56,7 +56,7 @@ class InstallCheck:
 
 
 def doctor(*, load: Annotated[bool, Parameter(negative="", help=_LOAD)] = False, output: Output = Output()) -> int:
-    """Report installed packages, the linear solver, and how to install what is missing."""
+    """Report installed and missing packages, the linear solver, and remedies."""
     needed = _needed()
     _modules_by_distribution.cache_clear()  # packages may have been installed since
     checks = [_check_python(), *(_check_package(name, "", load) for name, extra in needed.items() if not extra)]
@@ -87,10 +87,10 @@ def _check_python() -> InstallCheck:
 
 
 def _needed() -> dict[str, str]:
-    """What palpate's own metadata asks for on this machine: distribution to the extra that brings it, or to none.
+    """Return palpate's requirements on this machine: distribution → extra that installs it, empty if required.
 
-    Without metadata, as in a folder of sources that was never installed, nothing is known to be needed. A backend of
-    the linear solver, which only some platforms need, is looked at by itself.
+    The result is empty without metadata, as in a folder of sources that was never installed. Backends of the linear
+    solver, which only some platforms need, are checked separately.
     """
     try:
         needed = [Requirement(text) for text in metadata.requires("palpate") or ()]
@@ -117,7 +117,7 @@ def _check_package(name: str, extra: str, load: bool) -> InstallCheck:
             ctypes.CDLL(library)
         if load:
             importlib.import_module(_module_of(name))
-    except Exception as error:  # an old package beside a new one fails as it likes
+    except Exception as error:  # incompatible versions of packages raise any error
         missing = re.search(r"lib[\w.+-]+\.so[.\d]*", str(error))
         if missing is not None:
             package = SYSTEM_PACKAGES.get(missing[0], f"the system package with {missing[0]}")
@@ -127,7 +127,7 @@ def _check_package(name: str, extra: str, load: bool) -> InstallCheck:
 
 
 def _module_of(name: str) -> str:
-    """The module by which a distribution is imported: that of its own name, else the first that it brings."""
+    """Return the module by which a distribution is imported: that of its name, or else its first module."""
     modules = sorted(_modules_by_distribution().get(canonicalize_name(name), ()))
     public = [module for module in modules if not module.startswith("_")]
     own = name.lower().replace("-", "_")
@@ -136,7 +136,7 @@ def _module_of(name: str) -> str:
 
 @cache
 def _modules_by_distribution() -> dict[str, set[str]]:
-    """Modules that each distribution brings, by its normalised name; the metadata of all are read once."""
+    """Return the modules of each distribution by its normalised name; the metadata are read once."""
     found: dict[str, set[str]] = {}
     for module, names in metadata.packages_distributions().items():
         for name in names:

@@ -26,7 +26,7 @@ from palpate.study import (
     export_asset,
 )
 
-_TO = "Language: MuJoCo's mjcf, urdf with what Gazebo reads of contacts, or usd with UsdPhysics."
+_TO = "Format: mjcf (MuJoCo), urdf (with contact parameters of Gazebo), or usd (with UsdPhysics)."
 _OUT = "New folder for the asset."
 _LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
 
@@ -34,7 +34,7 @@ _LENS = "YAML file of `palpate calibration camera`; without it, the nominal came
 @Parameter(name="*")
 @dataclass(frozen=True)
 class AssetFlags:
-    """What is exported."""
+    """Skin, material, mesh, press, asset and lens of an export."""
 
     shape: SkinFlags = SkinFlags()
     material: MaterialFlags = MaterialSpec()
@@ -51,7 +51,7 @@ def export(
     flags: AssetFlags = AssetFlags(),
     output: JsonOutput = JsonOutput(),
 ) -> None:
-    """Write a sensor as an asset: its mesh, mass, camera and frames, and how far it yields by a press of it."""
+    """Write a sensor as an asset: mesh, mass, camera, frames, and stiffness from a press."""
     check_asset(out)
     check_force_curve_press(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
@@ -63,7 +63,7 @@ def export(
     centre = asset.body.centre_mm[2]
     output.show(
         {"file": str(path), **describe_asset(asset)},
-        f"{path}: {1e3 * asset.body.mass_kg:.3f} g, centre {centre:.2f} mm over the base; "
-        f"{asset.stiffness:.1f} N/m to {1e3 * asset.reach:.1f} mm (rms {1e3 * asset.stiffness_rms:.0f} mN), "
-        f"as a curve rms {1e3 * asset.spring_rms:.1f} mN",
+        f"{path}: mass {1e3 * asset.body.mass_kg:.3f} g, centre of mass {centre:.2f} mm above the base; stiffness "
+        f"{asset.stiffness:.1f} N/m up to {1e3 * asset.reach:.1f} mm (RMS residual {1e3 * asset.stiffness_rms:.0f} "
+        f"mN), force curve with RMS residual {1e3 * asset.spring_rms:.1f} mN",
     )

@@ -1,4 +1,4 @@
-"""`palpate material fit`: from the files of a test bench to a material, with its limits."""
+"""`palpate material fit`: fit of a material to test files, with its range of validity."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ from palpate.material import (
     write_material,
 )
 
-_FILES = "Files of tests; which test is read from the file's name or preamble."
+_FILES = "Test files; the kind of test is read from the file's name or preamble."
 _MODEL = f"Model: {', '.join(list_models())}."
-_OUT = "Write the material to this YAML file; studies and presses take it as their material."
-_FIGURE = "Picture of samples, mean and model (.png, .svg or .pdf)."
-_RANK = "Fit one model only: no ranking and no error of tests that were not made."
+_OUT = "Write the material to this YAML file, which --material and studies accept."
+_FIGURE = "Figure of samples, mean and model (.png, .svg or .pdf)."
+_RANK = "Fit one model only, without ranking of models and without errors of unmeasured modes."
 _SAMPLES = (
     Column("name", "file"),
     Column("test"),
@@ -77,9 +77,9 @@ _RANKING = (
     Column("failure", prose=True),
 )
 _SENSED = 1.5
-"""Stretch to which a pressed dome is strained at the most (docs/results/materials)."""
+"""Maximum stretch of a pressed dome (docs/results/materials)."""
 _UNTOLD = 1e3
-"""Above this condition number, the data do not tell the constants apart."""
+"""Condition number above which the data do not determine the constants separately."""
 
 
 def _of(loading: str) -> Parameter:
@@ -89,16 +89,16 @@ def _of(loading: str) -> Parameter:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class FilesByTest:
-    """Files by their test, where name and preamble do not say it."""
+    """Test files by kind of test, if name and preamble do not state it."""
 
     tension: Annotated[tuple[Path, ...], _of("tension")] = ()
     compression: Annotated[tuple[Path, ...], _of("compression")] = ()
-    uniaxial: Annotated[tuple[Path, ...], _of("tension and compression in one, signed")] = ()
+    uniaxial: Annotated[tuple[Path, ...], _of("tension and compression in one curve, with signed stress")] = ()
     equibiaxial: Annotated[tuple[Path, ...], _of("equibiaxial tension")] = ()
     planar: Annotated[tuple[Path, ...], _of("planar tension (pure shear)")] = ()
 
     def pairs(self) -> Iterator[tuple[Path, Loading]]:
-        """Every file with its test."""
+        """Yield every file with its test."""
         for loading in Loading:
             yield from ((path, loading) for path in getattr(self, str(loading)))
 
@@ -106,7 +106,7 @@ class FilesByTest:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class CurveFlags:
-    """How the files are to be read and the curves prepared."""
+    """Format of the test files and preparation of the curves."""
 
     bench: Annotated[TestFileSpec, flags_of(TestFileSpec, without="loading", group="Files")] = TestFileSpec()
     prepare: Annotated[PrepareSpec, flags_of(PrepareSpec, group="Curves")] = PrepareSpec()
@@ -115,32 +115,32 @@ class CurveFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class OutputFlags(Output):
-    """What is written, and how much is printed."""
+    """Output files of the fit, and form of the printed results."""
 
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], help=_OUT)] = None
-    source: Annotated[str, Parameter(help="Source of the numbers, for the material's file.")] = ""
-    licence: Annotated[str, Parameter(help="Licence of the data, for the material's file.")] = ""
+    source: Annotated[str, Parameter(help="Source of the data, stored in the material's file.")] = ""
+    licence: Annotated[str, Parameter(help="Licence of the data, stored in the material's file.")] = ""
     figure: Annotated[Path | None, Parameter(help=_FIGURE)] = Path("fit.png")
-    no_figure: Annotated[bool, Parameter(negative="", help="Draw nothing.")] = False
+    no_figure: Annotated[bool, Parameter(negative="", help="Do not draw a figure.")] = False
     alone: Annotated[bool, Parameter(negative="", help=_RANK)] = False
 
     @property
     def draws(self) -> Path | None:
-        """Where to draw; `None` where nothing is drawn."""
+        """File of the figure; `None` if no figure is drawn."""
         return None if self.no_figure else self.figure
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class FitFlags:
-    """The model and how it is fitted."""
+    """Model and settings of the fit."""
 
     model: Annotated[str, Parameter(help=_MODEL)] = FitSpec().model
     how: Annotated[FitSpec, flags_of(FitSpec, without="model", group="Fit")] = FitSpec()
 
     @property
     def spec(self) -> FitSpec:
-        """Both in one."""
+        """Settings of the fit with the model."""
         return self.how.model_copy(update={"model": self.model})
 
 
@@ -153,7 +153,7 @@ def fit(
     fitting: FitFlags = FitFlags(),
     out: OutputFlags = OutputFlags(),
 ) -> None:
-    """Fit a hyperelastic model and a relaxation to the files of a test bench and say how far they may be trusted."""
+    """Fit a hyperelastic model and a relaxation to test files; report errors, intervals and stability."""
     check_file(out.output)
     check_file(out.draws, ".png", ".svg", ".pdf")
     held = [*(path for path in files if is_relaxation(path)), *relaxing.relaxation]
@@ -192,7 +192,7 @@ def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags
     """Read and prepare the samples of files, each with its test or none."""
     if not files:
         raise PalpateError(
-            "There are no files.",
+            "No test files were given.",
             "Give the CSV files of a test: palpate material fit tension_*.csv.",
             code="argument-missing",
         )
@@ -211,7 +211,7 @@ def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> M
 
 
 def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
-    """A fit as JSON data: constants, quality, stability; unless `alone`, the ranking and the unseen modes."""
+    """Return a fit as JSON data: constants, quality, stability; unless `alone`, ranking and unmeasured modes."""
     facts: dict[str, Any] = {
         "model": found.model.name,
         "samples": [_describe_sample(sample) for sample in samples],
@@ -268,7 +268,7 @@ def _describe_sample(sample: Sample) -> dict[str, Any]:
 
 
 def _offer(samples: Sequence[Sample], found: Fit) -> dict[str, Any] | None:
-    """The fit held to stability, where an unconstrained one is not stable."""
+    """Return the fit constrained to stability, or `None` if it fails."""
     try:
         held = fit_material(samples, found.spec.model_copy(update={"stable": True}))
     except PalpateError:
@@ -294,23 +294,23 @@ def _warnings(found: Fit) -> Iterator[str]:
     if not found.law.shear_modulus > 0:
         yield "The initial shear modulus is not positive: no press can be solved with this law."
     if found.condition > _UNTOLD:
-        yield f"Condition number {found.condition:.2g}: these tests do not tell the constants apart."
+        yield f"Condition number {found.condition:.2g}: these tests do not determine the constants separately."
     if found.held:
-        yield "A bound or the stability holds the fit, so least squares gives no intervals."
+        yield "A bound or the stability constraint is active, so least squares gives no intervals."
 
 
 def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
-    """One sentence where the fit is far too stiff or too soft at small strain, with the flag that mends it."""
+    """Yield a sentence if the fit is too stiff or too soft at small strain, with the flag that corrects it."""
     secants = [item for item in compare_secants(samples, found) if abs(item.excess) > SECANT_TOLERANCE]
     if not secants:
         return
     worst = max(secants, key=lambda item: abs(item.excess))
     far = max(sample.stretch.max() for sample in samples)
-    flag = f"--max-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
+    flag = f"--max-stretch {_SENSED:g}, the range of a sensor" if far > _SENSED else "--weighting relative"
     yield (
         f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of the "
-        f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %), and small strain is what a sensor "
-        f"feels: try {flag}."
+        f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %). A sensor works at small strain: "
+        f"use {flag}."
     )
 
 

@@ -1,4 +1,4 @@
-"""The part of `palpate material fit` that reads relaxation tests, and says what was found."""
+"""Relaxation tests of `palpate material fit`: reading, fit and report."""
 
 from __future__ import annotations
 
@@ -25,9 +25,12 @@ from palpate.material import (
     read_relaxation,
 )
 
-_FILES = "Files of relaxation tests: time and stress under a strain that stays; also known by 'relax' in their names."
-_MODULI = "Which moduli the law's constants are: long-term (a slow bench) or instantaneous."
-_ONTO = "Material whose law the relaxation is for, where no other test is given: name in the library, or file."
+_FILES = (
+    "Files of relaxation tests: stress over time at constant strain. "
+    "Files with 'relax' in their name are also read as such."
+)
+_MODULI = "Moduli that the constants of the law describe: long-term (slow tests) or instantaneous."
+_ONTO = "Material whose law the relaxation is added to, if no other test is given: name in the library, or file."
 _IS_RELAXATION = re.compile(r"relax(?!ed)", re.I)
 _TESTS = (
     Column("name", "file"),
@@ -36,13 +39,13 @@ _TESTS = (
     Column("notes", prose=True),
 )
 _POOR = 0.01
-"""Difference between fit and curve above which it is said."""
+"""Relative difference between fit and curve above which a warning is printed."""
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class RelaxationFlags:
-    """Relaxation tests and what their series stands beside."""
+    """Relaxation tests, and the law that their series is added to."""
 
     relaxation: Annotated[tuple[Path, ...], Parameter(help=_FILES, consume_multiple=True, negative="")] = ()
     moduli: Annotated[Moduli, Parameter(help=_MODULI)] = Moduli.LONG_TERM
@@ -50,7 +53,7 @@ class RelaxationFlags:
 
 
 def is_relaxation(path: Path) -> bool:
-    """Whether a file's name says that it holds a relaxation test."""
+    """Return whether a file is a relaxation test by its name."""
     return bool(_IS_RELAXATION.search(path.stem))
 
 
@@ -65,18 +68,18 @@ def fit_tests(
 
 
 def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Material | None:
-    """The material whose law a relaxation `alone` is written beside; `None` where other tests give it, or no file."""
+    """Return the material that a relaxation `alone` is added to; `None` with other tests, or without output file."""
     if not alone:
         if flags.onto is not None:
             raise PalpateError(
-                f"--onto {flags.onto} gives the law of a relaxation that is fitted alone.",
-                "Leave it out, or give files of relaxation tests and of no others.",
+                f"--onto {flags.onto} applies to relaxation tests alone, and other test files were given as well.",
+                "Leave out --onto, or give only files of relaxation tests.",
                 code="relaxation-onto-unused",
             )
         return None
     if flags.onto is None and output is not None:
         raise PalpateError(
-            "A relaxation alone is no material.",
+            "A relaxation alone is not a material: it has no elastic law.",
             "Give its law by --onto NAME, or the files of a tensile test.",
             code="relaxation-without-law",
         )
@@ -84,14 +87,14 @@ def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Mat
 
 
 def add_relaxation(material: Material, found: RelaxationFit) -> Material:
-    """The material with the series, which its quality tells of."""
+    """Return the material with the series, which is named in its quality."""
     quality = f"relaxation {found.first:.3g}…{found.last:.3g} s: within {100 * found.greatest:.2g} %"
     joined = "; ".join(part for part in (material.quality, quality) if part)
     return replace(material, relaxation=found.relaxation, quality=joined)
 
 
 def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -> dict[str, Any]:
-    """A series as JSON data, with what it was fitted to."""
+    """Return a series as JSON data, with the tests that it was fitted to."""
     series = found.relaxation
     halves = zip(found.intervals[: len(series.shares)], found.intervals[len(series.shares) :], strict=True)
     times = [found.first, *(10.0**k for k in range(-6, 9) if found.first < 10.0**k < found.last), found.last]
@@ -133,11 +136,11 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
 def _warnings(found: RelaxationFit) -> Iterator[str]:
     if found.greatest > _POOR:
         yield (
-            f"The series is up to {100 * found.greatest:.2g} % off the curve: noise, or a course that "
-            "no sum of decays has."
+            f"The series deviates from the curve by up to {100 * found.greatest:.2g} %: the data are noisy, or "
+            "their decay is not a sum of exponentials."
         )
     if np.isnan(found.intervals).any():
-        yield "A term lies at the end of the measured times, so least squares gives it no interval."
+        yield "A time constant lies at the end of the measured times, so least squares gives no interval for it."
 
 
 def relaxation_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
@@ -154,7 +157,7 @@ def relaxation_reports(facts: dict[str, Any]) -> Iterator[Report | str]:
     heads = ["time (s)", "over the instantaneous stress", f"over the {facts['moduli']} stress"]
     yield Report.of("stress after a step of strain", heads, left)
     greatest, rms = 100 * facts["greatest"], 100 * facts["rms"]
-    yield f"{len(facts['terms'])} terms by AICc; within {greatest:.2g} % of the held curve, rms {rms:.2g} %"
+    yield f"{len(facts['terms'])} terms by AICc; maximum error {greatest:.2g} % of the curve, RMS error {rms:.2g} %"
     for warning in facts["warnings"]:
         yield f"Warning: {warning}"
 

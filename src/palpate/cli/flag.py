@@ -12,16 +12,16 @@ from palpate.core import flag_name
 
 
 def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group: str | None = None) -> Parameter:
-    """Every field of a spec as a flag of the command whose argument is annotated with it.
+    """Make every field of a spec a flag of the command whose argument is annotated with the result.
 
     Parameters
     ----------
     spec
         The spec; `palpate.core.flag_name` names its flags.
     only, without
-        Names of fields, with spaces between, that alone become flags, or that do not.
+        Names of fields, separated by spaces: the only fields that become flags, or fields that do not.
     group
-        Heading under which the flags stand in the help, if not that of the command's own.
+        Heading of the flags in the help; `None` for the heading of the command's own parameters.
     """
     kinds = [field.annotation for field in spec.model_fields.values()]
     choices = {
@@ -32,7 +32,7 @@ def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group:
     }
 
     def transform(name: str) -> str:
-        """Name of a field as its flag, of an enum's member as its value, which the spec reads."""
+        """Return the flag of a field, or the value of an enum's member, which the spec reads."""
         if name in spec.model_fields:
             return flag_name(spec, name)
         return choices.get(name) or default_name_transform(name)

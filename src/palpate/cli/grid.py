@@ -22,7 +22,7 @@ Sort = Annotated[
 
 
 def show(directory: Directory, *, where: Where = None, sort: Sort = None, output: Output = Output()) -> None:
-    """Show the grid of a result folder, its rows chosen and sorted."""
+    """Show the grid of a result folder, its rows filtered and sorted."""
     from palpate.study import grid_report
 
     rows = _choose(directory, where, sort).designs
@@ -32,12 +32,14 @@ def show(directory: Directory, *, where: Where = None, sort: Sort = None, output
 def plot(
     directory: Directory,
     *,
-    metric: Annotated[str | None, Parameter(help="Column to draw; without it rmse_deg, or travel_mm.")] = None,
+    metric: Annotated[str | None, Parameter(help="Column to draw; by default rmse_deg or travel_mm.")] = None,
     kind: Annotated[
         Literal["heat", "travel", "depth", "tilt", "markers"],
         Parameter(help="Heat maps over height and thickness, or curves against thickness, depth, tilt or markers."),
     ] = "heat",
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder; without it, the result's.")] = None,
+    out: Annotated[
+        Path | None, Parameter(name=["--out", "-o"], help="Folder of the figures; by default DIRECTORY.")
+    ] = None,
     where: Where = None,
     output: JsonOutput = JsonOutput(),
 ) -> None:
@@ -59,7 +61,7 @@ def export(
     sort: Sort = None,
     output: JsonOutput = JsonOutput(),
 ) -> None:
-    """Write a grid for other programs: CSV, Parquet or Markdown."""
+    """Write a grid as CSV, Parquet or Markdown for other programs."""
     from palpate.study import export_grid
 
     grid = _choose(directory, where, sort)
@@ -75,7 +77,7 @@ def model(
     sort: Sort = "rmse_jitter_deg",
     output: JsonOutput = JsonOutput(),
 ) -> None:
-    """Take the trained estimator of the best design, or of the first that is chosen, as an ONNX file."""
+    """Write the trained estimator of the first design, after filter and sorting, as an ONNX file."""
     from palpate.study import copy_model
 
     design = copy_model(directory, _choose(directory, where, sort), out)
@@ -87,11 +89,11 @@ def compare(
     second: Directory,
     *,
     metric: Annotated[
-        tuple[str, ...] | None, Parameter(negative="", help="Columns to compare; without it, the main errors.")
+        tuple[str, ...] | None, Parameter(negative="", help="Columns to compare; by default the main errors.")
     ] = None,
     output: Output = Output(),
 ) -> None:
-    """Put two grids side by side: ratios of the same designs, and what differs in spec, seeds and versions."""
+    """Compare two grids: ratios of equal designs, and differences of spec, seeds and versions."""
     from palpate.study import compare_grids, read_grid
 
     comparison = compare_grids(read_grid(first), read_grid(second), *([metric] if metric else []))
@@ -99,7 +101,7 @@ def compare(
 
 
 def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
-    """The grid of a folder with its designs chosen and sorted."""
+    """Return the grid of a folder with its designs filtered and sorted."""
     from palpate.study import filter_rows, read_grid, sort_rows
 
     grid = read_grid(directory)
@@ -119,7 +121,7 @@ def _reports(comparison: Comparison, names: tuple[str, str]) -> Iterator[Report 
             for side in "ab"
         ]
         columns.append(Column(f"{metric}_ratio", f"{one.title} B/A", "", deciding=first))
-    yield Report("designs of both", columns, comparison.rows)
+    yield Report("designs in A and B", columns, comparison.rows)
     yield from _moved(comparison)
     for name, rows in zip("AB", (comparison.only_first, comparison.only_second), strict=True):
         designs = ", ".join(f"H{r['height_mm']:g} T{r['thickness_mm']:g} {r['markers']}" for r in rows)
@@ -131,7 +133,7 @@ def _reports(comparison: Comparison, names: tuple[str, str]) -> Iterator[Report 
 
 
 def _moved(comparison: Comparison) -> Iterator[str]:
-    """Sentences on the rows that differ by more than the spread over repeats."""
+    """Yield sentences on the rows that differ by more than the spread over repeats."""
     for row in comparison.moved:
         design = f"H{row['height_mm']:g} T{row['thickness_mm']:g} {row['markers']}"
         yield f"{design} moved: rmse_deg by {row['moved']:+.1f} standard deviations of its spread over repeats."

@@ -1,4 +1,4 @@
-"""`palpate calibration identify`: what a built unit is, from presses whose poses a robot says."""
+"""`palpate calibration identify`: identification of a built unit from calibration presses."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ _COLUMNS = (
     Column("before", "prior standard deviation", form=".2g"),
 )
 _TRUTH = (
-    "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
-    "lie beside it, press 'rest' is untouched."
+    "CSV of the known poses: columns image, press, rx_deg, ry_deg, depth_mm and, with a load cell, force_n; in the "
+    "folder of its images. Images of the unloaded skin have the press 'rest'."
 )
 _OUT = "Unit file (.json) for `palpate sensor live` and `palpate calibration accept`."
-_REPORT = "Folder for a report with pictures: what was learnt, and which press would teach most."
-_TILT = "Standard deviation of the robot's tilts, degrees."
-_DEPTH = "Standard deviation of the robot's depths, mm."
-_FORCE = "Standard deviation of a load cell's reading, N."
+_REPORT = "Folder for a report with figures: estimated parameters, and the most informative next press."
+_TILT = "Standard deviation of the robot's tilts, degrees (> 0, <= 5)."
+_DEPTH = "Standard deviation of the robot's depths, mm (> 0, <= 5)."
+_FORCE = "Standard deviation of the load cell's readings, N (> 0, <= 5)."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class IdentificationFlags:
-    """Where what was learnt goes."""
+    """Unit file and report folder."""
 
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
     report: Annotated[Path | None, Parameter(help=_REPORT)] = None
@@ -49,24 +49,25 @@ class IdentificationFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class RobotFlags:
-    """How well the robot knows its poses."""
+    """Standard deviations of the robot's poses and of the load cell."""
 
     robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02
     robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
     robot_force: Annotated[float, Parameter(help=_FORCE)] = 0.005
 
     def spec(self) -> RobotUncertainty:
-        """The robot of these flags."""
+        """Return the robot uncertainty of these flags."""
         from palpate.calibration import RobotUncertainty
 
         return RobotUncertainty(self.robot_tilt, self.robot_depth, self.robot_force)
 
     def check(self) -> None:
-        """Refuse what cannot be meant."""
+        """Raise a `PalpateError` if a standard deviation is out of bounds."""
         if not (0 < self.robot_tilt <= 5 and 0 < self.robot_depth <= 5 and 0 < self.robot_force <= 5):
             raise PalpateError(
-                f"A robot is not off by {self.robot_tilt:g}°, {self.robot_depth:g} mm and {self.robot_force:g} N.",
-                "Give more than 0, and at most 5.",
+                f"The robot's standard deviations are {self.robot_tilt:g}°, {self.robot_depth:g} mm and "
+                f"{self.robot_force:g} N.",
+                "Give values above 0 and at most 5.",
                 code="option-out-of-bounds",
             )
 
@@ -80,7 +81,7 @@ def identify(
     robot: RobotFlags = RobotFlags(),
     output: Output = Output(),
 ) -> None:
-    """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
+    """Estimate the deviations of a unit and its mounting on the robot from calibration presses."""
     from palpate.calibration import IdentifiedUnit, write_unit
     from palpate.sensor import identify_unit, open_model, open_sensor, read_ground_truth, write_identification
 
@@ -90,8 +91,8 @@ def identify(
     known, unit = read_ground_truth(truth), built.unit(reads.material)
     if not known.rest:
         raise PalpateError(
-            "The table has no image of the untouched dome.",
-            "Add a row whose press is 'rest' before the others.",
+            "The table has no image of the unloaded skin.",
+            "Add a row whose press is 'rest' before the other rows.",
             code="rest-image-missing",
         )
     model = open_model(reads.find(built), unit.design.skin)
@@ -119,13 +120,17 @@ def identify(
         },
         Report(f"{unit.design.skin.name}, {len(presses)} presses", _COLUMNS, rows),
         f"RMS marker residual: {found.misfit**0.5:.2f} times the noise."
-        + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else "")
+        + (
+            f" Not estimated, as the twin has no derivative by it: {', '.join(found.left_out)}."
+            if found.left_out
+            else ""
+        )
         + (f" Unit: {written}" if written else ""),
     )
 
 
 def _presses(folder: Path, known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
-    """The presses of a recording; images whose depth is not known, or that do not touch, tell nothing."""
+    """Yield the presses of a recording: poses, images and forces of the images with a known depth."""
     import numpy as np
 
     for number in range(int(known.press.max()) + 1):
@@ -133,7 +138,7 @@ def _presses(folder: Path, known: GroundTruth) -> Iterator[tuple[FloatArray, lis
         if not len(which):
             raise PalpateError(
                 f"Press {number + 1} has no depth.",
-                "Give the robot's depth of its images; its zero may be anywhere.",
+                "Give the robot's depth of its images; the zero of the depth scale is arbitrary.",
                 code="press-depth-missing",
             )
         images = [read_image(folder / known.images[k]) for k in which]

@@ -1,4 +1,4 @@
-"""`palpate calibration inspect`: the print errors of a built dome, from images of it at rest."""
+"""`palpate calibration inspect`: print errors of a built unit from its rest images."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 OUTSIDE = 1
-"""Exit code where a dot is missing or out of place, as in `palpate verify`."""
+"""Exit code if a marker is missing or outside the tolerance, as in `palpate verify`."""
 
 _COLUMNS = (
     Column("marker"),
@@ -36,16 +36,16 @@ _RINGS = (
     Column("dots", "markers"),
     Column("designed_mm", "design radius", form=".3f"),
     Column("found_mm", "radius", form=".3f"),
-    Column("growth", form=".4f", meaning="radius over that of the design"),
+    Column("growth", form=".4f", meaning="radius over the design radius"),
     Column("centre_x_mm", form=".3f", deciding=False),
     Column("centre_y_mm", form=".3f", deciding=False),
     Column("flatness", form=".4f", meaning="ellipticity of the ring", deciding=False),
     Column("flat_deg", "direction of the short axis", form=".1f", deciding=False),
     Column("turn_deg", "rotation", form=".2f"),
 )
-_IMAGE = "Image of the finished, untouched dome, or a folder of several, which are averaged."
-_OUT = "File for the table, .csv."
-_PICTURE = "File for a picture of the errors, .png, .svg or .pdf."
+_IMAGE = "Image of the finished, unloaded skin, or a folder of such images, which are averaged."
+_OUT = "File of the table, .csv."
+_PICTURE = "File of a figure of the errors, .png, .svg or .pdf."
 
 
 def inspect(
@@ -57,7 +57,7 @@ def inspect(
     picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None,
     output: Output = Output(),
 ) -> int:
-    """Tell the print error of every marker against its nominal place."""
+    """Measure the print error of every marker: its distance from the nominal position."""
     check_file(out, ".csv")
     check_file(picture, ".png", ".svg", ".pdf")
     inspection = inspect_unit(_read_images(image), built.unit(), wanted)
@@ -106,22 +106,23 @@ def _reports(markers: Report, inspection: Inspection) -> Iterator[Report | str]:
     yield markers
     distance = inspection.distance[~(inspection.distance != inspection.distance)]
     yield (
-        f"{len(distance)} of {len(markers.rows)} dots found; rms {float((distance**2).mean()) ** 0.5:.3f} mm, "
-        f"maximum {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
-        f"The image fits to {inspection.registration.rms_px:.3f} px."
+        f"{len(distance)} of {len(markers.rows)} markers found; RMS error "
+        f"{float((distance**2).mean()) ** 0.5:.3f} mm, maximum {float(distance.max()):.3f} mm; "
+        f"{len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
+        f"RMS residual of the registration: {inspection.registration.rms_px:.3f} px."
     )
     law = inspection.distortion
     if law is not None:
         yield Report("rings", _RINGS, _rings(inspection))
         yield (
-            "The print is distorted as a whole: the radii of its rings differ by "
+            "The whole print is distorted: the radii of its rings differ by "
             f"{law.growth.min() - 1.0:+.1%} to {law.growth.max() - 1.0:+.1%} from the design. With the ring "
-            f"model the image fits to {law.rms_px:.2f} px."
+            f"model, the RMS residual is {law.rms_px:.2f} px."
         )
 
 
 def _rings(inspection: Inspection) -> list[dict[str, Any]]:
-    """A row for each ring of a bent print: as designed, as found, and where."""
+    """Return a row per ring of a distorted print: design radius, measured radius and position."""
     law = inspection.distortion
     if law is None:
         return []

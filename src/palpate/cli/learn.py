@@ -1,4 +1,4 @@
-"""`palpate recording train`: train estimators on a recording of any sensor with markers and its poses."""
+"""`palpate recording train`: training of estimators on a recording with markers and poses."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ if TYPE_CHECKING:
     from palpate.learn import RecordingResult
 
 _RECORDING = (
-    "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or "
-    "is a LeRobot dataset."
+    "Table of poses (.csv, .jsonl) in the folder of its images or video; an HDF5 file; a folder with one of these; "
+    "or a LeRobot dataset."
 )
-_OUT = "Folder for the model (model.h5), the report and what an interrupted run needs to go on."
+_OUT = "Folder for the model (model.h5) and the report. The same command resumes an interrupted run."
 _LEARN = (
-    "Columns to learn, with commas between, each by what it is where its name does not tell "
-    "(pose_4=rx_deg,pose_3=depth_mm); without it, rx, ry and depth where there are such, else all."
+    "Columns to estimate, separated by commas; COLUMN=QUANTITY if the name does not state the quantity "
+    "(pose_4=rx_deg,pose_3=depth_mm). By default rx, ry and depth if they exist, otherwise all columns."
 )
-_IMAGE = "Column that names or numbers images, where its name does not tell."
-_PRESS = "Column that says to which press an image belongs; without one each image is its own press."
-_ANGLES = "Unit of angles whose column names none."
-_LENGTHS = "Unit of lengths whose column names none."
+_IMAGE = "Column of the image names or numbers, if it is not recognised by its name."
+_PRESS = "Column of the press that an image belongs to; without it, each image is a separate press."
+_ANGLES = "Unit of angles whose column has no unit in its name."
+_LENGTHS = "Unit of lengths whose column has no unit in its name."
 _EULER = (
-    "Order of Euler angles rx, ry, rz, small letters about fixed axes, capitals about turned ones (xyz, ZYX); they "
-    "become the rotation vector of the tilt. Without it, angles are learnt as they stand."
+    "Order of the Euler angles rx, ry, rz: lower case about fixed axes, upper case about rotated axes (xyz, ZYX). "
+    "They are converted to the rotation vector of the tilt. Without it, angles are used unchanged."
 )
-_REST = "Image of the untouched sensor, where the table has none (press or file name 'rest')."
-_START = "Model to begin with: of another unit of the same make (model.h5), or of its simulation (.onnx)."
+_REST = "Image of the unloaded sensor, if the table has no row with the press or file name 'rest'."
+_START = "Model to start from: of another unit of the same design (model.h5), or of its simulation (.onnx)."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class TableFlags:
-    """What the table's columns are, where their names do not tell, and an image at rest."""
+    """Meaning and units of the table's columns, and a rest image."""
 
     targets: Annotated[str | None, Parameter(help=_LEARN)] = None
     image: Annotated[str | None, Parameter(help=_IMAGE)] = None
@@ -56,7 +56,7 @@ class TableFlags:
     rest: Annotated[Path | None, Parameter(help=_REST)] = None
 
     def choice(self) -> ColumnMapping:
-        """These flags as the reader takes them."""
+        """Return the column mapping of these flags, which the reader accepts."""
         names = tuple(name.strip() for name in (self.targets or "").split(",") if name.strip())
         return ColumnMapping(
             names, self.image or "", self.press or "", self.angles or "", self.lengths or "", self.euler or ""
@@ -69,10 +69,10 @@ def learn(
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     start: Annotated[Path | None, Parameter(name="--from", help=_START)] = None,
     table: TableFlags = TableFlags(),
-    spec: Annotated[RecordingSpec, flags_of(RecordingSpec, group="Learning")] = RecordingSpec(),
+    spec: Annotated[RecordingSpec, flags_of(RecordingSpec, group="Training")] = RecordingSpec(),
     output: Output = Output(),
 ) -> None:
-    """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
+    """Train estimators on recorded presses with known poses, and report their errors on test presses."""
     from palpate.datasets import read_recording
     from palpate.learn import read_pretrained, recording_page, recording_report, train_on_recording
 
@@ -83,7 +83,7 @@ def learn(
         _print_line(note)
     store, first = ArtefactStore(keep_results(out) / "store"), None
     with show_progress(quiet=output.json) as progress:
-        if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
+        if spec.estimators == "all":  # image networks take longest: a report is written before they begin
             fast = spec.model_copy(update={"estimators": "fast"})
             first = train_on_recording(found, fast, store, progress, begin)
             _write(out, first)
@@ -110,7 +110,7 @@ def _write(out: Path, result: RecordingResult) -> None:
 
 
 def _accept(out: Path, result: RecordingResult) -> None:
-    """Write the acceptance report of the presses that were held out, where rx, ry and depth were learnt."""
+    """Write the acceptance report of the test presses, if the model estimates rx, ry and depth."""
     import numpy as np
 
     from palpate.design import TILT_SPACE
@@ -119,7 +119,7 @@ def _accept(out: Path, result: RecordingResult) -> None:
     names = result.model.space.names
     if any(name not in names for name in TILT_SPACE.names):
         raise PalpateError(
-            f"it judges rx, ry and depth; the model estimates {', '.join(names)}.", code="model-outputs-missing"
+            f"it tests rx, ry and depth; the model estimates {', '.join(names)}.", code="model-outputs-missing"
         )
     columns = [names.index(name) for name in TILT_SPACE.names]
     seen = result.seen
@@ -129,7 +129,7 @@ def _accept(out: Path, result: RecordingResult) -> None:
     poses = seen.targets[judged][:, columns]
     truth = GroundTruth((), images, press, poses, np.full(len(poses), np.nan))
     accepted = accept_unit(truth, result.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
-    write_acceptance(out, accepted, f"{seen.recording.name}, presses held out")
+    write_acceptance(out, accepted, f"{seen.recording.name}, test presses")
 
 
 def _print_line(text: str) -> None:

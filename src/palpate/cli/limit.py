@@ -1,4 +1,4 @@
-"""`palpate design bound`: how good any estimator of a design could be, without training one."""
+"""`palpate design bound`: lower bounds on the error of any estimator of a design, without training."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ _COLUMNS = (
 def limit(
     source: Annotated[str, Parameter(help=_SOURCE)],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder of the study; without it, results/NAME.")] = None,
-    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
+    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
+    workers: Annotated[int | None, Parameter(help="Number of worker processes; by default one per core.")] = None,
     output: Output = Output(),
 ) -> int:
-    """Bound the error of any estimator for every design and depth, from the simulated Jacobian alone.
+    """Compute lower error bounds of any estimator, by design and depth, from the simulated Jacobian.
 
-    Presses that an earlier run left in the result folder are used; missing ones are solved. Nothing is trained.
+    Presses in the result folder are reused, and missing presses are solved. No estimator is trained.
     """
     folder = Path(source)
     designs = _read(folder) if folder.is_dir() else _compute(source, out, workers)
@@ -92,25 +92,25 @@ def _describe(design: DesignBounds, unit: str) -> dict[str, Any]:
 
 
 def _in_unit(bound: dict[str, Any], unit: str) -> dict[str, Any]:
-    """Keys of a bound with the unit of the estimated position."""
+    """Rename the keys of a bound by the unit of the estimated position."""
     return {f"{name.removesuffix('_deg')}_{unit}" if name.endswith("_deg") else name: bound[name] for name in bound}
 
 
 def _unit(columns: Container[str]) -> str:
-    """Unit of the estimated position, by the columns of a table."""
+    """Return the unit of the estimated position, by the columns of a table."""
     return "mm" if "bound_mm" in columns else "deg"
 
 
 def _read(folder: Path) -> list[dict[str, Any]]:
-    """The limits that stand in the grid of a finished study."""
+    """Return the bounds in the grid of a finished study."""
     from palpate.study import read_grid, rows_for_design
 
     grid = read_grid(folder)
     bound = f"bound_{_unit(grid.columns)}"
     if all(row[bound] is None for row in grid.by_depth):
         raise PalpateError(
-            f"The grid of {folder} holds no limits.",
-            "Give the study's YAML file, or run it again.",
+            f"The grid of {folder} contains no error bounds.",
+            "Give the study's YAML file, or run the study again.",
             code="grid-no-limits",
         )
     return [_describe_row(row, rows_for_design(grid.by_depth, number)) for number, row in enumerate(grid.designs)]

@@ -1,4 +1,4 @@
-"""`palpate design make`: a fabrication pack for one design."""
+"""`palpate design make`: the fabrication pack of one design."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
 _LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
-_WINDOW = "Window that a filled skin stands on, as THICKNESS,INDEX,GEL_INDEX; without it, none."
+_LENS = "YAML file of `palpate calibration camera`; by default the lens of the nominal camera."
+_WINDOW = (
+    "Window under a gel-filled skin as THICKNESS,INDEX,GEL_INDEX (mm and refractive indices); by default no window."
+)
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class PackFlags:
-    """What is made, and how: the specs of a pack, each field a flag."""
+    """Specs of a fabrication pack; each field is a flag."""
 
     design: DesignFlags = DesignFlags()
     mount: Annotated[MountSpec, flags_of(MountSpec, group="Flange")] = MountSpec()
@@ -35,7 +38,7 @@ class PackFlags:
     window: Annotated[str, Parameter(help=_WINDOW, group="Camera")] = ""
 
     def designed(self) -> Design:
-        """The design of these flags."""
+        """Return the design of these flags."""
         lens = read_calibration(self.lens).camera_spec() if self.lens else self.camera
         own = {"distance": self.camera.distance} | ({"window": read_window(self.window)} if self.window else {})
         camera = CameraSpec.model_validate(lens.model_dump() | own)
@@ -53,7 +56,7 @@ def make(
     pack = write_pack(out, flags.designed(), flags.process, flags.mount)
     output.show(
         _describe(pack),
-        f"{len(pack.files) + 1} files in {pack.folder}; begin with instructions.pdf",
+        f"{len(pack.files) + 1} files in {pack.folder}; start with instructions.pdf",
         *(f"{finding.severity}: {finding.message} {finding.remedy}" for finding in pack.findings),
     )
 

@@ -49,7 +49,7 @@ def _sentences(facts: dict[str, Any]) -> Iterator[str]:
     for key, value in facts["constants"].items():
         yield f"  {key} = {value:.8g}"
     yield (
-        f"E {1e3 * facts['young_modulus_mpa']:.4g} kPa, mu {1e3 * facts['shear_modulus_mpa']:.4g} kPa at rest; "
+        f"initial E {1e3 * facts['young_modulus_mpa']:.4g} kPa, mu {1e3 * facts['shear_modulus_mpa']:.4g} kPa; "
         f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}"
     )
     yield f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {_stable(facts)}"
@@ -63,7 +63,7 @@ def _sentences(facts: dict[str, Any]) -> Iterator[str]:
 
 
 def describe_material(material: Material) -> dict[str, Any]:
-    """A material as JSON data."""
+    """Return a material as JSON data."""
     ranges = find_stable_ranges(material.law)
     return {
         "name": material.name,

@@ -1,4 +1,4 @@
-"""`palpate search`: from requirements to the designs that meet them best."""
+"""`palpate search`: search for the designs that meet requirements best."""
 
 from __future__ import annotations
 
@@ -20,30 +20,31 @@ if TYPE_CHECKING:
     from palpate.optimise import RequirementsSpec
 
 _PROVE = (
-    "Play winner and rivals on the bench, read by their twins, or by trained networks as well; without it, as the "
-    "requirements say."
+    "Simulate winner, finalists and baselines on the test bench: with twins as estimators (simulated), or with "
+    "trained networks as well (trained). Default: see the requirements."
 )
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SearchFlags:
-    """How it is searched, and what is done with what was found."""
+    """Settings of the search, its validation and its output."""
 
-    skins: Annotated[int | None, Parameter(help="Skins that are tried; without it, as the requirements say.")] = None
+    skins: Annotated[int | None, Parameter(help="Number of skins to evaluate; default: see the requirements.")] = None
     sampler: Annotated[
-        Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
+        Literal["gp", "random"],
+        Parameter(help="Sampler of skins: a Gaussian process (gp), or random search (random)."),
     ] = "gp"
     random_skins: Annotated[
-        int | None, Parameter(help="Skins drawn by chance beside it, which the report holds it against.")
+        int | None, Parameter(help="Number of randomly drawn skins that the search is compared with.")
     ] = None
     validate: Annotated[Literal["none", "simulated", "trained"] | None, Parameter(help=_PROVE)] = None
-    packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
-        False
-    )
+    packs: Annotated[
+        bool, Parameter(negative="", help="Write a fabrication pack of every design on the Pareto front.")
+    ] = False
 
     def change(self, spec: RequirementsSpec) -> RequirementsSpec:
-        """The requirements with what flags say of them."""
+        """Return the requirements with the values of the given flags."""
         if self.skins is not None and not 1 <= self.skins <= 100_000:
             raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.", code="option-out-of-bounds")
         if self.random_skins is not None and not 0 <= self.random_skins <= 100_000:
@@ -54,7 +55,7 @@ class SearchFlags:
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
     def words(self) -> list[str]:
-        """The flags as they are typed."""
+        """Return the given flags as command-line words."""
         sampler = None if self.sampler == "gp" else self.sampler
         given = {
             "--skins": self.skins,
@@ -67,20 +68,22 @@ class SearchFlags:
 
 
 def optimise(
-    requirements: Annotated[str, Parameter(help="YAML file of the requirements, or paper_task, the paper's.")],
+    requirements: Annotated[
+        str, Parameter(help="YAML file of the requirements, or paper_task: the task of the paper.")
+    ],
     *,
     out: Annotated[
-        Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
+        Path | None, Parameter(name=("--out", "-o"), help="Result folder; by default results/NAME.")
     ] = None,
     search: SearchFlags = SearchFlags(),
     worker_flags: ClusterFlags = ClusterFlags(),
     output: Output = Output(),
 ) -> int:
-    """Search for the sensor that reads best when built, under the limits of a YAML file.
+    """Search for the design with the best objectives, such as the error of built units, under constraints.
 
-    Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
-    chosen on each by exchange; what counts is the error of built units over the tolerances. With --validate the
-    winner and its rivals are played on the bench. The same command goes on where it was stopped.
+    A Gaussian process proposes skins, which are pressed in simulation. Marker rings and camera distance are optimised
+    by exchange on each skin. The error is predicted over the manufacturing tolerances. With --validate, the
+    winner and its baselines are simulated on the test bench. The same command resumes an interrupted search.
     """
     from palpate.optimise import (
         FRONT_COLUMNS,
@@ -95,13 +98,13 @@ def optimise(
     worker_flags.check()
     spec = search.change(read_requirements(requirements))
     if search.packs:
-        load_extra("build123d", "cad")  # now, not after hours
+        load_extra("build123d", "cad")  # before the search, which takes hours
     folder = keep_results(out or RESULTS / spec.name)
     command = shlex.join(["palpate", "search", requirements, "--out", str(folder), *search.words()])
     workers, cluster = worker_flags.workers, worker_flags.cluster or ""
     with show_progress() as progress:
         front = optimise_design(spec, folder, workers, progress, sampler=search.sampler, cluster=cluster)
-        write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
+        write_front(folder, front, command)  # before the validation, which takes hours
         front = validate_front(front, folder, workers, progress, cluster)
     if front.validation is not None:
         write_front(folder, front, command)

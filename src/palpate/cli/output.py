@@ -1,4 +1,4 @@
-"""Output of a command: JSON or tables on standard output, and checks of the files that it will write."""
+"""Output of a command: JSON or tables on standard output, and checks of its output files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from palpate.core import PalpateError, Spec
 from palpate.core.report import Report, json_text, report_text, wrapped
 
 RESULTS = Path("results")
-"""Folder of the result folders, where --out does not choose one."""
+"""Folder of the result folders, without --out."""
 
 
 _INPUTS: ContextVar[dict[str, Any] | None] = ContextVar("inputs", default=None)
@@ -43,14 +43,14 @@ def _values(value: Any) -> Any:
 
 
 def _with_inputs(data: Any) -> dict[str, Any]:
-    """Data of a command with its inputs; a list of rows becomes the entry `rows`."""
+    """Return the data of a command with its inputs; a list of rows becomes the entry `rows`."""
     return {"inputs": _INPUTS.get(), **(data if isinstance(data, Mapping) else {"rows": data})}
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class JsonOutput:
-    """Flag of a command that prints sentences, or data.
+    """Flag of a command that prints sentences or JSON.
 
     Attributes
     ----------
@@ -58,10 +58,10 @@ class JsonOutput:
         Whether JSON is printed, and only JSON.
     """
 
-    json: Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")] = False
+    json: Annotated[bool, Parameter(name="--json", negative="", help="Print only JSON.")] = False
 
     def show(self, data: Any, *sentences: str) -> None:
-        """Print the data as JSON if it was asked for, otherwise the sentences."""
+        """Print the data as JSON with --json, otherwise the sentences."""
         if self.json:
             print(json_text(_with_inputs(data)))
             return
@@ -80,10 +80,12 @@ class Output(JsonOutput):
         Whether all columns of a table are printed, with their legend.
     """
 
-    wide: Annotated[bool, Parameter(name="--wide", negative="", help="Print all columns and their meaning.")] = False
+    wide: Annotated[
+        bool, Parameter(name="--wide", negative="", help="Print all columns of tables, with a legend.")
+    ] = False
 
     def show(self, data: Any, *reports: Report | str) -> None:
-        """Print the data as JSON if it was asked for, otherwise reports and sentences in their order."""
+        """Print the data as JSON with --json, otherwise reports and sentences in their order."""
         if self.json:
             print(json_text(_with_inputs(data)))
             return
@@ -99,33 +101,35 @@ class Output(JsonOutput):
 
 
 def terminal_width() -> int | None:
-    """Columns of the terminal; `None` if standard output is no terminal."""
+    """Return the number of columns of the terminal; `None` if standard output is not a terminal."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def print_text(text: str) -> None:
-    """Print a text, its lines no longer than the terminal is wide."""
+    """Print a text, wrapped to the width of the terminal."""
     print("\n".join(wrapped(text, terminal_width())), flush=True)
 
 
 def check_file(path: Path | None, *endings: str) -> None:
-    """Refuse a file that could not be written, before anything is computed; `None` is fine.
+    """Reject an output file that cannot be written, before the computation; `None` is accepted.
 
     Raises
     ------
     PalpateError
-        If its name has none of the endings, if given, or it is a folder, or its folder is not there or read-only.
+        If its name has a wrong ending, it is a folder, or its folder is missing or read-only.
     """
     if path is None:
         return
     if endings and path.suffix.lower() not in endings:
         raise PalpateError(
-            f"{path.name} does not end in {' or '.join(endings)}.", "Name the file so.", code="file-ending-unknown"
+            f"{path.name} does not end in {' or '.join(endings)}.",
+            "Give a file name with this ending.",
+            code="file-ending-unknown",
         )
     if path.is_dir():
         raise PalpateError(f"{path} is a folder.", "Name a file in it.", code="file-is-folder")
     if not path.parent.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
-        reason = "may not be written to" if path.parent.is_dir() else "is no folder"
+        reason = "is read-only" if path.parent.is_dir() else "is not an existing folder"
         raise PalpateError(
             f"{path} cannot be written: {path.parent} {reason}.",
             "Name a file in another folder.",
@@ -134,18 +138,18 @@ def check_file(path: Path | None, *endings: str) -> None:
 
 
 def check_folder(path: Path | None) -> None:
-    """Refuse a folder that could neither be made nor written to, before anything is computed; `None` is fine.
+    """Reject an output folder that cannot be made or written to, before the computation; `None` is accepted.
 
     Raises
     ------
     PalpateError
-        If it, or the nearest folder above it that is there, is a file or read-only.
+        If it, or the nearest existing folder above it, is a file or read-only.
     """
     if path is None:
         return
     there = next(place for place in (path, *path.absolute().parents) if place.exists())
     if not there.is_dir() or not os.access(there, os.W_OK):
-        reason = "may not be written to" if there.is_dir() else "is a file"
+        reason = "is read-only" if there.is_dir() else "is a file"
         raise PalpateError(
             f"The folder {path} cannot be written: {there} {reason}.",
             "Choose another folder.",

@@ -1,4 +1,4 @@
-"""`palpate press`: one dome under one wall, image by image."""
+"""`palpate press`: one press of a skin by an obstacle, increment by increment."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ _COLUMNS = (
     ),
     Column("branch", meaning="family of equilibria: flat or inverted"),
 )
-_POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
-_SOLVER = "Who solves: palpate, calculix (apt install calculix-ccx), or that of an installed package."
-_OBSTACLE = "What presses, as KIND:NAME=VALUE, for instance ball:radius=8; travel and contact law are the wall's."
-_BRANCH = "The state that is pressed from rest, or the one with its apex turned inside out, where it exists."
-_EXPORT = "New folder for the images as .vtu files with a .pvd series, and force.csv."
+_POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm); their positions are in the JSON."
+_SOLVER = "Solver: palpate, calculix (apt install calculix-ccx), or the solver of an installed package."
+_OBSTACLE = "Obstacle as KIND:NAME=VALUE, such as ball:radius=8; depth, step and contact law as for the wall."
+_BRANCH = "Branch of equilibria: flat, or inverted (apex inside out) if it exists."
+_EXPORT = "New folder for the increments as .vtu files with a .pvd series, and force.csv."
 
 
 WallFlags = Annotated[WallSpec, flags_of(WallSpec, group="Wall")]
@@ -56,7 +56,7 @@ SolverFlags = Annotated[SolverSpec, flags_of(SolverSpec, group="Advanced")]
 @Parameter(name="*")
 @dataclass(frozen=True)
 class WallPressFlags:
-    """What is pressed by a flat wall: the specs of a press, each field a flag."""
+    """Specs of a press by a flat wall; each field is a flag."""
 
     shape: SkinFlags = SkinFlags()
     wall: WallFlags = WallSpec()
@@ -64,11 +64,11 @@ class WallPressFlags:
     mesh: MeshFlags = MeshSpec()
 
     def obstacle_spec(self) -> ObstacleSpec:
-        """The obstacle of these flags."""
+        """Return the obstacle of these flags."""
         return self.wall
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
-        """What is pressed: mesh, material and obstacle of these flags."""
+        """Return mesh, material and obstacle of these flags."""
         mesh = mesh_skin(self.shape.skin_spec().build(), self.material.mesh(self.mesh))
         return mesh, self.material.material(), self.obstacle_spec()
 
@@ -76,19 +76,19 @@ class WallPressFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class PressFlags(WallPressFlags):
-    """What is pressed, and by which obstacle."""
+    """Specs of a press by any obstacle; each field is a flag."""
 
     obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
 
     def obstacle_spec(self) -> ObstacleSpec:
-        """The obstacle of these flags."""
+        """Return the obstacle of these flags."""
         return read_obstacle(self.obstacle, self.wall)
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class RefinedFlags(PressFlags):
-    """A press on several meshes, whose cells another flag gives."""
+    """Specs of a press on several meshes, whose cells are given by another flag."""
 
     mesh: Annotated[MeshSpec, flags_of(MeshSpec, without="cells", group="Mesh")] = MeshSpec()
 
@@ -96,29 +96,29 @@ class RefinedFlags(PressFlags):
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SolveFlags:
-    """Who solves a press, which branch, and how."""
+    """Solver of a press, its settings, and the branch."""
 
     solver: Annotated[str, Parameter(help=_SOLVER)] = "palpate"
     branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT
     advanced: SolverFlags = SolverSpec()
 
     def chosen(self, wall: ObstacleSpec) -> PressSolver:
-        """The solver of these flags; what it cannot solve is refused before anything is computed."""
+        """Return the solver of these flags; reject a press it cannot solve, before the computation."""
         kind = PRESS_SOLVERS.get(self.solver)
         if kind is PalpateSolver:
             make_linear_solver(self.advanced.backend)
             return PalpateSolver(self.advanced, self.branch)
         if self.branch is Branch.INVERTED:
             raise PalpateError(
-                f"{self.solver} presses the flat branch.",
+                f"--branch is {self.branch}, and the solver {self.solver} follows only the flat branch.",
                 "Leave out --branch, or --solver.",
                 code="option-not-for-solver",
             )
         if self.advanced.model_fields_set:
             chosen = ", ".join(f"--{flag_name(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
             raise PalpateError(
-                f"{chosen} say how palpate solves, not {self.solver}.",
-                "Leave them out, or --solver.",
+                f"{chosen}: setting of the solver palpate, not of {self.solver}.",
+                "Leave out these flags, or --solver.",
                 code="option-not-for-solver",
             )
         solver = kind()
@@ -141,7 +141,7 @@ def press(
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
     output: Output = Output(),
 ) -> None:
-    """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
+    """Solve one press of a skin by a flat wall or another obstacle, increment by increment."""
     how.chosen(flags.obstacle_spec())
     followed = None if points is None else _read_inner_points(points, flags.shape.skin_spec().build())
     from palpate.fea import check_export, export_press
@@ -156,14 +156,14 @@ def press(
 
 
 def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, Any]:
-    """A press as JSON data.
+    """Return a press as JSON data.
 
     Parameters
     ----------
     press
         The press.
     points
-        (m, 3) undeformed points of the inner surface that are followed, mm.
+        (m, 3) undeformed points of the inner surface whose positions are added, mm.
     """
     images: list[dict[str, Any]] = [
         {
@@ -202,8 +202,8 @@ def _read_inner_points(path: Path, skin: Skin) -> FloatArray:
     if len(outside):
         x, y = points[outside[0], :2]
         raise PalpateError(
-            f"{path}: point {outside[0] + 1} ({x:g}, {y:g}) mm is outside the dome.",
-            f"Points lie up to {skin.widest[0]:.4g} mm from the axis.",
+            f"{path}: point {outside[0] + 1} ({x:g}, {y:g}) mm is outside the skin.",
+            f"Give points at most {skin.widest[0]:.4g} mm from the axis.",
             code="point-outside-skin",
         )
     return points

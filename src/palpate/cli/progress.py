@@ -16,7 +16,7 @@ from palpate.core.run import Progress
 
 
 class TerminalProgress(Progress):
-    """Progress as one line for every event, or as a bar that stays in place.
+    """Progress as one line per event, or as a bar on a terminal.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class TerminalProgress(Progress):
         self.bar.update(self._task, completed=self.share, running=running)
 
     def _position(self) -> str:
-        """Share done and remaining time, in brackets."""
+        """Return the completed share and the remaining time in brackets."""
         return f"[{', '.join(filter(None, (f'{100 * self.share:.0f} %', self.remaining_text)))}] "
 
     def _print(self, text: str) -> None:
@@ -104,7 +104,7 @@ class _RemainingColumn(bars.ProgressColumn):
 
 @contextmanager
 def show_progress(quiet: bool = False) -> Iterator[TerminalProgress]:
-    """Progress of the work of the block on standard error; without a bar if `quiet` or not on a terminal."""
+    """Show the progress of the block on standard error; without a bar if `quiet` or not on a terminal."""
     progress = TerminalProgress(sys.stderr.isatty() and not quiet)
     with progress.bar:
         yield progress

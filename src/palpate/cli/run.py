@@ -32,12 +32,12 @@ MOST_WORKERS = 1024
 @Parameter(name="*")
 @dataclass(frozen=True)
 class WorkerFlags:
-    """How many processes of this machine do the tasks."""
+    """Number of worker processes on this machine."""
 
-    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None
+    workers: Annotated[int | None, Parameter(help="Number of worker processes; by default one per core.")] = None
 
     def check(self) -> None:
-        """Refuse what cannot be meant."""
+        """Raise a `PalpateError` if a flag is out of bounds."""
         if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
             raise PalpateError(
                 f"--workers is {self.workers}.",
@@ -49,15 +49,17 @@ class WorkerFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ClusterFlags(WorkerFlags):
-    """Who does the tasks: processes of this machine, or a cluster."""
+    """Workers: processes of this machine, or a cluster."""
 
     cluster: Annotated[
         str | None,
-        Parameter(help="A Dask cluster instead of workers: local:N, or a scheduler's address, tcp://HOST:PORT."),
+        Parameter(
+            help="Dask cluster instead of worker processes: local:N, or the scheduler's address tcp://HOST:PORT."
+        ),
     ] = None
 
     def check(self) -> None:
-        """Refuse what cannot be meant."""
+        """Raise a `PalpateError` if a flag is out of bounds or the flags exclude each other."""
         super().check()
         if self.cluster is not None:
             check_cluster_address(self.cluster)
@@ -70,15 +72,15 @@ class ClusterFlags(WorkerFlags):
 @Parameter(name="*")
 @dataclass(frozen=True)
 class TaskFlags(ClusterFlags):
-    """Who does the tasks of a study, and how long each may take."""
+    """Workers of a study, and time limit of a task."""
 
     timeout: Annotated[
         float | None,
-        Parameter(help="Seconds a task may take; without it, an hour and 200 times what is expected."),
+        Parameter(help="Time limit of a task, s (>= 1); by default one hour plus 200 times the expected time."),
     ] = None
 
     def check(self) -> None:
-        """Refuse what cannot be meant."""
+        """Raise a `PalpateError` if a flag is out of bounds or the flags exclude each other."""
         super().check()
         if self.timeout is not None and not 1.0 <= self.timeout < math.inf:
             raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.", code="option-out-of-bounds")
@@ -87,16 +89,16 @@ class TaskFlags(ClusterFlags):
 def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
+    out: Annotated[Path | None, Parameter(help="Result folder; by default results/NAME.")] = None,
     worker_flags: TaskFlags = TaskFlags(),
     device: Annotated[
-        Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
+        Literal["cpu", "cuda", "auto"] | None, Parameter(help="Device of the training; by default that of the study.")
     ] = None,
     output: Output = Output(),
 ) -> int:
-    """Run a study: every design through the whole chain, on real finite-element solutions.
+    """Run a study: finite-element presses, data, training and accuracy of every design.
 
-    What an earlier run left in the result folder is used: an interrupted study goes on where it was.
+    Results in the result folder are reused: the same command resumes an interrupted study.
     """
     chosen = read_study(study)
     if device is not None:
@@ -131,4 +133,4 @@ def _tally(result: StudyResult) -> dict[str, Any]:
 def _sentence(result: StudyResult) -> str:
     made = ", ".join(f"{count} {kind}" for kind, count in result.computed.items()) or "nothing"
     found = ", ".join(f"{count} {kind}" for kind, count in result.reused.items()) or "nothing"
-    return f"Made {made}; found {found}; {result.wall_s:.1f} s."
+    return f"Computed {made}; reused {found}; {result.wall_s:.1f} s."

@@ -1,4 +1,4 @@
-"""`palpate sensor detect` and `palpate sensor live`: dots in images, and poses from images."""
+"""`palpate sensor detect` and `palpate sensor live`: markers in images, and poses from images."""
 
 from __future__ import annotations
 
@@ -35,19 +35,19 @@ _COLUMNS = (
     Column("polarity"),
     Column("diameter_px", form="g", meaning="median diameter of a marker"),
     Column("noise", form="g", meaning="standard deviation of the grey values"),
-    Column("reason", prose=True, meaning="why nothing was detected"),
+    Column("reason", prose=True, meaning="reason for no detection"),
 )
 _WIDTH = 7
 """Minimum width of a column of readings, which are printed one by one."""
 _FOLDER = "Folder of images."
 _SOURCE = (
-    "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
-    "images show the untouched dome."
+    "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic' (simulated "
+    "images). The first images must show the unloaded skin."
 )
-_OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
-_PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
-_PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
-_COUNT = "Readings after which it ends; without it, when the source does."
+_OUT = "File of the readings, .csv or .jsonl, or a new folder .rosbag2."
+_PRESS_IMAGE = "Image of a press of known pose; it resolves the marker assignment without an orientation mark."
+_PRESS_POSE = "Pose of that press: rx and ry in degrees, depth in mm (within 1 mm), such as --press-pose 6 1.5 4."
+_COUNT = "Number of readings; by default until the source ends."
 
 
 def find(
@@ -56,7 +56,7 @@ def find(
     spec: Annotated[DetectSpec, flags_of(DetectSpec)] = DetectSpec(),
     output: Output = Output(),
 ) -> None:
-    """Find the dots of every image, with size, polarity and mask read from each."""
+    """Detect the markers of every image; marker size, polarity and mask are estimated from each image."""
     rows: list[dict[str, Any]] = []
     for path in list_images(folder):
         try:
@@ -75,7 +75,7 @@ def find(
 @Parameter(name="*")
 @dataclass(frozen=True)
 class LiveFlags:
-    """The unit, when its readings count, and a press with a known pose."""
+    """Unit, settings of the readings, reference press and number of readings."""
 
     built: UnitFlags = UnitFlags()
     rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec()
@@ -92,7 +92,7 @@ def live(
     flags: LiveFlags = LiveFlags(),
     output: JsonOutput = JsonOutput(),
 ) -> int:
-    """Estimate the pose of what presses in every image of a camera or a recording, as it comes."""
+    """Estimate the pose of the obstacle in every image of a camera or a recording."""
     from palpate.sensor import describe_reading, open_model, open_sensor, run_sensor, write_readings
 
     if flags.count is not None and flags.count < 1:
@@ -118,7 +118,9 @@ def live(
         first = next(images, None)
         if first is None:
             raise PalpateError(
-                f"{many} images at rest leave nothing to read.", "Record more.", code="rest-images-leave-none"
+                f"The source ends after its {many} rest images.",
+                "Record images of presses, too, or lower --rest-images.",
+                code="rest-images-leave-none",
             )
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
         written = write_readings(out, readings, sensor.estimator.space) if out else readings
@@ -130,12 +132,12 @@ def live(
 
 
 def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: LiveFlags, json: bool) -> int:
-    """Readings by the model of a recording: it knows its own rest, so every image is read."""
+    """Print readings by the model of a recording, of every image: the model contains its rest state."""
     from palpate.sensor import describe_reading, run_sensor, write_readings
 
     if source == "synthetic":
         raise PalpateError(
-            "A model of a recording has no design to simulate.",
+            "A model of a recording has no design, so its images cannot be simulated.",
             "Give a camera, a video or a folder.",
             code="model-no-design",
         )
@@ -158,13 +160,14 @@ def _open(source: str, unit: Unit) -> Source:
 
 def _describe_rest(sensor: Sensor) -> str:
     where = sensor.registration
-    sentence = f"{sensor.assignment.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    sentence = f"{sensor.assignment.found.sum()} markers assigned; RMS residual {where.rms_px:.3f} px"
     if not sensor.spec.refine_lens:
         return sentence + "."
     lens, (focal, column, row) = where.camera.spec, where.lens_sd
     return (
-        f"{sentence}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
-        f"(± {focal:.1%}), centre {lens.cx_px:.1f}, {lens.cy_px:.1f} px (± {column:.1f}, {row:.1f})."
+        f"{sentence}, {where.held_rms_px:.3f} px with the calibrated lens. Refined lens: focal length "
+        f"{lens.fx_px:.1f} px (± {focal:.1%}), centre {lens.cx_px:.1f}, {lens.cy_px:.1f} px "
+        f"(± {column:.1f}, {row:.1f})."
     )
 
 
@@ -173,7 +176,7 @@ def _known_press(flags: LiveFlags, design: Design) -> ReferencePress | None:
         return None
     if flags.press_image is None or flags.press_pose is None:
         raise PalpateError(
-            "A known press is an image and its pose.",
+            "A reference press needs an image and its pose; only one of them was given.",
             "Give --press-image and --press-pose.",
             code="press-pose-incomplete",
         )
@@ -192,15 +195,15 @@ def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[
         rest.append(image)
     if len(rest) < count:
         raise PalpateError(
-            f"{count} images at rest of {len(rest)} leave nothing to read.",
-            "Record more.",
+            f"The source has {len(rest)} images, and {count} rest images are required.",
+            "Record more images, or lower --rest-images.",
             code="rest-images-leave-none",
         )
     return rest
 
 
 def _print_json(rows: Iterator[dict[str, Any]]) -> None:
-    """Print a JSON list as its members come."""
+    """Print a JSON list, each member as soon as it is available."""
     print("[", end="")
     for number, row in enumerate(rows):
         print(("," if number else "") + "\n  " + dumps(row), end="", flush=True)
@@ -208,7 +211,7 @@ def _print_json(rows: Iterator[dict[str, Any]]) -> None:
 
 
 def _print_lines(rows: Iterator[dict[str, Any]], space: PoseSpace) -> None:
-    """Print a line a reading as they come; nothing is kept."""
+    """Print one line per reading as soon as it is available; readings are not stored."""
     names = ["image", *space.names, "touching", "found", "latency_ms", "flags"]
     print(" ".join(f"{name:>{_WIDTH}}" for name in names))
     for row in rows:

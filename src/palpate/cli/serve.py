@@ -1,4 +1,4 @@
-"""`palpate sensor serve`: readings of a sensor for other programs, over a websocket and HTTP."""
+"""`palpate sensor serve`: readings of a sensor for other programs, by WebSocket and HTTP."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
 from palpate.sensor import SensorSpec
 
-_SOURCE = "Number of a camera, a video or a folder of images; the first images show the untouched dome."
-_HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
-_PORT = "Port to listen at; 0 takes any that is free."
-_TOKEN = "What every visitor must bring, 16 letters and digits or more; without one, it is made where it is needed."
+_SOURCE = "Number of a camera, a video or a folder of images. The first images must show the unloaded skin."
+_HOST = "Address to listen at; at other addresses than this machine's own, clients need a token."
+_PORT = "Port to listen at; 0 selects a free port."
+_TOKEN = "Token of the clients, at least 16 letters and digits; by default it is generated if needed."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class DoorFlags:
-    """Where the server listens."""
+    """Address, port and token of the server."""
 
     host: Annotated[str, Parameter(help=_HOST)] = "127.0.0.1"
     port: Annotated[int, Parameter(help=_PORT)] = 8760
@@ -40,7 +40,7 @@ def serve(
     rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec(),
     door: DoorFlags = DoorFlags(),
 ) -> None:
-    """Read a sensor and send every reading to all who listen; other programs may send images as well."""
+    """Read a sensor and send every reading to all clients; clients may also send images."""
     from palpate.sensor import open_model, open_sensor
     from palpate.viewer import Feed, ServeSpec, serve_readings
 
@@ -51,8 +51,8 @@ def serve(
     images = [image for image in rest if not isinstance(image, PalpateError)]
     if len(images) < rig.rest_images:
         raise PalpateError(
-            f"{rig.rest_images} images at rest of {len(images)} cannot be read.",
-            "Record more.",
+            f"The source has {len(images)} readable rest images, and {rig.rest_images} are required.",
+            "Record more images, or lower --rest-images.",
             code="rest-images-few",
         )
     sensor = open_sensor(images, unit, model, rig)
@@ -62,4 +62,4 @@ def serve(
 
 
 def _announce(link: str) -> None:
-    print(f"The newest reading: {link}; all of them: a websocket at /readings.", file=sys.stderr, flush=True)
+    print(f"Latest reading: {link}. All readings: WebSocket at /readings.", file=sys.stderr, flush=True)

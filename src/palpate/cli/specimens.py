@@ -1,4 +1,4 @@
-"""`palpate design specimens`: molds of the test specimens from which a material is fitted."""
+"""`palpate design specimens`: molds of the test specimens to which a material is fitted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from palpate.cli.output import JsonOutput, check_folder
 from palpate.fabrication import ProcessSpec, write_specimen_molds
 
 _OUT = "New folder for the molds."
-_COUNT = "Specimens of each kind a tray casts."
+_COUNT = "Number of specimens per tray, of each kind."
 
 
 def specimens(

@@ -1,4 +1,4 @@
-"""`palpate design stability`: the flat and the inverted state of a dome, by depth and tilt."""
+"""`palpate design stability`: the flat and the inverted branch of a dome, by depth and tilt."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COLUMNS = (
     Column("flat_force_n", form=".4f", meaning="contact force of the flat branch"),
     Column("inverted_force_n", form=".4f", meaning="contact force of the inverted branch"),
 )
-_TILTS = "Tilts in deg that are followed; without it, the one of --tilt."
+_TILTS = "Tilts of the wall, degrees; by default the value of --tilt."
 
 
 def stability(
@@ -28,7 +28,7 @@ def stability(
     tilts: Annotated[tuple[float, ...], Parameter(help=_TILTS, consume_multiple=True)] = (),
     output: Output = Output(),
 ) -> None:
-    """Follow both stable states of a dome: where the inverted one exists, where the flat one ends, their energy."""
+    """Follow the flat and the inverted branch of a dome: their ranges of depth, energies and forces."""
     walls = [flags.wall.model_validate({**dict(flags.wall), "tilt_deg": tilt}) for tilt in tilts] or [flags.wall]
     mesh, material, _ = flags.problem()
     announce_compilation()
@@ -39,7 +39,7 @@ def stability(
 
 
 def describe_stability(found: Stability) -> dict[str, Any]:
-    """Both states of a dome under one tilt as JSON data; nan where a number does not exist."""
+    """Return both branches of a dome at one tilt as JSON data; values are NaN if a branch does not exist."""
     columns = {
         "depth_mm": found.depth,
         "flat_energy_mj": found.flat_energy,

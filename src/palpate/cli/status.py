@@ -1,4 +1,4 @@
-"""`palpate study status`: how far a study is."""
+"""`palpate study status`: progress of a study."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _COLUMNS = (
     Column("made"),
     Column("total"),
     Column("working", "in progress"),
-    Column("quarantined", meaning="broken files that were set aside"),
+    Column("quarantined", meaning="broken files moved to quarantine"),
     Column("remaining_s", "remaining, one core", form=".0f"),
 )
 
@@ -28,12 +28,12 @@ _COLUMNS = (
 def status(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Its result folder; without it, results/NAME.")] = None,
+    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
     output: Output = Output(),
 ) -> None:
-    """Say how far a study is: what is made, at work, broken or failed, and the time that is left.
+    """Show the progress of a study: finished, running, broken and failed artefacts; remaining time.
 
-    Files are counted, not opened; `palpate study store check` reads them. The time is from expected costs.
+    Files are counted but not opened; `palpate study store check` reads them. The time is the sum of expected costs.
     """
     from palpate.study import find_status, read_study
 
@@ -41,8 +41,8 @@ def status(
     folder = out or Path("results") / chosen.name
     if not (folder / "store").is_dir():
         raise PalpateError(
-            f"{folder} holds no artefacts of a study.",
-            "Give its result folder with --out.",
+            f"{folder} contains no artefacts of a study.",
+            "Give the study's result folder by --out.",
             code="study-folder-empty",
         )
     found = find_status(chosen, folder)

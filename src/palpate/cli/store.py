@@ -1,4 +1,4 @@
-"""`palpate study store`: verify the artefacts of a result folder, and remove what nobody needs."""
+"""`palpate study store`: verify the artefacts of a result folder, and remove unused ones."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ Folder = Annotated[Path, Parameter(help="Result folder of one or several studies
 
 @app.command(help_epilogue=cost_sentence("study store check"))
 def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
-    """Read every artefact and set the broken ones aside; a run of their study makes them again.
+    """Read every artefact and move broken ones to quarantine; the next run makes them again.
 
-    Leaves with 1 where something was broken.
+    The exit code is 1 if an artefact was broken.
     """
     read, broken = check_store(_store(folder))
     output.show(
         {"read": read, "broken": [{"path": str(item.path), "reason": item.reason} for item in broken]},
         *(f"{item.path}: {item.reason}" for item in broken),
-        f"{read} artefacts read, {len(broken)} broken" + (" and set aside." if broken else "."),
+        f"{read} artefacts read, {len(broken)} broken" + (" and moved to quarantine." if broken else "."),
     )
     return 1 if broken else 0
 
@@ -34,21 +34,21 @@ def check(folder: Folder, *, output: JsonOutput = JsonOutput()) -> int:
 @app.command(help_epilogue=cost_sentence("study store gc"))
 def gc(
     folder: Folder,
-    *studies: Annotated[str, Parameter(help="YAML files, or presets, of every study that shall keep its artefacts.")],
-    dry_run: Annotated[bool, Parameter(negative="", help="Only say what would be removed.")] = False,
+    *studies: Annotated[str, Parameter(help="YAML files or presets of all studies whose artefacts are kept.")],
+    dry_run: Annotated[bool, Parameter(negative="", help="List the files without removing them.")] = False,
     output: JsonOutput = JsonOutput(),
 ) -> None:
-    """Remove artefacts that none of the studies needs, quarantined files, and what killed processes left.
+    """Remove artefacts unused by the studies, quarantined files, and files of killed processes.
 
-    Studies that are not named lose their artefacts; look with --dry-run first. What is being made is left alone.
+    Artefacts of studies that are not named are removed, so use --dry-run first. Artefacts in progress are kept.
     """
     from palpate.study import needed_keys, read_study
 
     store = _store(folder)
     if not studies:
         raise PalpateError(
-            "No study was named, so every artefact would go.",
-            "Name the studies that shall stay.",
+            "No study was named, so every artefact would be removed.",
+            "Name the studies whose artefacts are kept.",
             code="argument-missing",
         )
     removed = clean_store(store, needed_keys(read_study(study) for study in studies), dry_run=dry_run)
@@ -65,8 +65,8 @@ def _store(folder: Path) -> Path:
     store = folder / "store"
     if not store.is_dir():
         raise PalpateError(
-            f"{folder} is no result folder: it has no folder 'store'.",
-            "Give one made by palpate run.",
+            f"{folder} is not a result folder: it has no folder 'store'.",
+            "Give a folder made by palpate run.",
             code="folder-not-results",
         )
     return store

@@ -1,4 +1,4 @@
-"""`palpate calibration predict`: the twins of a study's designs, and how good built units of them will be."""
+"""`palpate calibration predict`: twins of designs, and predicted accuracy of their built units."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from palpate.study import DesignAccuracy, Study
     from palpate.surrogate import Twin
 
-_SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
-_OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
-_KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
+_SOURCE = "YAML file of a study, or a preset: first, paper, best; by default the design of the flags."
+_OUT = "Result folder; by default results/NAME, whose twins other commands find."
+_KNOWN = "Calibration presses per unit in the second half of the table (1 to 100); default: the study's number, or 5."
 _TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate simulation bench`."
 _COLUMNS = (
     Column("height_mm"),
@@ -40,13 +40,13 @@ _COLUMNS = (
     Column("twin_error_mm", form="g", meaning="RMS distance of the twin from presses between its own"),
 )
 _MUCH_MM = 0.03
-"""Beyond this a twin is off by several times the noise of dots."""
+"""Interpolation error above which a twin errs by several times the marker noise, mm."""
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class TwinFlags:
-    """One design instead of a study's, and its units."""
+    """Design, material and units, instead of a study."""
 
     design: DesignFlags = DesignFlags()
     material: MaterialFlags = MaterialSpec()
@@ -54,7 +54,7 @@ class TwinFlags:
     calibration_presses: Annotated[int | None, Parameter(help=_KNOWN)] = None
 
     def study(self, source: str | None) -> Study:
-        """The study that is named, or that of these flags, with what is asked of built units."""
+        """Return the named study, or the study of these flags, with the settings of its built units."""
         from palpate.study import AsBuiltSpec, read_study, single_design_study
 
         if source is None:
@@ -63,7 +63,7 @@ class TwinFlags:
             study = read_study(source)
         else:
             raise PalpateError(
-                f"The study {source} has its own designs.",
+                f"The study {source} and flags of a design exclude each other.",
                 "Give a study, or flags of a design.",
                 code="options-exclusive",
             )
@@ -86,17 +86,17 @@ def twin(
     flags: TwinFlags = TwinFlags(),
     output: Output = Output(),
 ) -> int:
-    """Make the twin of a design, or of every skin of a study, and foresee the errors of built units.
+    """Make the twin of a design, or of every skin of a study, and predict the errors of built units.
 
-    Each skin is pressed at every tilt under seven frictions; nothing is trained. What an earlier run
-    left in the result folder is used.
+    Each skin is pressed at every tilt with seven contact laws. No estimator is trained. Results in the result
+    folder are reused.
     """
     from palpate.study import run_twins
 
     if flags.calibration_presses is not None and not 1 <= flags.calibration_presses <= 100:
         raise PalpateError(
             f"--calibration-presses is {flags.calibration_presses}.",
-            "Give 1 to 100 known presses.",
+            "Give 1 to 100 calibration presses.",
             code="option-out-of-bounds",
         )
     worker_flags.check()
@@ -111,15 +111,15 @@ def twin(
     for made in (_read(path) for path in dict.fromkeys(design.twin for design in found if design.twin)):
         if made.left_out:
             print(
-                f"The twin of {made.skin.name} leaves out {', '.join(made.left_out)}: its presses have no derivative "
-                "by it. Such deviations are in no figure, and calibration does not estimate them.",
+                f"The twin of {made.skin.name} omits {', '.join(made.left_out)}: its presses have no derivative "
+                "by it. The figures do not include such deviations, and calibration does not estimate them.",
                 file=sys.stderr,
             )
         if made.interpolation_error_mm > _MUCH_MM:
             print(
                 f"The twin of {made.skin.name} has an interpolation error of {made.interpolation_error_mm:.2f} mm "
-                "between its presses, more than the figures know: "
-                "take more frictions or tilts, or more cells.",
+                "between its presses, which the figures do not fully include. "
+                "Add contact laws or tilts, or refine the mesh.",
                 file=sys.stderr,
             )
     failed = [design for design in found if design.problem]
@@ -154,7 +154,7 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
 
 
 def _keep(folder: Path, designs: tuple[DesignAccuracy, ...], rows: list[dict[str, Any]]) -> None:
-    """The twins under names that people read, and the table."""
+    """Write the twins under readable names, and the table."""
     from palpate.study import export_twins
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Flags of a design, of a built unit, and of what reads it."""
+"""Flags of a design, of a built unit, and of its model."""
 
 from __future__ import annotations
 
@@ -20,47 +20,49 @@ from palpate.study import MaterialSpec
 if TYPE_CHECKING:
     from palpate.sensor import Unit
 
-_LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
+_LENS = "YAML file of `palpate calibration camera`; by default the lens of the nominal camera."
 
-_WINDOW = "Window and gel that the camera looks through, as THICKNESS,INDEX,GEL_INDEX; without it, air."
-_UNIT = "What `palpate calibration identify` wrote about this unit; a twin then reads on its robot's scale."
-_SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8."
+_WINDOW = (
+    "Window and gel in front of the camera as THICKNESS,INDEX,GEL_INDEX (mm and refractive indices); by default air."
+)
+_UNIT = "Unit file of `palpate calibration identify`; a twin then gives poses in the robot's frame."
+_SKIN = "Shape of the skin as KIND:NAME=VALUE, such as ellipsoid:aspect=0.8."
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
 MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
 MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
 _MODEL = (
-    "Model that reads: the twin of the design (.h5), a trained network (.onnx), or model.h5 of "
-    "`palpate recording train`; without it, the most accurate twin of this design and material in results/*/twins."
+    "Estimator: the twin of the design (.h5), a trained network (.onnx), or model.h5 of `palpate recording train`; "
+    "by default the most accurate twin of this design and material in results/*/twins."
 )
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SkinFlags:
-    """A skin."""
+    """Shape and dimensions of a skin."""
 
     dome: DomeFlags = DomeSpec()
     skin: SkinFlag = "dome"
 
     def skin_spec(self) -> SkinSpec:
-        """The skin of these flags."""
+        """Return the skin of these flags."""
         return read_skin(self.skin, self.dome)
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class DesignFlags(SkinFlags):
-    """A skin and its markers."""
+    """Skin and markers of a design."""
 
     markers: MarkerFlags = MarkerSpec()
 
     def design(self, material: MaterialSpec = MaterialSpec(), camera: CameraSpec = CameraSpec()) -> Design:
-        """The design of these flags."""
+        """Return the design of these flags."""
         return Design(self.skin_spec(), self.markers, camera, material.material())
 
     def words(self) -> str:
-        """These flags as they are typed."""
+        """Return these flags as command-line words."""
         skin = "" if self.skin == "dome" else f"--skin {shlex.quote(self.skin)} "
         return skin + _words(self.dome, "height thickness") + _words(self.markers, "count")
 
@@ -68,7 +70,7 @@ class DesignFlags(SkinFlags):
 @Parameter(name="*")
 @dataclass(frozen=True)
 class PrintFlags(DesignFlags):
-    """A sensor as it is seen: its design, its lens and whether the orientation mark is printed."""
+    """Design, lens, window and orientation mark of a built unit."""
 
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
     mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
@@ -90,7 +92,7 @@ class PrintFlags(DesignFlags):
 @Parameter(name="*")
 @dataclass(frozen=True)
 class UnitFlags(PrintFlags):
-    """A built sensor, and what is known of it."""
+    """Built unit, with the parameters identified from its calibration presses."""
 
     unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
 
@@ -105,18 +107,18 @@ class UnitFlags(PrintFlags):
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ModelFlags:
-    """What a sensor is read with: a file, or the twin of its design."""
+    """Model of a sensor: a file, or the twin of its design."""
 
     model: Annotated[Path | None, Parameter(help=_MODEL)] = None
     material: MaterialFlags = MaterialSpec()
 
     def find(self, design: DesignFlags) -> Path:
-        """The file that was named, or the twin of a design and this material.
+        """Return the named file, or the twin of a design with this material.
 
         Raises
         ------
         PalpateError
-            If none was named and no twin of the design was made.
+            If no file was named and no twin of the design exists.
         """
         if self.model is not None:
             return self.model
@@ -127,25 +129,25 @@ class ModelFlags:
         if found is None:
             material = "" if self.material == MaterialSpec() else f" of {self.material.name}"
             raise PalpateError(
-                f"There is no twin of {skin.name}{material} in {RESULTS}/*/twins.",
-                "Make it once, in some 3 minutes of one core, or give --model: palpate calibration predict "
+                f"No twin of {skin.name}{material} was found in {RESULTS}/*/twins.",
+                "Give --model, or make the twin once (about 3 minutes on one core): palpate calibration predict "
                 f"{self.words(design)}",
                 code="twin-missing",
             )
-        print(f"Reads by the twin {found}.", file=sys.stderr)
+        print(f"Model: the twin {found}.", file=sys.stderr)
         return found
 
     def words(self, design: DesignFlags) -> str:
-        """Design and material as they are typed."""
+        """Return design and material as command-line words."""
         return (design.words() + _words(self.material)).strip()
 
 
 def _pass_over(error: PalpateError) -> None:
-    print(f"Passed over: {error.problem}", file=sys.stderr)
+    print(f"Skipped: {error.problem}", file=sys.stderr)
 
 
 def _words(spec: Spec, always: str = "") -> str:
-    """Flags of a spec whose values are not the usual ones, or that are `always` said."""
+    """Return the flags of a spec whose values differ from the defaults, or that are named in `always`."""
     said = {}
     for name, field in type(spec).model_fields.items():
         value = getattr(spec, name)

@@ -1,4 +1,4 @@
-"""`palpate verify`: solve problems with known answers and show how near ours are."""
+"""`palpate verify`: solve problems with known solutions and report the deviations."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from palpate.cli.output import Output, check_file
 from palpate.verify import CaseOutcome, choose_cases, outcome_report, run_cases, write_page
 
 OUTSIDE = 1
-"""Exit code where a row is outside its tolerance."""
-_ONLY = "Run the cases whose name holds this; * and ? stand for what they do in file names."
+"""Exit code if a row is outside its tolerance."""
+_ONLY = "Run only the cases whose name contains this text; * and ? are wildcards."
 
 
 def verify(
@@ -24,7 +24,7 @@ def verify(
     markdown: Annotated[Path | None, Parameter(help="Write the page of the documentation to this file.")] = None,
     output: Output = Output(),
 ) -> int:
-    """Solve problems with known answers and show how near ours are."""
+    """Solve problems with known solutions and report the deviations."""
     check_file(markdown)
     outcomes = []
     for outcome in run_cases(choose_cases(only, quick=quick)):
@@ -38,7 +38,7 @@ def verify(
 
 
 def describe_outcomes(outcomes: list[CaseOutcome]) -> dict[str, Any]:
-    """Outcomes as JSON data."""
+    """Return outcomes as JSON data."""
     cases = [
         {
             "case": outcome.case.name,

@@ -1,4 +1,4 @@
-"""`palpate view`: the grid and the pressed dome in a browser."""
+"""`palpate view`: results and pressed domes in a browser."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cyclopts import Parameter
 from palpate.learn import is_recorded_model
 
 _RESULTS = (
-    "Result folder of a study, a search or a recording that was learnt; without one, only a dome can be designed and "
-    "pressed."
+    "Result folder of a study, a search or a training on a recording; without it, only the design and press of a "
+    "dome are available."
 )
-_HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
-_PORT = "Port to listen at; 0 takes any that is free."
-_TOKEN = "What every visitor must bring, 16 letters and digits or more; without one, it is made where it is needed."
+_HOST = "Address to listen at; at other addresses than this machine's own, visitors need a token."
+_PORT = "Port to listen at; 0 selects a free port."
+_TOKEN = "Token of the visitors, at least 16 letters and digits; by default it is generated if needed."
 
 
 def view(
@@ -25,7 +25,7 @@ def view(
     port: Annotated[int, Parameter(help=_PORT)] = 8750,
     token: Annotated[str, Parameter(help=_TOKEN)] = "",
 ) -> None:
-    """Look at results, and design and press a dome, in a browser."""
+    """Show results in a browser; design and press a dome there."""
     from palpate.viewer import ServeSpec, serve
 
     if results is not None and results.is_file() and is_recorded_model(results):

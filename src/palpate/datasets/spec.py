@@ -1,4 +1,4 @@
-"""What a person may choose about a dataset."""
+"""Configuration of a dataset."""
 
 from __future__ import annotations
 
@@ -12,33 +12,31 @@ from palpate.fea import check_contact
 
 
 class RandomisationSpec(Spec):
-    """How the units behind the training images differ from the design, each virtual press another one.
+    """Domain randomisation: deviations of the simulated units from the design, drawn for each virtual press.
 
-    What is off is off as the sensor sees it: at rest it looks as designed, for the sensor reads how far the markers
-    moved since then.
+    Deviations change only the marker displacements since the rest image, as for a real sensor: at rest, each unit
+    looks as designed.
     """
 
     frictions: tuple[float, ...] = parameter(
         (),
         unit="1",
-        meaning="coefficients of friction that are pressed as well, and all between them and the wall's own",
+        meaning="additional coefficients of friction; units have any value between these and that of the wall",
     )
     thickness: float = parameter(
         0.0,
         unit="mm",
-        meaning="a thinner and a thicker wall by this are pressed as well, and all between",
+        meaning="maximum deviation of the skin thickness, both ways",
         ge=0,
         le=1,
     )
-    dot: float = parameter(0.0, unit="mm", meaning="greatest displacement of a printed dot, both ways", ge=0, le=2)
-    camera_offset: float = parameter(
-        0.0, unit="mm", meaning="greatest offset of the camera along x and y", ge=0, le=5
-    )
-    camera_distance: float = parameter(0.0, unit="mm", meaning="greatest change of its distance", ge=0, le=10)
+    dot: float = parameter(0.0, unit="mm", meaning="maximum print error of a marker, both ways", ge=0, le=2)
+    camera_offset: float = parameter(0.0, unit="mm", meaning="maximum offset of the camera along x and y", ge=0, le=5)
+    camera_distance: float = parameter(0.0, unit="mm", meaning="maximum change of the camera's distance", ge=0, le=10)
     camera_tilt_deg: float = parameter(
-        0.0, unit="deg", meaning="greatest tilt of the camera about x and y", ge=0, le=10
+        0.0, unit="deg", meaning="maximum tilt of the camera about x and y", ge=0, le=10
     )
-    focal: float = parameter(0.0, unit="1", meaning="greatest change of the focal length, share", ge=0, le=0.2)
+    focal: float = parameter(0.0, unit="1", meaning="maximum relative change of the focal length", ge=0, le=0.2)
 
     @field_validator("frictions")
     @classmethod
@@ -47,7 +45,7 @@ class RandomisationSpec(Spec):
             check_contact(friction)
         if any(friction < 0.05 for friction in frictions) or len(set(frictions)) < len(frictions):
             raise PydanticCustomError(
-                "frictions-malformed", "frictions are numbers of 0.05 or more, each given once.", {}
+                "frictions-malformed", "frictions must be numbers of at least 0.05, each given once.", {}
             )
         return tuple(sorted(frictions, reverse=True))
 
@@ -58,48 +56,50 @@ class RandomisationSpec(Spec):
 
 
 class DatasetSpec(Spec):
-    """Which poses are sampled, what disturbs the images, and which presses are held out.
+    """Poses of a dataset, disturbances of its images, and split of its presses.
 
     ``"disc"`` spreads `n_presses` poses evenly over the disc of tilts. ``"paper-91"`` and ``"paper-504"`` are
-    the protocols of Zaid et al. 2024: tilts 0 … 12° by 2°, azimuths by 5° over 0 … 60° or the whole turn.
+    the protocols of Zaid et al. 2024: tilts 0 … 12° in steps of 2°, azimuths in steps of 5° over 0 … 60° or 360°.
     """
 
-    poses: Literal["disc", "paper-91", "paper-504"] = parameter(
-        "disc", unit="", meaning="protocol that chooses the poses"
+    poses: Literal["disc", "paper-91", "paper-504"] = parameter("disc", unit="", meaning="protocol of the poses")
+    n_presses: int = parameter(
+        1200, unit="1", meaning="number of virtual presses of the protocol 'disc'", ge=10, le=100_000
     )
-    n_presses: int = parameter(1200, unit="1", meaning="virtual presses of the protocol 'disc'", ge=10, le=100_000)
     max_tilt_deg: float = parameter(
         12.0,
         unit="deg",
-        meaning="greatest tilt of the protocol 'disc'",
+        meaning="maximum tilt of the protocol 'disc'",
         gt=0,
         le=30,
         source="Zaid et al. 2024",
     )
     dropped_images: int = parameter(
-        2, unit="1", meaning="images after rest that are left out", ge=0, le=50, source="Zaid et al. 2024"
+        2, unit="1", meaning="number of images left out after the rest image", ge=0, le=50, source="Zaid et al. 2024"
     )
     jitter_px: float = parameter(
         2.0,
         unit="px",
-        meaning="greatest uniform jitter of each pixel coordinate",
+        meaning="maximum of the uniform jitter of each pixel coordinate",
         ge=0,
         le=20,
         source="Zaid et al. 2024",
     )
     normalisation: Literal["centred", "unit"] = parameter(
-        "centred", unit="", meaning="image scaled to -1 … 1 about its centre, or to 0 … 1 from its corner"
+        "centred",
+        unit="",
+        meaning="scaling of image coordinates: to -1 … 1 about the centre, or to 0 … 1 from the corner",
     )
     validation_fraction: float = parameter(
-        0.2, unit="1", meaning="share of the presses held out for validation", gt=0, lt=1
+        0.2, unit="1", meaning="share of the presses in the validation set", gt=0, lt=1
     )
     seed: int = parameter(0, unit="1", meaning="seed of poses and split", ge=0)
     randomise: RandomisationSpec | None = None
-    """How the units behind the images differ from the design; nothing, if not given."""
+    """Domain randomisation of the units; `None` for the nominal design."""
 
     @model_serializer(mode="wrap")
     def _leave_out_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without randomisation a spec is written as before there was any, so that old artefacts keep their keys."""
+        """Leave out an absent randomisation, so that older artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         if self.randomise is None:
             content.pop("randomise", None)

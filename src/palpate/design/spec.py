@@ -1,4 +1,4 @@
-"""What a user chooses about a skin and its markers."""
+"""Configuration of a skin and its markers."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from palpate.design.skin import Skin
 
 
 class SkinSpec(Spec, ABC):
-    """A skin over a round base, measured on its inner surface.
+    """Skin over a round base, with dimensions of its inner surface.
 
-    A skin of one's own adds its numbers and a ``kind`` that names it in files; a dome, the oldest, names none.
+    A subclass adds its parameters and a ``kind`` that names it in files; only the dome has no ``kind``.
     """
 
     height: float = parameter(
-        20.0, unit="mm", meaning="height of the inner surface's apex over the base", source=PAPER, ge=2, le=60
+        20.0, unit="mm", meaning="height of the inner surface's apex above the base", source=PAPER, ge=2, le=60
     )
     base_radius: float = parameter(
         20.0, unit="mm", meaning="radius of the inner surface's rim", source=PAPER, ge=5, le=60
@@ -29,7 +29,7 @@ class SkinSpec(Spec, ABC):
     thickness: float = parameter(
         2.0,
         unit="mm",
-        meaning="thickness of the wall, outward from the inner surface",
+        meaning="skin thickness, outward from the inner surface",
         source=PAPER,
         ge=0.2,
         le=15,
@@ -37,38 +37,38 @@ class SkinSpec(Spec, ABC):
 
     @abstractmethod
     def build(self) -> Skin:
-        """Geometry of this skin.
+        """Build the geometry of this skin.
 
         Raises
         ------
         PalpateError
-            If there is none of these numbers.
+            If no skin has these dimensions.
         """
 
 
 class TaperedSpec(SkinSpec, ABC):
-    """A skin whose wall may grow or shrink from apex to rim."""
+    """Skin whose thickness may increase or decrease from apex to rim."""
 
     taper: float = parameter(
-        1.0, unit="1", meaning="thickness of the wall at the rim over that at the apex", ge=0.3, le=3
+        1.0, unit="1", meaning="ratio of the skin thickness at the rim to that at the apex", ge=0.3, le=3
     )
 
     @model_serializer(mode="wrap")
     def _leave_out_what_is_even(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A wall that is even is written as before there were others: artefacts keep their keys."""
+        """Leave out the taper of an even skin, so that older artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         return {name: value for name, value in content.items() if name != "taper" or value != 1.0}
 
 
 class MountSpec(Spec):
-    """The flange by which a dome is clamped, cast in one piece with it."""
+    """Flange by which a skin is clamped, cast in one piece with it."""
 
     flange_width: float = parameter(
-        6.0, unit="mm", meaning="width of the flange beyond the wall at the base", ge=2, le=30
+        6.0, unit="mm", meaning="width of the flange beyond the skin at the base", ge=2, le=30
     )
     flange_thickness: float = parameter(3.0, unit="mm", meaning="thickness of the flange below the base", ge=1, le=10)
     draft_deg: float = parameter(
-        1.0, unit="deg", meaning="draft of the flange's edges, wider away from the dome", ge=0, le=10
+        1.0, unit="deg", meaning="draft angle of the flange's edges, wider away from the skin", ge=0, le=10
     )
 
 
@@ -76,7 +76,7 @@ _ROWS = ("rows", "around", "pitch")
 
 
 class MarkerSpec(Spec):
-    """Dots printed on the inner surface: preset rings, rings of one's own, rows around a tube, or a free layout."""
+    """Markers on the inner surface: preset rings, rings of given diameters, rows around a tube, or a free layout."""
 
     count: int = parameter(
         169,
@@ -89,28 +89,28 @@ class MarkerSpec(Spec):
     ring_diameters: tuple[float, ...] | None = parameter(
         None,
         unit="mm",
-        meaning="diameters of the rings projected on the base plane; ring k has 6 k markers",
+        meaning="diameters of the rings, projected on the base plane; ring k has 6 k markers",
         flag="rings",
     )
     rows: int | None = parameter(
         None,
         unit="1",
-        meaning="rings of as many dots each about the middle of a tube, with around and pitch",
+        meaning="number of marker rows about the middle of a tube; requires --around and --pitch",
         ge=1,
         le=200,
     )
-    around: int | None = parameter(None, unit="1", meaning="dots of each row, from azimuth 0", ge=3, le=500)
-    pitch: float | None = parameter(None, unit="mm", meaning="distance of rows along the meridian", gt=0, le=200)
+    around: int | None = parameter(None, unit="1", meaning="markers per row, from azimuth 0", ge=3, le=500)
+    pitch: float | None = parameter(None, unit="mm", meaning="distance between rows along the meridian", gt=0, le=200)
     file: Path | None = parameter(
         None,
         unit="",
-        meaning="CSV of a free layout with the columns x_mm, y_mm and, if wished, z_mm",
+        meaning="CSV of a free layout with the columns x_mm, y_mm and optionally z_mm",
         flag="layout",
     )
     diameter: float = parameter(
         1.5,
         unit="mm",
-        meaning="diameter of a printed dot",
+        meaning="diameter of a marker",
         source="measured in published images",
         flag="marker-diameter",
         gt=0,
@@ -125,7 +125,9 @@ class MarkerSpec(Spec):
         rings, given = values.get("ring_diameters"), [name for name in _ROWS if values.get(name) is not None]
         if given and (len(given) < len(_ROWS) or rings is not None or values.get("file") is not None):
             raise PydanticCustomError(
-                "rows-not-alone", "rows, around and pitch are given together, without ring_diameters and file.", {}
+                "rows-not-alone",
+                "rows, around and pitch must be given together, without ring_diameters and file.",
+                {},
             )
         if "count" in values:
             return values
@@ -136,7 +138,7 @@ class MarkerSpec(Spec):
 
     @model_serializer(mode="wrap")
     def _leave_out_rows(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A layout without rows is written as before there were any."""
+        """Leave out absent rows, so that older artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         return {name: value for name, value in content.items() if name not in _ROWS or value is not None}
 
@@ -146,7 +148,7 @@ class MarkerSpec(Spec):
         if rings is not None and not all(a < b for a, b in zip((0.0, *rings), rings, strict=False)):
             raise PydanticCustomError(
                 "rings-not-growing",
-                "ring diameters {rings} mm do not grow from above zero; list them from the apex outward.",
+                "ring diameters {rings} mm are not positive and ascending; list them from the apex outward.",
                 {"rings": ", ".join(f"{ring:g}" for ring in rings)},
             )
         return rings
@@ -156,7 +158,7 @@ class MarkerSpec(Spec):
         if self.file is not None:
             if self.ring_diameters is not None:
                 raise PydanticCustomError(
-                    "layout-twice", "ring_diameters and file both give a layout; keep one of them.", {}
+                    "layout-twice", "ring_diameters and file exclude each other; keep one of them.", {}
                 )
             return self
         if self.rows is not None and self.around is not None:

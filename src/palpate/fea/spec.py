@@ -1,4 +1,4 @@
-"""What a user chooses about a press, whatever presses."""
+"""Configuration of a press by any obstacle."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
 GREATEST_FRICTION = 10.0
-"""Greatest coefficient of friction; above it, choose `NO_SLIP`."""
+"""Maximum coefficient of friction; above it, choose `NO_SLIP`."""
 _SAME_TURN_DEG = 1e-9
-"""Turn of an obstacle's plane from a mirror of the skin below which the two are one, degrees."""
+"""Maximum angle between an obstacle's plane and a mirror plane of the skin that count as equal, degrees."""
 
 
 def check_contact(value: Any) -> str | float:
-    """Contact law as a spec holds it: ``frictionless``, ``no-slip``, or a coefficient of friction as a number.
+    """Return a contact law: ``frictionless``, ``no-slip``, or a coefficient of friction as a number.
 
     Raises
     ------
     ValueError
-        If it is none of them; a spec that has such a field refuses it.
+        If the value is not a contact law; pydantic then rejects the field.
     """
     if value in (FRICTIONLESS, NO_SLIP):
         return str(value)
@@ -40,29 +40,31 @@ def check_contact(value: Any) -> str | float:
     if not 0 <= number <= GREATEST_FRICTION:
         raise PydanticCustomError(
             "contact-unknown",
-            "the contact law '{given}' is not known; choose {words} or a coefficient from 0 to {most}",
+            "unknown contact law '{given}'; choose {words} or a coefficient from 0 to {most}",
             {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
         )
     return number
 
 
 class ObstacleSpec(Spec, ABC):
-    """An obstacle that is brought down on a skin along its axis, or to its side: what every one has.
+    """Obstacle that is pressed on a skin along its axis or on its side: parameters common to all obstacles.
 
-    A half model is symmetric about x = 0 of its mesh; `turn_deg` turns its results to where the obstacle is. An
-    obstacle spec of its own adds its numbers and a ``kind`` that names it in files.
+    A half model is symmetric about x = 0 of its mesh; `turn_deg` rotates its results to the obstacle's direction. A
+    subclass adds its parameters and a ``kind`` that names it in files.
     """
 
-    depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
-    depth_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
+    depth: float = parameter(8.0, unit="mm", meaning="travel of the obstacle from first contact", gt=0, le=60)
+    depth_step: float = parameter(
+        0.8, unit="mm", meaning="depth between two stored increments", flag="step", gt=0, le=60
+    )
     unload: bool = parameter(
-        False, unit="", meaning="whether the wall is drawn back to depth 0, through the same increments"
+        False, unit="", meaning="whether the obstacle is moved back to depth 0, at the same increments"
     )
     contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         NO_SLIP,
         unit="1",
-        meaning="frictionless, no-slip or the coefficient of friction",
-        source="not printed in the paper; the code its group published holds what touches",
+        meaning="contact law: frictionless, no-slip or the coefficient of friction",
+        source="not stated in the paper; no-slip in the published code of its group",
     )
 
     @property
@@ -80,34 +82,34 @@ class ObstacleSpec(Spec, ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """What tells this obstacle from others like it, in words: ``tilt 5°``."""
+        """Text that distinguishes this obstacle from others of its kind, such as ``tilt 5°``."""
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether its surface is alike in all directions about the point of first touch; a bar's is not.
+        """Whether the surface is equal in all directions about the point of first contact; that of a bar is not.
 
-        The press by such a one is nearly a body of revolution, and so is meshed with few cells around that point.
+        The press is then nearly axisymmetric, and is meshed with few cells around that point.
         """
         return True
 
     @property
     def moves_laterally(self) -> bool:
-        """Whether it moves other than along the skin's axis."""
+        """Whether the obstacle also moves laterally to the skin's axis."""
         return False
 
     @property
     def sideways(self) -> bool:
-        """Whether it comes to the side of a skin that is open at both ends, rather than down along its axis."""
+        """Whether the obstacle presses the side of a skin that is open at both ends, instead of its apex."""
         return False
 
     @property
     def stop_depths(self) -> tuple[float, ...]:
-        """Depths in mm where its way changes; there are increments there too."""
+        """Depths in mm at which the obstacle's path changes; increments are stored there as well."""
         return ()
 
     @property
     def pose_space(self) -> PoseSpace:
-        """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
+        """Quantities of the obstacle that a sensor estimates: its offset by default."""
         return OFFSET_SPACE
 
     @property
@@ -118,58 +120,58 @@ class ObstacleSpec(Spec, ABC):
     @property
     @abstractmethod
     def radial(self) -> float:
-        """How far the pose is from the straight one: tilt in degrees, or offset in mm."""
+        """Magnitude of the pose: tilt in degrees, or offset in mm."""
 
     @property
     @abstractmethod
     def turn_deg(self) -> float:
-        """Turn about the skin's axis from the frame of a half model to the skin's, degrees."""
+        """Rotation about the skin's axis from the frame of a half model to the skin's frame, degrees."""
 
     @abstractmethod
     def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
-        """The obstacle at first touch and the point (3,) mm that it touches, in the frame of the mesh.
+        """Return the obstacle at first contact and the contact point (3,) mm, in the frame of the mesh.
 
         Raises
         ------
         PalpateError
-            If it does not touch the skin first.
+            If the obstacle does not touch the skin first.
         """
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        """The obstacle at a depth in mm: moved against its way, unless it says otherwise."""
+        """Return the obstacle as a function of depth in mm: by default moved along its approach axis."""
         return partial(translate_obstacle, self.at_first_contact(mesh)[0], self.approach_axis(mesh))
 
     def approach_axis(self, mesh: Mesh) -> FloatArray:
-        """Unit vector (3,) against which it moves, in the frame of the mesh: the skin's axis by default."""
+        """Return the unit vector (3,) opposite to the motion, in the mesh's frame; by default the skin's axis."""
         return np.array([0.0, 0.0, 1.0])
 
     def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
-        """Refuse, with a `PalpateError`, a skin that it cannot come to, or one whose rim it would touch first."""
+        """Raise a `PalpateError` if the obstacle cannot reach the skin, or would touch its rim first."""
         if skin.hole:
             raise PalpateError(
-                f"{skin.name} is open at both ends: nothing touches it that comes down along its axis.",
+                f"{skin.name} is open at both ends: an obstacle that moves along its axis does not touch it.",
                 "Press its side: --obstacle side_wall, or `obstacle: {kind: side_wall}` in a study.",
                 code="obstacle-needs-apex",
             )
 
     def clamp_depth(self, mesh: Mesh) -> float:
-        """Depth in mm at which the obstacle reaches the clamped rim; infinite unless an obstacle can tell."""
+        """Return the depth in mm at which the obstacle reaches the clamped rim; infinite by default."""
         return float("inf")
 
     def turn(self, mesh: Mesh) -> FloatArray:
-        """Rotation (3, 3) from the frame of the mesh to the skin's.
+        """Return the rotation (3, 3) from the frame of the mesh to the skin's frame.
 
         Raises
         ------
         PalpateError
-            If half a skin was meshed that is not symmetric about the obstacle's plane.
+            If a half model is not symmetric about the obstacle's plane.
         """
         check_half_model(mesh, self)
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
 
 
 def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
-    """Refuse, with a `PalpateError`, a skin that an obstacle cannot come to, or half a one not symmetric about it."""
+    """Raise a `PalpateError` if the obstacle misses the skin or a half model is asymmetric about it."""
     obstacle.check_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
     if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
@@ -177,11 +179,11 @@ def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
     if symmetry is Symmetry.NONE or min(obstacle.turn_deg % 180, -obstacle.turn_deg % 180) > _SAME_TURN_DEG:
         raise PalpateError(
             f"Half of {name} is not symmetric about the plane of an obstacle turned by {obstacle.turn_deg:g}°.",
-            "Press the whole: MeshSpec(whole=True), --whole.",
+            "Mesh the whole skin: --whole, or MeshSpec(whole=True).",
             code="mesh-whole-needed",
         )
 
 
 def translate_obstacle(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
-    """An obstacle that touches the skin, moved by a depth in mm against a unit vector (3,)."""
+    """Return an obstacle at first contact moved by a depth in mm opposite to a unit vector (3,)."""
     return obstacle.moved(-depth * way)

@@ -24,9 +24,9 @@ from palpate.mesh import Mesh
 
 @final
 class WallSpec(ObstacleSpec):
-    """A rigid flat wall turned by a tilt about an axis of the base plane and moved along the dome's axis."""
+    """Rigid flat wall, tilted about an axis of the base plane and moved along the skin's axis."""
 
-    tilt_deg: float = parameter(0.0, unit="deg", meaning="angle between wall normal and dome axis", ge=0, le=30)
+    tilt_deg: float = parameter(0.0, unit="deg", meaning="angle between wall normal and skin axis", ge=0, le=30)
     azimuth_deg: float = parameter(
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
@@ -35,15 +35,17 @@ class WallSpec(ObstacleSpec):
     """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
 
     lateral_rate: float = parameter(
-        0.0, unit="mm/mm", meaning="travel in the wall's plane, up or down its slope, over depth", ge=-1, le=1
+        0.0, unit="mm/mm", meaning="lateral motion in the wall's plane along its slope, per depth", ge=-1, le=1
     )
-    lateral_rate_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
+    lateral_rate_across: float = parameter(
+        0.0, unit="mm/mm", meaning="lateral motion in the wall's plane across its slope, per depth", ge=-1, le=1
+    )
     twist_rate_deg: float = parameter(
-        0.0, unit="deg/mm", meaning="turn about the wall's normal over depth", ge=-5, le=5
+        0.0, unit="deg/mm", meaning="twist about the wall normal, per depth", ge=-5, le=5
     )
 
     curvature: float = parameter(
-        0.0, unit="1/m", meaning="curvature in all directions; positive: bulging towards the dome", ge=-20, le=100
+        0.0, unit="1/m", meaning="curvature in all directions; positive: convex towards the skin", ge=-20, le=100
     )
 
     @model_serializer(mode="wrap")

@@ -1,4 +1,4 @@
-"""What a person may choose: how a bench's files are to be read, how curves are prepared, and how they are fitted."""
+"""Configuration of a material fit: format of test files, preparation of curves, and fit."""
 
 from __future__ import annotations
 
@@ -48,54 +48,60 @@ _STRESS_UNITS = ", ".join(StressUnit)
 
 
 class TestFileSpec(Spec):
-    """How the files of a test bench are to be read; what is left open is found in the file or asked for."""
+    """Format of test files; settings that are not given are read from the file, or an error asks for them."""
 
-    loading: Loading | None = parameter(None, unit="", meaning="the test; empty: as file name or preamble say")
-    strain: str | None = parameter(None, unit="", meaning="column of strain, stretch or travel: name or number")
+    loading: Loading | None = parameter(None, unit="", meaning="kind of test; empty: by file name or preamble")
+    strain: str | None = parameter(None, unit="", meaning="column of strain, stretch or travel, by name or number")
     strain_unit: StrainUnit | None = parameter(
-        None, unit="", meaning=f"its unit, {_STRAIN_UNITS}; empty: as the header says"
+        None, unit="", meaning=f"unit of the strain column, {_STRAIN_UNITS}; empty: as in the header"
     )
-    stress: str | None = parameter(None, unit="", meaning="column of stress or force: name or number")
+    stress: str | None = parameter(None, unit="", meaning="column of stress or force, by name or number")
     stress_unit: StressUnit | None = parameter(
-        None, unit="", meaning=f"its unit, {_STRESS_UNITS}; empty: as the header says"
+        None, unit="", meaning=f"unit of the stress column, {_STRESS_UNITS}; empty: as in the header"
     )
     true_stress: bool = parameter(False, unit="", meaning="whether the stress is true (Cauchy), not nominal")
     gauge_length: float | None = parameter(None, unit="mm", meaning="gauge length, for a column of travel", gt=0)
-    section: float | None = parameter(None, unit="mm2", meaning="undeformed section, for a column of force", gt=0)
-    time: str | None = parameter(None, unit="", meaning="column of time of a relaxation test: name or number")
-    time_unit: TimeUnit | None = parameter(
-        None, unit="", meaning=f"its unit, {', '.join(TimeUnit)}; empty: as the header says"
+    section: float | None = parameter(
+        None, unit="mm2", meaning="undeformed cross-section, for a column of force", gt=0
     )
-    sample: str | None = parameter(None, unit="", meaning="column that numbers the samples: name or number")
+    time: str | None = parameter(None, unit="", meaning="column of time of a relaxation test, by name or number")
+    time_unit: TimeUnit | None = parameter(
+        None, unit="", meaning=f"unit of the time column, {', '.join(TimeUnit)}; empty: as in the header"
+    )
+    sample: str | None = parameter(None, unit="", meaning="column of the sample number, by name or number")
     decimal: Literal["point", "comma"] | None = parameter(
-        None, unit="", meaning="decimal mark, point or comma; empty: found"
+        None, unit="", meaning="decimal mark, point or comma; empty: detected"
     )
     delimiter: Literal["comma", "semicolon", "tab", "space"] | None = parameter(
-        None, unit="", meaning="what stands between cells: comma, semicolon, tab or space; empty: found"
+        None, unit="", meaning="delimiter of cells: comma, semicolon, tab or space; empty: detected"
     )
 
 
 class PrepareSpec(Spec):
-    """What is done to a curve before it is fitted or averaged."""
+    """Preparation of a curve before it is fitted or averaged."""
 
-    min_stretch: float = parameter(0.0, unit="1", meaning="rows of smaller stretch are left out", ge=0, le=1)
-    max_stretch: float = parameter(1e3, unit="1", meaning="rows of greater stretch are left out", gt=1)
-    until_break: bool = parameter(True, unit="", meaning="cut where the specimen breaks or is unloaded")
+    min_stretch: float = parameter(0.0, unit="1", meaning="minimum stretch of the rows used", ge=0, le=1)
+    max_stretch: float = parameter(1e3, unit="1", meaning="maximum stretch of the rows used", gt=1)
+    until_break: bool = parameter(True, unit="", meaning="cut the curve at the break or at unloading")
     toe: Literal["none", "auto"] = parameter(
         "none",
         unit="",
-        meaning="none, or auto: shift the strain so that the steepest line of the toe passes through zero",
+        meaning="toe correction: none, or auto, which shifts the strain so that the steepest tangent of the toe "
+        "passes through zero",
     )
     strain_factor: float = parameter(
-        1.0, unit="1", meaning="gauge over crosshead strain, to correct a strain of crosshead travel", gt=0
+        1.0,
+        unit="1",
+        meaning="ratio of gauge strain to crosshead strain, to correct a strain from crosshead travel",
+        gt=0,
     )
     points: int | None = parameter(
-        100, unit="1", meaning="rows to which a longer sample is averaged; empty: as measured", ge=5
+        100, unit="1", meaning="number of rows to which a longer sample is averaged; empty: as measured", ge=5
     )
 
 
 class Weighting(StrEnum):
-    """What each row of a fit weighs."""
+    """Weight of the rows in a fit."""
 
     UNIFORM = "uniform"
     RELATIVE = "relative"
@@ -103,20 +109,22 @@ class Weighting(StrEnum):
 
 
 class FitSpec(Spec):
-    """How a model is fitted."""
+    """Model and settings of a fit."""
 
     model: str = parameter("yeoh", unit="", meaning="model; see `palpate material fit --help`")
     weighting: Weighting = parameter(
         Weighting.UNIFORM,
         unit="",
-        meaning="uniform: an error counts as it is; relative: over its stress; mode: over the greatest of its mode",
+        meaning="weight of an error: uniform: 1; relative: 1 over the stress; mode: 1 over the mode's maximum stress",
     )
-    stable: bool = parameter(False, unit="", meaning="hold the fit to Drucker's stability")
+    stable: bool = parameter(False, unit="", meaning="constrain the fit to Drucker stability")
     stable_from: float = parameter(
-        0.05, unit="1", meaning="uniaxial stretch from which stability is held and scanned", gt=0, lt=1
+        0.05, unit="1", meaning="lower uniaxial stretch of the stability constraint and check", gt=0, lt=1
     )
     stable_to: float = parameter(
-        20.0, unit="1", meaning="uniaxial stretch to which stability is held and scanned", gt=1, le=100
+        20.0, unit="1", meaning="upper uniaxial stretch of the stability constraint and check", gt=1, le=100
     )
-    confidence: float = parameter(0.95, unit="1", meaning="confidence of the intervals", gt=0, lt=1)
-    max_exponent: float = parameter(30.0, unit="1", meaning="bound of Ogden's exponents", gt=1, le=300)
+    confidence: float = parameter(0.95, unit="1", meaning="confidence level of the intervals", gt=0, lt=1)
+    max_exponent: float = parameter(
+        30.0, unit="1", meaning="maximum absolute exponent of the Ogden model", gt=1, le=300
+    )

@@ -1,47 +1,53 @@
-"""What a user chooses about the solver."""
+"""Configuration of the solver of a press."""
 
 from __future__ import annotations
 
 from palpate.core import Spec, parameter
 
 BASE_RADIUS = 20.0
-"""Base radius in mm of the skin for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
+"""Base radius, mm, for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
 
 
 class SolverSpec(Spec):
-    """How a press is solved. The defaults hold 1 % in force and marker displacement over the paper's grid."""
+    """Settings of the solver; the defaults keep force and marker displacement within 1 % over the paper's grid."""
 
     backend: str = parameter("auto", unit="", meaning="linear solver, or auto; `palpate doctor` lists them")
     penalty_ratio: float = parameter(
         60.0,
         unit="1",
-        meaning="contact penalty over E/T; ten times more changes the force by less than 0.1 %",
+        meaning="contact penalty over E/T; a tenfold penalty changes the force by less than 0.1 %",
         gt=1,
         le=1e6,
     )
-    tangential_ratio: float = parameter(1.0, unit="1", meaning="friction spring over contact penalty", gt=0, le=10)
+    tangential_ratio: float = parameter(
+        1.0, unit="1", meaning="ratio of tangential to normal contact penalty", gt=0, le=10
+    )
     smoothing_ratio: float = parameter(
-        1e-3, unit="1", meaning="width of the penalty's smooth start over the wall's thickness", gt=0, le=0.1
+        1e-3, unit="1", meaning="smoothing width of the contact penalty over the skin thickness", gt=0, le=0.1
     )
     adhesion: float = parameter(
         2e-2,
         unit="1",
-        meaning="tension over E up to which the flat branch is held; beyond it the dome may turn inside out",
+        meaning="maximum stabilisation tension over E on the flat branch; above it, the dome may snap through",
         ge=0,
         le=0.1,
     )
-    tolerance: float = parameter(1e-4, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
+    tolerance: float = parameter(1e-4, unit="1", meaning="maximum residual over mu T²", gt=1e-12, le=1e-2)
     first_step: float = parameter(
-        0.1, unit="mm", meaning="first increment, for a base radius of 20 mm; it grows with the skin", gt=0, le=10
+        0.1, unit="mm", meaning="first increment for a base radius of 20 mm; scales with the base radius", gt=0, le=10
     )
     largest_step: float = parameter(
-        0.8, unit="mm", meaning="largest increment, for a base radius of 20 mm; it grows with the skin", gt=0, le=10
+        0.8,
+        unit="mm",
+        meaning="maximum increment for a base radius of 20 mm; scales with the base radius",
+        gt=0,
+        le=10,
     )
     edge_share: float = parameter(
         0.4,
         unit="1",
-        meaning="advance of the patch's edge in an increment over the wall's thickness, at most; 1.5 times "
-        "that without friction, 0.8 times where points slip",
+        meaning="maximum advance of the contact edge per increment over the skin thickness; 1.5 times this value "
+        "without friction, 0.8 times with slipping points",
         source="docs/design_notes/mechanics.md",
         gt=0.01,
         le=10,
@@ -49,15 +55,15 @@ class SolverSpec(Spec):
     smallest_step: float = parameter(
         1e-3,
         unit="mm",
-        meaning="smallest increment before the press gives up, for a base radius of 20 mm",
+        meaning="minimum increment for a base radius of 20 mm; the press ends below it",
         gt=0,
         le=1,
     )
     derivatives: tuple[str, ...] = parameter(
         (),
         unit="",
-        meaning="what a press is differentiated by, such as tilt_deg or thickness (palpate.fea.variations)",
+        meaning="parameters of the derivatives of a press, such as tilt_deg or thickness (palpate.fea.variations)",
     )
     iterations: int = parameter(
-        16, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
+        16, unit="1", meaning="maximum Newton iterations before an increment is shortened", ge=4, le=100
     )

@@ -1,4 +1,4 @@
-"""Requirements: what a sensor must do, and what the workshop can make."""
+"""Requirements of a design search: task of the sensor, limits of fabrication, search settings."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from palpate.study import DesignsSpec, read_spec
 
 Range = tuple[float, float]
 _CAMERA = "davis346"
-"""The camera whose numbers are the defaults."""
+"""Name of the default camera."""
 PRESET = "paper_task"
-"""Requirements that come with the package."""
-_HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
+"""Requirements included in the package."""
+_HINT = f"Give a YAML file, or {PRESET}; see the page on requirements in the documentation."
 Objective = Literal["error", "force", "markers", "price", "size"]
 Proof = Literal["none", "simulated", "trained"]
 FIELDS = {
@@ -32,16 +32,16 @@ FIELDS = {
     "aspects": "aspect",
     "tapers": "taper",
 }
-"""Ranges of the search, and what each is of a skin."""
+"""Ranges of the search → field of a skin."""
 
 
 class CameraChoice(Spec):
-    """A camera that may be built in."""
+    """Camera that the search may choose."""
 
-    name: str = parameter(_CAMERA, unit="", meaning="name of the camera; any but this needs `camera`")
-    price: float = parameter(0.0, unit="1", meaning="price in any currency, the same for all cameras", ge=0)
+    name: str = parameter(_CAMERA, unit="", meaning="name of the camera; any other name requires `camera`")
+    price: float = parameter(0.0, unit="1", meaning="price of the camera, in one currency for all cameras", ge=0)
     camera: CameraSpec = CameraSpec()
-    distances: Range = parameter((40.0, 54.0), unit="mm", meaning="least and greatest distance below the base plane")
+    distances: Range = parameter((40.0, 54.0), unit="mm", meaning="minimum and maximum distance below the base plane")
 
     @field_validator("distances")
     @classmethod
@@ -53,20 +53,22 @@ class CameraChoice(Spec):
         if self.name != _CAMERA and "camera" not in self.model_fields_set:
             raise PydanticCustomError(
                 "camera-unknown",
-                "of the camera {name} nothing is known but its name; give its numbers as camera, or name {known}",
+                "the camera {name} has no parameters; give them as camera, or name {known}",
                 {"name": self.name, "known": _CAMERA},
             )
         return self
 
 
 class BaselineDesignSpec(Spec):
-    """A design that the winner is held against, in the first of the cameras and elastomers."""
+    """Design that the winner is compared with, with the first of the cameras and elastomers."""
 
     height: float = parameter(
         20.0, unit="mm", meaning="height of the inner surface's apex", source=PAPER, ge=2, le=60
     )
-    base_radius: float = parameter(20.0, unit="mm", meaning="radius of its rim", source=PAPER, ge=5, le=60)
-    thickness: float = parameter(2.0, unit="mm", meaning="thickness of the wall", source=PAPER, ge=0.2, le=15)
+    base_radius: float = parameter(
+        20.0, unit="mm", meaning="radius of the inner surface's rim", source=PAPER, ge=5, le=60
+    )
+    thickness: float = parameter(2.0, unit="mm", meaning="skin thickness", source=PAPER, ge=0.2, le=15)
     aspect: float = parameter(1.0, unit="1", meaning="ratio of the meridian's semi-axes; 1: part of a sphere", gt=0)
     markers: MarkerSpec = MarkerSpec()
     distance: float = parameter(
@@ -74,14 +76,14 @@ class BaselineDesignSpec(Spec):
     )
 
     def skin(self) -> SkinSpec:
-        """Its skin."""
+        """Return the skin of this design."""
         numbers = self.model_dump(include={"height", "base_radius", "thickness"})
         shape = {} if self.aspect == 1.0 else {"kind": "ellipsoid", "aspect": self.aspect}
         return skin_from_data({**shape, **numbers})
 
 
 class BaselineGridSpec(Spec):
-    """A grid of designs that the search is held against, in the first of the cameras and elastomers."""
+    """Grid of designs that the search is compared with, with the first of the cameras and elastomers."""
 
     designs: DesignsSpec = DesignsSpec()
     distance: float = parameter(
@@ -92,71 +94,77 @@ class BaselineGridSpec(Spec):
     @classmethod
     def _has_rings(cls, given: DesignsSpec) -> DesignsSpec:
         if any(markers.file is not None or markers.rows is not None for markers in given.markers):
-            raise PydanticCustomError("layout-not-rings", "a grid's layouts are rings; give numbers of markers.", {})
+            raise PydanticCustomError(
+                "layout-not-rings", "the layouts of a baseline grid must be rings; give numbers of markers.", {}
+            )
         return given
 
 
 class RequirementsSpec(Spec):
-    """What the sensor must do, within which limits, and what is made least."""
+    """Requirements, constraints and objectives of a search, its settings and its baselines."""
 
     name: str = Field(
         "search", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="name of the search and its folder"
     )
     seed: int = parameter(0, unit="1", meaning="seed of everything drawn at random", ge=0)
     error_deg: float = parameter(
-        0.5, unit="deg", meaning="greatest error of rx or ry that 19 of 20 built units are to stay below", gt=0, le=45
+        0.5, unit="deg", meaning="maximum 95th percentile over built units of the error of rx or ry", gt=0, le=45
     )
     calibration_presses: int = parameter(
-        5, unit="1", meaning="known presses by which each unit is identified before it is used", ge=0, le=100
+        5, unit="1", meaning="calibration presses by which each unit is identified", ge=0, le=100
     )
-    min_depth: float = parameter(2.4, unit="mm", meaning="least depth at which it is read", source=PAPER, ge=0.2)
-    depth: float = parameter(8.0, unit="mm", meaning="depth to which it is pressed", source=PAPER, gt=0, le=40)
-    max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt of the wall", source=PAPER, ge=2, le=30)
+    min_depth: float = parameter(
+        2.4, unit="mm", meaning="minimum depth of the evaluated readings", source=PAPER, ge=0.2
+    )
+    depth: float = parameter(8.0, unit="mm", meaning="maximum depth of a press", source=PAPER, gt=0, le=40)
+    max_tilt_deg: float = parameter(12.0, unit="deg", meaning="maximum tilt of the wall", source=PAPER, ge=2, le=30)
     force_n: float | None = parameter(
-        None, unit="N", meaning="greatest force on the workpiece at full depth; empty: any", gt=0
+        None, unit="N", meaning="maximum force on the workpiece at full depth; empty: no limit", gt=0
     )
     single_state: bool = parameter(
-        False, unit="", meaning="whether the skin must have no second, inverted state up to full depth"
+        False, unit="", meaning="whether the skin must have no inverted branch up to full depth"
     )
-    heights: Range = parameter((10.0, 30.0), unit="mm", meaning="least and greatest height of the inner surface")
-    base_radii: Range = parameter((15.0, 20.0), unit="mm", meaning="least and greatest radius of its rim")
-    thicknesses: Range = parameter((1.0, 4.0), unit="mm", meaning="least and greatest thickness of the wall")
+    heights: Range = parameter((10.0, 30.0), unit="mm", meaning="minimum and maximum height of the inner surface")
+    base_radii: Range = parameter((15.0, 20.0), unit="mm", meaning="minimum and maximum radius of the rim")
+    thicknesses: Range = parameter((1.0, 4.0), unit="mm", meaning="minimum and maximum skin thickness")
     aspects: Range = parameter(
-        (0.6, 1.6), unit="1", meaning="least and greatest ratio of a meridian's semi-axes; 1: part of a sphere"
+        (0.6, 1.6), unit="1", meaning="minimum and maximum ratio of the meridian's semi-axes; 1: part of a sphere"
     )
     tapers: Range = parameter(
-        (1.0, 1.0), unit="1", meaning="least and greatest thickness at the rim over that at the apex; 1: an even wall"
+        (1.0, 1.0), unit="1", meaning="minimum and maximum ratio of rim to apex thickness; 1: even skin"
     )
-    markers: int = parameter(169, unit="1", meaning="markers at most", ge=7, le=397)
-    min_marker_diameter: float = parameter(
-        1.0, unit="mm", meaning="smallest diameter of a dot that is tried", gt=0, le=5
-    )
+    markers: int = parameter(169, unit="1", meaning="maximum number of markers", ge=7, le=397)
+    min_marker_diameter: float = parameter(1.0, unit="mm", meaning="minimum diameter of a marker", gt=0, le=5)
     max_marker_diameter: float | None = parameter(
-        None, unit="mm", meaning="greatest diameter of a dot that is tried; empty: dot alone", gt=0, le=5
+        None, unit="mm", meaning="maximum diameter of a marker; empty: only the minimum", gt=0, le=5
     )
     cameras: tuple[CameraChoice, ...] = (CameraChoice(),)
     materials: tuple[str, ...] = parameter(
-        ("zaid_2024_ecoflex_00_30",), unit="", meaning="elastomers that may be cast, as in a study's material"
+        ("zaid_2024_ecoflex_00_30",), unit="", meaning="elastomers to choose from, named as in a study's material"
     )
     objectives: tuple[Objective, ...] = parameter(
-        ("error",), unit="", meaning="what is made least: error, force, markers, price, size; a front where several"
+        ("error",),
+        unit="",
+        meaning="minimised objectives: error, force, markers, price, size; several give a Pareto front",
     )
-    skins: int = parameter(60, unit="1", meaning="skins that are tried", ge=1, le=100000)
-    max_hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is begun", gt=0, le=10000)
-    finalists: int = parameter(3, unit="1", meaning="best skins that are pressed at full fidelity", ge=0, le=20)
+    skins: int = parameter(60, unit="1", meaning="number of skins to evaluate", ge=1, le=100000)
+    max_hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is started", gt=0, le=10000)
+    finalists: int = parameter(
+        3, unit="1", meaning="number of best skins that are pressed at full fidelity", ge=0, le=20
+    )
     validation: Proof = parameter(
         "none",
         unit="",
-        meaning="whether winner and rivals are played on the bench: none, played (read by their twins), or trained "
-        "(by trained networks as well)",
+        meaning="validation of winner and baselines on the simulated test bench: none, simulated (twins as "
+        "estimators), or trained (trained networks as well)",
     )
     baseline: BaselineDesignSpec | None = None
-    """A design that the winner is held against in the proof."""
+    """Design that the winner is compared with in the validation."""
     random_skins: int = parameter(
-        0, unit="1", meaning="skins drawn by chance that the search is held against", ge=0, le=100000
+        0, unit="1", meaning="number of randomly drawn skins that the search is compared with", ge=0, le=100000
     )
     baseline_grid: BaselineGridSpec | None = None
-    """Designs that the search is held against as well."""
+    """Grid of designs that the search is compared with."""
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()
 
@@ -177,7 +185,7 @@ class RequirementsSpec(Spec):
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise PydanticCustomError(
-                "list-entry-twice", "{name} stands there twice; keep one.", {"name": str(twice)}
+                "list-entry-twice", "{name} is listed twice; keep one entry.", {"name": str(twice)}
             )
         return given
 
@@ -193,20 +201,21 @@ class RequirementsSpec(Spec):
 
     @model_validator(mode="after")
     def _can_be_met(self) -> RequirementsSpec:
-        """Refuse what contradicts itself; the numbers are named."""
+        """Raise an error that names the values if requirements contradict each other."""
         if self.min_depth >= self.depth:
             _refuse(
-                f"min_depth is {self.min_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
+                f"min_depth is {self.min_depth:g} mm and depth {self.depth:g} mm; give a smaller min_depth.",
                 "depths-not-rising",
             )
         if self.heights[1] <= self.depth:
             _refuse(
-                f"no height up to {self.heights[1]:g} mm can be pressed by {self.depth:g} mm; allow higher skins.",
+                f"the maximum height is {self.heights[1]:g} mm, and depth {self.depth:g} mm; allow higher skins.",
                 "heights-below-depth",
             )
         if self.thicknesses[0] >= self.base_radii[1]:
             _refuse(
-                f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.",
+                f"the minimum thickness, {self.thicknesses[0]:g} mm, exceeds the maximum base radius, "
+                f"{self.base_radii[1]:g} mm.",
                 "wall-thicker-than-radius",
             )
         if self.min_marker_diameter < self.process.min_marker_diameter:
@@ -218,12 +227,12 @@ class RequirementsSpec(Spec):
         if self.max_marker_diameter is not None and self.max_marker_diameter < self.min_marker_diameter:
             _refuse(
                 f"max_marker_diameter is {self.max_marker_diameter:g} mm and min_marker_diameter "
-                f"{self.min_marker_diameter:g} mm; give the greater one there.",
+                f"{self.min_marker_diameter:g} mm; exchange them.",
                 "marker-sizes-not-rising",
             )
         if "price" in self.objectives and len(self.cameras) == 1:
             _refuse(
-                "price is made least, but there is only one camera; give several or leave price out.",
+                "price is an objective, but only one camera is given; give several cameras or leave price out.",
                 "price-without-choice",
             )
         return self
@@ -240,7 +249,7 @@ def read_requirements(source: str | Path) -> RequirementsSpec:
     Raises
     ------
     PalpateError
-        If it cannot be read or asks for what cannot be; the message names file and line.
+        If the file cannot be read or the requirements contradict each other; the message names file and line.
     """
     path = Path(source)
     if str(source) == PRESET and not path.is_file():  # a search leaves a folder of that name
@@ -264,7 +273,7 @@ def _growing(given: Range, least: float, most: float, unit: str) -> Range:
     if not least <= low <= high <= most:
         raise PydanticCustomError(
             "range-malformed",
-            "{given} is no range within {bounds}; give the least and the greatest.",
+            "{given} is not a range within {bounds}; give minimum and maximum.",
             {"given": f"{low:g} to {high:g}", "bounds": f"{least:g} to {most:g} {unit}".strip()},
         )
     return given

@@ -24,11 +24,9 @@ from palpate.vision import DetectSpec, PrintDistortion, Registration
 
 
 class InspectionSpec(Spec):
-    """What a printed dome must keep."""
+    """Tolerance of the print of a unit."""
 
-    tolerance: float = parameter(
-        PRINT_TOLERANCE, unit="mm", meaning="how far from its place a dot may be printed", gt=0, le=5
-    )
+    tolerance: float = parameter(PRINT_TOLERANCE, unit="mm", meaning="maximum print error of a marker", gt=0, le=5)
 
 
 @dataclass(frozen=True, eq=False)

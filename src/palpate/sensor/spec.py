@@ -1,4 +1,4 @@
-"""What a person may choose about a sensor at work."""
+"""Configuration of the readings of a sensor."""
 
 from __future__ import annotations
 
@@ -7,38 +7,36 @@ from palpate.core import Spec, parameter
 
 
 class SensorSpec(Spec):
-    """When a reading counts as a touch, and when it is flagged."""
+    """Thresholds of contact, flags and drift tracking, and settings of the rest image."""
 
     touch_px: float = parameter(
-        0.25, unit="px", meaning="root mean square motion of the markers above which the dome is touched", gt=0, le=20
+        0.25, unit="px", meaning="RMS displacement of the markers above which the skin is in contact", gt=0, le=20
     )
-    min_found: float = parameter(
-        0.6, unit="1", meaning="share of the markers that must be found for a pose", gt=0, le=1
-    )
-    rest_images: int = parameter(1, unit="1", meaning="images at rest that are averaged", ge=1, le=1000)
+    min_found: float = parameter(0.6, unit="1", meaning="minimum share of markers found for a pose", gt=0, le=1)
+    rest_images: int = parameter(1, unit="1", meaning="number of averaged rest images", ge=1, le=1000)
     refine_lens: bool = parameter(
-        False, unit="", meaning="whether the rest image refines focal length and centre of the lens"
+        False, unit="", meaning="whether focal length and centre of the lens are fitted to the rest image"
     )
     noise_px: float = parameter(
-        NOISE_PX, unit="px", meaning="standard deviation of a dot's coordinate in one image", gt=0, le=5
+        NOISE_PX, unit="px", meaning="standard deviation of a marker coordinate in one image", gt=0, le=5
     )
     misfit: float = parameter(
         4.0,
         unit="1",
-        meaning="mean square of what a fit leaves over its expectation, above which it is flagged",
+        meaning="mean square residual of a fit over its expected value, above which a reading is flagged",
         gt=1,
     )
     follow_px: float = parameter(
         2.0,
         unit="px",
-        meaning="how far the untouched dots are followed where camera or silicone creep (root mean square)",
+        meaning="maximum RMS drift of the unloaded markers that is tracked; 0: drift is not tracked",
         ge=0,
         le=20,
     )
     drift_px: float = parameter(
         0.5,
         unit="px",
-        meaning="median shift of the untouched dots above which an identified unit is refused",
+        meaning="median shift of the markers in the rest image above which an identified unit is rejected",
         gt=0,
         le=50,
     )

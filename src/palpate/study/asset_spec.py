@@ -16,7 +16,7 @@ class AssetFormat(StrEnum):
 
 
 class AssetSpec(Spec):
-    """What a simulator asks of a skin and the presses of palpate do not: its mass, and what a touch loses."""
+    """Parameters of a simulator asset that presses do not determine: density, friction and damping."""
 
     density: float = parameter(
         1070.0,
@@ -30,5 +30,5 @@ class AssetSpec(Spec):
         1.0, unit="1", meaning="coefficient of friction of the asset's contacts", ge=0, le=10, flag="asset-friction"
     )
     damping_ratio: float = parameter(
-        1.0, unit="1", meaning="damping of a touch over the critical one of the dome's own mass", ge=0, le=10
+        1.0, unit="1", meaning="contact damping over the critical damping of the skin's mass", ge=0, le=10
     )

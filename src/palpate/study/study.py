@@ -89,7 +89,7 @@ class DesignsSpec(Spec):
 
 
 class MaterialSpec(Spec):
-    """The elastomer of every dome."""
+    """Elastomer of a skin, and the gel inside."""
 
     name: str = parameter(
         "zaid_2024_ecoflex_00_30",
@@ -101,7 +101,7 @@ class MaterialSpec(Spec):
     bulk_ratio: float | None = parameter(
         None,
         unit="1",
-        meaning="bulk over initial shear modulus K/mu; empty: the material's own",
+        meaning="bulk modulus over initial shear modulus; empty: that of the material",
         ge=2,
         le=1e7,
     )
@@ -109,7 +109,7 @@ class MaterialSpec(Spec):
     gel: str | None = parameter(
         None,
         unit="",
-        meaning="what fills the skin, tied to it and to its window: a material as above; empty: it is hollow",
+        meaning="gel inside the skin, bonded to skin and window: a material named as above; empty: hollow skin",
     )
 
     @field_validator("name", "gel")
@@ -135,7 +135,7 @@ class MaterialSpec(Spec):
 
 
 class AsBuiltSpec(Spec):
-    """What is foreseen of built units: each skin is pressed at every tilt under these contact laws for its twin."""
+    """Settings of the predicted accuracy of built units, and of the presses of the twin of each skin."""
 
     contacts: tuple[Contact, ...] = parameter(
         ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2),
@@ -143,13 +143,17 @@ class AsBuiltSpec(Spec):
         meaning="contact laws of the twin's presses, unless the study's wall is frictionless",
     )
     calibration_presses: int = parameter(
-        5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100
+        5, unit="1", meaning="calibration presses of each unit in the second figures", ge=1, le=100
     )
     inverted: bool = parameter(
-        True, unit="", meaning="whether the twin has the skin's inverted state as well, where there is one"
+        True, unit="", meaning="whether the twin includes the skin's inverted branch, if it exists"
     )
     checks: int = parameter(
-        2, unit="1", meaning="presses between those of the twin, against which it is held", ge=0, le=20
+        2,
+        unit="1",
+        meaning="number of validation presses between those of the twin, for its interpolation error",
+        ge=0,
+        le=20,
     )
     tolerance: ToleranceSpec = ToleranceSpec()
 
