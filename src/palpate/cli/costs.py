@@ -1,4 +1,4 @@
-"""Costs of the commands: measured CPU-seconds, written beside the help of each."""
+"""Costs of the commands: measured CPU-seconds, printed below the help of each."""
 
 import csv
 from functools import cache
@@ -12,7 +12,7 @@ def _costs() -> dict[str, str]:
 
 
 def cost_sentence(verb: str) -> str | None:
-    """Return the cost of a command, from the figures of `benchmarks/command_costs.py`; `None` without a figure.
+    """Return the cost of a command as `benchmarks/command_costs.py` measured it, or `None`.
 
     Parameters
     ----------
