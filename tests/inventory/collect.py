@@ -16,8 +16,8 @@ from typing import Any
 import palpate
 from palpate.cli.app import app
 
-PLUGINS = ("palpate_zaid2024", "palpate_benchmark")
-"""Packages beside this one, which have names that were in `palpate` at the tag `before-restructure`."""
+PLUGINS = () if find_spec("palpate.claims") else ("palpate_zaid2024", "palpate_benchmark")
+"""Packages with names that were in `palpate` at the tag `before-restructure`."""
 
 
 def verbs(part: Any = app, words: tuple[str, ...] = ()) -> Iterator[tuple[str, list[str]]]:
@@ -37,7 +37,7 @@ def public_names() -> Iterator[str]:
     """Public names of the package and of its subpackages."""
     yield from (f"palpate.{name}" for name in palpate.__all__)
     packages = [f"palpate.{path.parent.name}" for path in sorted(Path(palpate.__file__).parent.glob("*/__init__.py"))]
-    packages += [name for name in PLUGINS if find_spec(name)]
+    packages += PLUGINS
     for package in packages:
         yield from (f"{package}.{name}" for name in importlib.import_module(package).__all__)
 
@@ -56,7 +56,7 @@ def registered() -> Iterator[str]:
 
 def claims() -> list[str]:
     """Claims about the paper, by their numbers, from the package that has them."""
-    package = next((name for name in PLUGINS if name.endswith("zaid2024") and find_spec(name)), "palpate.claims")
+    package = PLUGINS[0] if PLUGINS else "palpate.claims"
     return sorted(str(name) for name in importlib.import_module(f"{package}.claim").CLAIMS)
 
 
