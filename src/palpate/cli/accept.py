@@ -108,12 +108,6 @@ def _read(folder: Path, known: GroundTruth, model: Predictor | Twin, unit: Unit)
     from palpate.sensor import check_model, open_sensor, run_sensor
 
     check_model(model, unit, TILT_SPACE)
-    if not known.rest:
-        raise PalpateError(
-            "The table has no image of the unloaded skin.",
-            "Add a row whose press is 'rest' before the other rows.",
-            code="rest-image-missing",
-        )
     sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, _images(folder, known.images)))
     poses = np.array([reading.pose for reading in found])

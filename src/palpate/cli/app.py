@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from typing import Annotated, Any, cast
@@ -43,7 +41,7 @@ _PLUGINS = {
     "benchmark": ("palpate_benchmark", "cli:app", "Make the open data set, score predictions, run baselines."),
     "claims": ("palpate_zaid2024", "cli:claims", "Compare finished studies with the claims of the paper."),
 }
-"""Verb → package beside this one, place in it, and help."""
+"""Verb → package of the plug-in, place in it, and help."""
 _GROUPS = {
     "design": (
         "Show a design, press it, and write the files to build or simulate it.",
@@ -208,7 +206,6 @@ def _call(words: list[str]) -> Any:
     if "--json" in words:
         from palpate.cli.output import keep_inputs
 
-        flags = inspect.BoundArguments(bound.signature, OrderedDict(bound.arguments))
-        flags.apply_defaults()
-        keep_inputs(["palpate", *words], flags.arguments)
+        bound.apply_defaults()
+        keep_inputs(["palpate", *words], bound.arguments)
     return command(*bound.args, **bound.kwargs)

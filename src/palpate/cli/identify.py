@@ -89,12 +89,6 @@ def identify(
     check_folder(files.report)
     robot.check()
     known, unit = read_ground_truth(truth), built.unit(reads.material)
-    if not known.rest:
-        raise PalpateError(
-            "The table has no image of the unloaded skin.",
-            "Add a row whose press is 'rest' before the other rows.",
-            code="rest-image-missing",
-        )
     model = open_model(reads.find(built), unit.design.skin)
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))

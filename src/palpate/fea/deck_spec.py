@@ -1,4 +1,4 @@
-"""What a person may choose about a deck: the input file of another finite-element program."""
+"""Configuration of a deck: the input file of another finite-element program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person may choose about learning from a recording."""
+"""Configuration of a training on a recording."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person may choose about squaring a tool, and about the simulated robot."""
+"""Configuration of an alignment of a tool, and of the simulated robot."""
 
 from __future__ import annotations
 

@@ -226,7 +226,9 @@ def analyse_rest(
     images = list(images)
     if not images:
         raise PalpateError(
-            "There is no image at rest.", "Record the untouched dome first.", code="rest-image-missing"
+            "No image shows the unloaded skin.",
+            "Record one first; in a table of images, its press is 'rest'.",
+            code="rest-image-missing",
         )
     mark = place_orientation_mark(unit.design.skin, unit.design.layout) if unit.has_orientation_mark else None
     pattern = build_pattern(unit.design.layout.positions, build_camera(unit.camera_spec).project, mark)

@@ -1,4 +1,4 @@
-"""What a person may choose about a sensor as a simulator's asset."""
+"""Configuration of the asset of a sensor for a simulator."""
 
 from __future__ import annotations
 

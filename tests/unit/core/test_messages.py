@@ -130,7 +130,7 @@ WITHOUT_VALUE = listed(
     options-exclusive*2 outline-begins-with-curve outline-leaves-axis-aslant picture-missing press-curve-missing
     press-pose-incomplete presses-designs-differ presses-none*3 presses-obstacles-differ presses-share-no-depth
     question-operator-unknown recording-markers-unassigned relaxation-not-falling relaxation-without-law
-    results-missing rest-image-missing*3 rest-markers-on-line*2 rim-touched-first rings-not-printable source-no-image
+    results-missing rest-image-missing rest-markers-on-line*2 rim-touched-first rings-not-printable source-no-image
     template-not-for-pins tracker-no-marker twin-needs-flat-wall video-empty wall-bent-no-facets
     """
 )
