@@ -110,7 +110,7 @@ def test_of_hundreds_of_random_poses_none_is_misnamed_without_a_word(count):
     assert wrong == 0
     assert lost == 0
     assert strayed <= 2  # a false dot nearer to the marker's place than its own dot, both within 0.3 px
-    assert ambiguous <= 20  # of which 12 or so have lost their mark
+    assert ambiguous <= 19  # of which 12 or so have lost their mark
 
 
 def test_in_the_nominal_pose_turn_and_positions_are_those_of_the_camera():
