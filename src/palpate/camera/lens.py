@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -63,10 +64,10 @@ class Lens(ABC):
     def mirrored(self) -> Self:
         """The lens of the same image with left and right exchanged."""
 
-    @property
+    @cached_property
     def coefficients(self) -> tuple[float, ...]:
         """Values of the coefficients, in the order of `parameters`."""
-        return astuple(self)
+        return tuple(getattr(self, one.name) for one in fields(self))
 
     @classmethod
     def parameters(cls) -> tuple[str, ...]:
