@@ -46,7 +46,7 @@ class AccuracySpec:
     Attributes
     ----------
     units, poses
-        Drawn units, and poses of each.
+        Drawn units, and poses of each; 2000 units give the 95th percentile a standard error of 1.3 %, 200 of 4 %.
     min_depth, max_tilt_deg
         Working range, mm and degrees.
     noise_px, scale_noise_by_diameter
@@ -60,7 +60,7 @@ class AccuracySpec:
         Of everything drawn.
     """
 
-    units: int = 200
+    units: int = 2000
     poses: int = 60
     min_depth: float = 2.4
     max_tilt_deg: float = 12.0

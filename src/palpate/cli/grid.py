@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 Directory = Annotated[Path, Parameter(help="Result folder of a study, with its grid.")]
 Where = Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")]
 Sort = Annotated[
-    str | None, Parameter(allow_leading_hyphen=True, help="Column to sort by; a leading minus reverses.")
+    str | None,
+    Parameter(
+        allow_leading_hyphen=True,
+        help="Column to sort by; a leading minus reverses. By default the RMSE as built, otherwise that with jitter.",
+    ),
 ]
 
 
@@ -44,11 +48,11 @@ def plot(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Draw one metric of a grid as PNG and SVG."""
-    from palpate.study import default_metric, plot_grid
+    from palpate.study import plot_grid, ranking_column
 
     grid = _choose(directory, where, None)
     first = {"travel": "travel_mm", "depth": "rmse_deg", "tilt": "rmse_deg"}
-    paths = plot_grid(grid, kind, metric or first.get(kind) or default_metric(grid), out or directory)
+    paths = plot_grid(grid, kind, metric or first.get(kind) or ranking_column(grid.columns), out or directory)
     files = [str(path) for path in paths]
     output.show({"files": files}, *files)
 
@@ -74,7 +78,7 @@ def model(
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="File to write, e.g. best.onnx.")],
     where: Where = None,
-    sort: Sort = "rmse_jitter_deg",
+    sort: Sort = None,
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write the trained estimator of the first design, after filter and sorting, as an ONNX file."""
@@ -101,12 +105,12 @@ def compare(
 
 
 def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
-    """Return the grid of a folder with its designs filtered and sorted."""
-    from palpate.study import filter_rows, read_grid, sort_rows
+    """Return the grid of a folder with its designs filtered and sorted, the best first."""
+    from palpate.study import filter_rows, ranking_column, read_grid, sort_rows
 
     grid = read_grid(directory)
     rows = grid.designs if where is None else filter_rows(grid.designs, where)
-    return grid.select(rows if sort is None else sort_rows(rows, sort))
+    return grid.select(sort_rows(rows, sort or ranking_column(grid.columns)))
 
 
 def _reports(comparison: Comparison, names: tuple[str, str]) -> Iterator[Report | str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -16,17 +17,32 @@ from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
 from palpate.study import (
+    Row,
     StudyResult,
     available_cores,
     check_cluster_address,
+    design_label,
+    design_spec,
     evaluate_grid,
+    grid_column,
     grid_report,
+    ranking_column,
     read_study,
     run_study,
+    sort_rows,
     write_grid,
 )
 
 MOST_WORKERS = 1024
+_PREDICTION_ERROR = 0.02
+"""Relative error of a predicted RMSE compared with 49 presses (docs/design_notes/study.md)."""
+_SIZES = {
+    "height": "height_mm",
+    "base-radius": "base_radius_mm",
+    "thickness": "thickness_mm",
+    "markers": "markers",
+}
+"""Flags of a dome's design, and their columns."""
 
 
 @Parameter(name="*")
@@ -110,13 +126,19 @@ def run(
         result = run_study(chosen, folder, worker_flags.workers, progress, worker_flags.timeout, worker_flags.cluster)
     grid = evaluate_grid(result.designs)
     write_grid(folder, grid)
+    rows = sort_rows(grid.designs, ranking_column(grid.columns))
     output.show(
         {"out": str(folder), **_tally(result), "designs": grid.designs},
-        grid_report(grid.designs, title=chosen.name, file=str(folder / "grid.csv")),
+        grid_report(rows, title=chosen.name, file=str(folder / "grid.csv")),
         f"{_sentence(result)} Results: {folder}",
+        *_describe_best(rows, ranking_column(grid.columns), folder),
     )
     for failure in result.failures:
         print(f"{failure.task}: {failure.reason}", file=sys.stderr)
+    for design in result.designs:
+        if design.clean and design.failure:
+            name = f"{design.design.skin.name}, {len(design.design.layout)} markers"
+            print(f"{name}: {design.failure}", file=sys.stderr)
     return 1 if result.failures else 0
 
 
@@ -131,6 +153,33 @@ def _tally(result: StudyResult) -> dict[str, Any]:
 
 
 def _sentence(result: StudyResult) -> str:
-    made = ", ".join(f"{count} {kind}" for kind, count in result.computed.items()) or "nothing"
-    found = ", ".join(f"{count} {kind}" for kind, count in result.reused.items()) or "nothing"
-    return f"Computed {made}; reused {found}; {result.wall_s:.1f} s."
+    made, found = sum(result.computed.values()), sum(result.reused.values())
+    minutes, seconds = divmod(round(result.wall_s), 60)
+    took = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+    return f"Computed {made} results, reused {found}; {took}."
+
+
+def _describe_best(rows: Sequence[Row], rank: str, folder: Path) -> Iterator[str]:
+    """Sentences on the best design, its uncertainty and the next step; `rows` are sorted by `rank`."""
+    values = [float(value) for row in rows if (value := row.get(rank)) is not None]  # those without one are last
+    if not values:
+        return
+    best, column, built = rows[0], grid_column(rank), rank == "built_rmse_deg"
+    after = f", {best['calibrated_rmse_deg']:.2g}° after {best['calibration_presses']} presses" if built else ""
+    unit = "°" if column.measure == "°" else f" {column.measure}"
+    yield f"Best design: {design_label(best)}: {column.title} {values[0]:.2g}{unit}{after}."
+    spread = float(best.get("rmse_spread_deg") or 0.0) / float(best.get("rmse_deg") or 1.0)
+    known = _PREDICTION_ERROR if built else spread
+    count = sum(value <= (1 + known) * values[0] for value in values)
+    equal = [design_label(row) for row in rows[1:count]]
+    others = f"; equal within it: {'; '.join(equal)}" if equal else "; no other design is within it"
+    yield (
+        f"Uncertainty of this figure: {100 * known:.0f} %{others}."
+        if known
+        else "Its uncertainty is unknown, since each design is trained once: the preset `best` repeats trainings."
+    )
+    if "skin" in design_spec(best):
+        yield f"Next: `palpate view {folder}` shows its presses."
+        return
+    sizes = " ".join(f"--{name} {best[column]:g}" for name, column in _SIZES.items())
+    yield f"Next: `palpate design make {sizes} --out NAME` writes molds; `palpate view {folder}` shows presses."

@@ -11,7 +11,16 @@ from palpate.study.draw_grid import write_picture
 from palpate.study.evaluate_grid import evaluate_grid
 from palpate.study.export_asset import check_asset, describe_asset, export_asset
 from palpate.study.export_grid import export_grid, grid_report, html_rows
-from palpate.study.grid import Cell, Row, SpecificationGrid, design_label, design_spec, own_column, rows_for_design
+from palpate.study.grid import (
+    Cell,
+    Row,
+    SpecificationGrid,
+    design_label,
+    design_spec,
+    own_column,
+    ranking_column,
+    rows_for_design,
+)
 from palpate.study.grid_columns import MAIN_COLUMNS, grid_column
 from palpate.study.grid_io import is_grid, read_grid, write_grid
 from palpate.study.grid_model import copy_model
@@ -21,7 +30,6 @@ from palpate.study.panel import cut_depth_panels, cut_marker_panels, cut_panels,
 from palpate.study.plan import plan_study
 from palpate.study.plot_grid import (
     check_plot_request,
-    default_metric,
     draw_grid,
     draw_plot,
     plot_file_name,
@@ -74,7 +82,6 @@ __all__ = [
     "cut_marker_panels",
     "cut_panels",
     "cut_tilt_panels",
-    "default_metric",
     "describe_asset",
     "design_label",
     "design_spec",
@@ -99,6 +106,7 @@ __all__ = [
     "plan_twin",
     "plot_file_name",
     "plot_grid",
+    "ranking_column",
     "read_grid",
     "read_spec",
     "read_study",

@@ -12,7 +12,7 @@ from typing import Any
 
 from palpate.calibration import AccuracySpec, PredictedAccuracy, ToleranceSpec, predict_accuracy
 from palpate.core import ArtefactStore, PalpateError, Recipe, atomic_write, stage_version
-from palpate.design import Design, SkinSpec
+from palpate.design import Design, SkinSpec, Symmetry
 from palpate.fea import Branch, WallSpec, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import AsBuiltSpec, Study
@@ -27,6 +27,8 @@ from palpate.surrogate import (
     write_twin,
 )
 
+_PREDICTION_TILTS = 3
+"""Tilts of the presses from which the accuracy of built units is predicted."""
 _SHARE, _INVERTED_SHARE = 0.5, 0.25
 """Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
 _TURN_DEG = 77.0
@@ -117,14 +119,52 @@ def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
     return tuple(PredictedAccuracy(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
 
 
+def predicted_presses(study: Study, skin: SkinSpec) -> tuple[PressTask, ...]:
+    """Presses with derivatives for the predicted accuracy of built units of a skin.
+
+    Three of the study's tilts under each contact law of `AsBuiltSpec.prediction_contacts`. Empty without a
+    prediction: if `built` is null, or left to its default and the skin is not of revolution, the obstacle is not a
+    wall, or the study has fewer than three tilts from 0.
+
+    Raises
+    ------
+    PalpateError
+        If `built` is given, and the skin or the obstacle has no twin.
+    """
+    tilts = study.tilts_deg
+    if study.built is None:
+        return ()
+    if "built" in study.model_fields_set:
+        _refuse_without_twin(study, skin)
+    if (
+        skin.build().symmetry is not Symmetry.REVOLVED
+        or skin.build().hole
+        or not isinstance(study.obstacle, WallSpec)
+        or len(tilts) < _PREDICTION_TILTS
+        or tilts[0] != 0.0
+    ):
+        return ()
+    middle = min(tilts[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
+    few = study.model_copy(update={"tilts_deg": (0.0, middle, tilts[-1])})
+    return tuple(_plan_presses(few, skin, study.built.prediction_contacts, 1.0))
+
+
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
-    """The twin of one skin of a study.
+    """The twin of one skin of a study, for reading images.
 
     Raises
     ------
     PalpateError
         If the skin is no body of revolution, or the obstacle is no wall.
     """
+    _refuse_without_twin(study, skin)
+    asked = study.built or AsBuiltSpec()
+    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
+    presses = tuple(_plan_presses(study, skin, asked.contacts, _SHARE))
+    return TwinTask(presses, inverted, tuple(_plan_checks(study, skin, asked)))
+
+
+def _refuse_without_twin(study: Study, skin: SkinSpec) -> None:
     skin.build().require_revolution(
         "a twin has one press a tilt for all azimuths",
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
@@ -136,9 +176,6 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
             "Leave the obstacle out, or train an estimator for it: `palpate run`.",
             code="twin-needs-wall",
         )
-    asked = study.built or AsBuiltSpec()
-    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
-    return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
 
 
 def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
@@ -151,13 +188,14 @@ def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
     return AccuracyTask(twin, design, asked.tolerance, tuple(specs))
 
 
-def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
+def _plan_presses(study: Study, skin: SkinSpec, contacts: Sequence[str | float], share: float) -> Iterator[PressTask]:
+    """Presses with derivatives at every tilt and contact law; `share` shortens the step of the images."""
     slippery = study.obstacle.contact == "frictionless"
     filled = study.material.mesh(study.mesh).filled
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
-    for contact in (study.obstacle.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
+    for contact in (study.obstacle.contact,) if slippery else contacts:
         for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.obstacle.depth_step}
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": share * study.obstacle.depth_step}
             yield PressTask(
                 design=study.design(skin),
                 mesh=study.material.mesh(study.mesh),

@@ -44,8 +44,8 @@ def collect_designs(
     paths = {key: store.find(recipe) for key, recipe in recipes.items()}
     presses = {key: _summarise_press(path) for key, path in paths.items() if path is not None}
     known = _Known(store, outcomes, presses, _versions(), seed)
-    built, forces = plan.built or (None,) * len(tasks), plan.forces or (None,) * len(tasks)
-    return tuple(_collect_design(*design, known) for design in zip(tasks, built, forces, strict=True))
+    forces = plan.forces or (None,) * len(tasks)
+    return tuple(_collect_design(*design, known) for design in zip(tasks, plan.built, forces, strict=True))
 
 
 def collect_bounds(
@@ -105,8 +105,17 @@ def _collect_design(
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
         built=read_accuracy(foreseen) if foreseen else (),
-        failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),
+        failure=_unpredicted(built, foreseen, known)
+        if tally
+        else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )
+
+
+def _unpredicted(built: AccuracyTask | None, found: Path | None, known: _Known) -> str:
+    """Reason why the predicted accuracy is missing; empty if it exists or was not planned."""
+    if built is None or found is not None:
+        return ""
+    return f"no prediction as built: {_reason((*built.twin.dependencies, built.twin, built), known.outcomes)}"
 
 
 def _versions() -> dict[str, str]:

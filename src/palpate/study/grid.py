@@ -30,6 +30,12 @@ def own_column(columns: Container[str], column: str) -> str:
     return offset if column not in columns and column.endswith("_deg") and offset in columns else column
 
 
+def ranking_column(columns: Container[str]) -> str:
+    """Column for the rank of designs: the predicted RMSE as built, otherwise that of trained networks."""
+    names = ("built_rmse_deg", "rmse_jitter_deg", "rmse_jitter_mm", "rmse_deg", "rmse_mm")
+    return next((name for name in names if name in columns), "rmse_deg")
+
+
 UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 
 

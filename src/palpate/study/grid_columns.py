@@ -14,14 +14,14 @@ built_rmse_deg | angle RMSE as built | RMSE of the contact angle, built units
 built_p95_deg | 95th percentile as built | 95th percentile over built units of the maximum angle error
 calibrated_rmse_deg | angle RMSE, calibrated | RMSE of the contact angle, calibrated units
 calibrated_p95_deg | 95th percentile, calibrated | 95th percentile over calibrated units of the maximum angle error
-rmse_deg | angle RMSE | RMSE of the contact angle, clean images
-max_error_deg | maximum angle error | Maximum error of the contact angle, clean images
 rmse_jitter_deg | angle RMSE with jitter | RMSE of the contact angle, jittered images
 max_error_jitter_deg | maximum angle error with jitter | Maximum error of the contact angle, jittered images
-rmse_mm | offset RMSE | RMSE of the offset, clean images
-max_error_mm | maximum offset error | Maximum error of the offset, clean images
+rmse_deg | angle RMSE | RMSE of the contact angle, clean images
+max_error_deg | maximum angle error | Maximum error of the contact angle, clean images
 rmse_jitter_mm | offset RMSE with jitter | RMSE of the offset, jittered images
 max_error_jitter_mm | maximum offset error with jitter | Maximum error of the offset, jittered images
+rmse_mm | offset RMSE | RMSE of the offset, clean images
+max_error_mm | maximum offset error | Maximum error of the offset, clean images
 rmse_spread_deg | RMSE spread | Standard deviation of the RMSE over the repeats, clean images
 rmse_depth_mm | depth RMSE | RMSE of the depth, clean images
 bound_deg | least-squares bound | Least-squares bound of the contact angle, jittered images
@@ -48,14 +48,13 @@ failure | failure | Reason why figures are missing
 """Name, heading and meaning of each column, in the order of the tables."""
 _DECIDING = {
     *("height_mm", "thickness_mm", "markers", "built_rmse_deg", "built_p95_deg"),
-    *("rmse_deg", "max_error_deg", "rmse_jitter_deg", "rmse_mm", "max_error_mm", "rmse_jitter_mm"),
+    *("calibrated_rmse_deg", "calibrated_p95_deg", "rmse_jitter_deg", "rmse_deg", "rmse_jitter_mm", "rmse_mm"),
 }
 _FORMS = {"peak_stress_mpa": ".4f", "peak_stress_straight_mpa": ".4f"}
 _COLUMNS = {
     name: Column(name, heading, None, _FORMS.get(name, ""), meaning, name in _DECIDING, name == "failure")
     for name, heading, meaning in (line.split(" | ") for line in _WORDS.split("\n") if line)
 }
-_PREDICTED = tuple(name for name in _COLUMNS if name.startswith(("built_", "calibrated_")))
 _DETAILS = (
     *("base_radius_mm", "shape", "rmse_depth_mm", "bound_pitman_deg", "interval_half_width_deg"),
     *("peak_stress_straight_mpa", "presses", "presses_inverted", "dropped", "ended", "seed", "failure"),
@@ -63,7 +62,7 @@ _DETAILS = (
 _CURVES = ("bound_floor_deg", "displacement_mean_straight_mm")
 MAIN_COLUMNS = tuple(name for name in _COLUMNS if name not in (*_DETAILS, *_CURVES))
 """Names of the main columns."""
-CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in (*_PREDICTED, *_CURVES))
+CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in _CURVES)
 """Columns of a design in CSV, behind its name. SQLite, JSON and Parquet have all."""
 
 

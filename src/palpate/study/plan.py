@@ -17,7 +17,7 @@ from palpate.design import (
     raise_on_errors,
 )
 from palpate.fea import Branch
-from palpate.study.accuracy_task import AccuracyTask, plan_accuracy, plan_twin
+from palpate.study.accuracy_task import AccuracyTask, TwinTask, plan_accuracy, plan_twin, predicted_presses
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, EvaluationTask, PressTask, Task
@@ -32,24 +32,20 @@ class Plan:
     designs
         The last task of each design; it depends on the others.
     built
-        What foresees built units of each design; empty where the study does not ask for it.
+        Predicted accuracy of built units of each design; `None` without a prediction.
     forces
         What adds forces to each design's estimator; empty likewise.
     """
 
     designs: tuple[EvaluationTask, ...]
-    built: tuple[AccuracyTask, ...] = ()
+    built: tuple[AccuracyTask | None, ...]
     forces: tuple[ForceTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
         return with_dependencies(
-            [*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)]
+            [*self.designs, *filter(None, self.built), *self.forces, *(design.inverted for design in self.designs)]
         )
-
-    def built_tasks(self) -> tuple[Task, ...]:
-        """What foresees built units, each once, after those it needs."""
-        return with_dependencies(self.built)
 
     def read_at_the_end(self) -> tuple[Task, ...]:
         """The tasks whose artefacts the records of the designs are read from, each once."""
@@ -57,7 +53,7 @@ class Plan:
         for design in self.designs:
             for task in (*design.dataset.presses, design.inverted, design.bound, design):
                 unique.setdefault(task.recipe.key, task)
-        for more in (*self.built, *self.forces):
+        for more in (*filter(None, self.built), *self.forces):
             unique.setdefault(more.recipe.key, more)
         return tuple(unique.values())
 
@@ -84,9 +80,13 @@ def plan_study(study: Study) -> Plan:
     designs, built = [], []
     for skin in study.designs.skins():
         _refuse_unfit(study, skin.build())
-        presses = tuple(_plan_presses(study, skin))
+        predicted = predicted_presses(study, skin)
+        shared = {(press.obstacle.contact, press.obstacle.radial): press for press in predicted}
+        presses = tuple(
+            shared.get((press.obstacle.contact, press.obstacle.radial), press) for press in _plan_presses(study, skin)
+        )
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
-        twin = plan_twin(study, skin) if study.built else None
+        twin = TwinTask(predicted) if predicted else None
         straight = min(presses, key=lambda press: press.obstacle.radial)
         # a filled skin has one state; of a barrel only the one pressed from rest is followed
         alone = study.material.gel or skin.build().hole
@@ -95,10 +95,27 @@ def plan_study(study: Study) -> Plan:
             design = study.design(skin, check_markers(skin, given))
             dataset = DatasetTask(presses, design, study.dataset, relatives)
             designs.append(EvaluationTask(dataset=dataset, spec=study.learning, inverted=inverted))
-            if twin is not None:
-                built.append(plan_accuracy(study, twin, design))
+            built.append(plan_accuracy(study, twin, design) if twin else None)
     forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
+
+
+def plan_reading_twins(study: Study) -> tuple[AccuracyTask, ...]:
+    """Plan the twins of a study and the accuracy predicted from them.
+
+    Raises
+    ------
+    PalpateError
+        If a design cannot be built, or a skin or obstacle has no twin.
+    """
+    study = study.seeded()
+    found = []
+    for skin in study.designs.skins():
+        _refuse_unfit(study, skin.build())
+        twin = plan_twin(study, skin)
+        for markers in study.designs.markers:
+            found.append(plan_accuracy(study, twin, study.design(skin, check_markers(skin, markers))))
+    return tuple(found)
 
 
 def _refuse_unfit(study: Study, skin: Skin) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.core import PalpateError, atomic_write_into
-from palpate.study.grid import SpecificationGrid, own_column
+from palpate.study.grid import SpecificationGrid, own_column, ranking_column
 from palpate.study.grid_columns import grid_column
 from palpate.study.grid_query import check_column
 from palpate.study.panel import (
@@ -74,15 +74,9 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     return tuple(directory / name for name in names)
 
 
-def default_metric(grid: SpecificationGrid) -> str:
-    """What a person sees first: errors of units as built where they were foreseen, else those of clean images."""
-    names = ("built_rmse_deg", "rmse_deg", "rmse_mm")
-    return next((name for name in names if name in grid.columns), "rmse_deg")
-
-
 def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
     """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
-    metric = own_column(grid.columns, metric or default_metric(grid))
+    metric = own_column(grid.columns, metric or ranking_column(grid.columns))
     check_plot_request(grid, kind, metric)
     return draw_plot(grid, kind, metric)
 

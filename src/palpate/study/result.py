@@ -109,9 +109,9 @@ class DesignResult:
     spec
         What was chosen about press, camera, dataset and learning, as JSON data by stage; seeds among it.
     built
-        What built units will be, before and after known presses; empty where it was not asked, or there is no twin.
+        Predicted accuracy of built units, before and after calibration presses; may be empty.
     failure
-        Why there is no result; empty where there is one.
+        Reason for a missing result or prediction; empty otherwise.
     """
 
     design: Design

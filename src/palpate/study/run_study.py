@@ -15,7 +15,6 @@ from pathlib import Path
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, wrap_write_errors
 from palpate.core.run import LocalWorkers, Outcome, Progress, Status, WorkerPool
 from palpate.learn import find_device
-from palpate.study.accuracy_task import export_twins
 from palpate.study.available import default_workers
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_bounds, collect_designs
@@ -79,14 +78,16 @@ def run_study(
     run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
-    made = {built.design.skin_spec: run.store.find(built.twin.recipe) for built in plan.built}
-    export_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
     names = {task.recipe.key: task.name for task in run.tasks}
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(
         name=study.name,
         designs=collect_designs(plan, run.store, outcomes, study.seed),
-        failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
+        failures=tuple(
+            TaskFailure(names[key], how.reason)
+            for key, how in outcomes.items()
+            if how.reason and kinds[key] not in ("twin", "built")  # of these the design says why
+        ),
         computed=Counter(kinds[key] for key, how in outcomes.items() if how.value is Made.MADE),
         reused=Counter(kinds[key] for key in run.made | run.found()),
         wall_s=time.perf_counter() - started,

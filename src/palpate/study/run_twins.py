@@ -1,4 +1,4 @@
-"""Twins of a study's designs, and how good their units will be: presses, no training."""
+"""Twins of a study's designs and the accuracy predicted from them, without training."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from palpate.calibration import PredictedAccuracy
 from palpate.core.run import Progress
 from palpate.design import Design
 from palpate.study.accuracy_task import AccuracyTask, read_accuracy
-from palpate.study.plan import plan_study
+from palpate.study.plan import plan_reading_twins, with_dependencies
 from palpate.study.run_study import Run, WorkerOptions, ensure_writable
-from palpate.study.study import AsBuiltSpec, Study
+from palpate.study.study import Study
 from palpate.study.task import find_artefact
 
 
@@ -40,10 +40,9 @@ class DesignAccuracy:
 def run_twins(
     study: Study, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> tuple[DesignAccuracy, ...]:
-    """Press every skin of a study under all frictions, make its twin, and foresee its units.
+    """Press every skin of a study under all frictions, make its twin, and predict the accuracy of its units.
 
-    What an earlier run left in ``out/store`` is used. Parameters are those of `palpate.study.run_study`; without a
-    ``built`` of its own the study takes that of `AsBuiltSpec`.
+    What an earlier run left in ``out/store`` is used. Parameters are those of `palpate.study.run_study`.
 
     Returns
     -------
@@ -55,12 +54,12 @@ def run_twins(
     PalpateError
         If a design cannot be built, or the folder cannot be written.
     """
-    plan = plan_study(study.model_copy(update={"built": study.built or AsBuiltSpec()}))
-    run = Run(ensure_writable(out), plan.built_tasks(), WorkerOptions(workers), progress)
+    built = plan_reading_twins(study)
+    run = Run(ensure_writable(out), with_dependencies(built), WorkerOptions(workers), progress)
     run.run()
-    run.verify_outputs((*plan.built, *{task.twin.recipe.key: task.twin for task in plan.built}.values()))
+    run.verify_outputs((*built, *{task.twin.recipe.key: task.twin for task in built}.values()))
     run.write_failures()
-    return tuple(_collect(run, task) for task in plan.built)
+    return tuple(_collect(run, task) for task in built)
 
 
 def _collect(run: Run, task: AccuracyTask) -> DesignAccuracy:

@@ -137,10 +137,15 @@ class MaterialSpec(Spec):
 class AsBuiltSpec(Spec):
     """Settings of the predicted accuracy of built units, and of the presses of the twin of each skin."""
 
+    prediction_contacts: tuple[Contact, ...] = parameter(
+        ("no-slip", 1.2, 0.5),
+        unit="1",
+        meaning="contact laws of the presses for the prediction, unless the study's wall is frictionless",
+    )
     contacts: tuple[Contact, ...] = parameter(
         ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2),
         unit="1",
-        meaning="contact laws of the twin's presses, unless the study's wall is frictionless",
+        meaning="contact laws of the presses of a twin that reads images, unless the study's wall is frictionless",
     )
     calibration_presses: int = parameter(
         5, unit="1", meaning="calibration presses of each unit in the second figures", ge=1, le=100
@@ -205,8 +210,8 @@ class Study(Spec):
         unit="",
         meaning="whether trained networks tell the force on the wall as well, by presses of the design",
     )
-    built: AsBuiltSpec | None = None
-    """Whether built units are foreseen as well; takes some minutes a skin."""
+    built: AsBuiltSpec | None = AsBuiltSpec()
+    """Settings of the predicted accuracy of built units; null: no prediction."""
 
     @field_validator("tilts_deg", "offsets_mm")
     @classmethod
@@ -262,7 +267,7 @@ class Study(Spec):
         if self.obstacle.pose_space.is_tilt:
             return self
         given = {
-            "built": self.built is not None,
+            "built": self.built is not None and "built" in self.model_fields_set,
             "forces": self.forces,
             "dataset.max_tilt_deg": "max_tilt_deg" in self.dataset.model_fields_set,
         }

@@ -27,8 +27,8 @@ _WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
 """Change of thickness (mm), bend (1/m), drift (mm) and twist (degrees) for which the modes are made."""
 _LOST_MM = 1.2e-3
 """Root mean square over all presses, mm, of what all modes that are left out may carry."""
-_FEWEST = 4
-"""Tilts, depths, or frictions where there are several, that a cubic spline needs."""
+_FEWEST, _FEWEST_DEPTHS = 3, 4
+"""Tilts, and frictions where there are several; depths. Three tilts and their mirror images are five."""
 
 
 def twin_derivatives(filled: bool) -> tuple[str, ...]:
@@ -63,11 +63,11 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     depths = _depths(table, 0.0)
     flat = _interpolate(table, (slips, tilts, depths))
     standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.obstacle.radial)))
-    if len(standing) < _FEWEST:
+    if len(standing) <= _FEWEST:
         return flat
     first = max(float(press.depth[0]) for press in standing)
     depths = _depths(standing, first)
-    if len(depths) < _FEWEST:
+    if len(depths) < _FEWEST_DEPTHS:
         return flat
     tilts = np.array([press.obstacle.radial for press in standing])
     return replace(flat, inverted=_interpolate(standing, (np.zeros(1), tilts, depths)))
@@ -204,7 +204,7 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
         )
     step, deepest = steps.pop(), max(_reach(press) for press in presses)
     begin, count = int(np.ceil((first - SAME_DEPTH_MM) / step)), int((deepest + SAME_DEPTH_MM) / step)
-    if not first and count < _FEWEST:
+    if not first and count < _FEWEST_DEPTHS:
         raise PalpateError(
             f"{count} images down to {deepest:.2f} mm do not make a twin.",
             "Press deeper, or in shorter steps.",

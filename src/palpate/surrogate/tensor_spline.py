@@ -40,7 +40,7 @@ class TensorSpline:
 def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArray) -> TensorSpline:
     """Spline through values (n_0, n_1, n_2, m) over the rising places (n_i,) of each axis.
 
-    An axis needs four places, or one alone, over which nothing changes.
+    An axis needs four places; through three goes a parabola, and over one alone nothing changes.
     """
     knots, found = [], np.asarray(values, float)
     for axis, places in enumerate(axes):
@@ -49,6 +49,12 @@ def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArr
             knots.append(np.repeat(ends, DEGREE + 1))
             found = np.repeat(found, DEGREE + 1, axis=axis)
             continue
+        if len(places) == DEGREE:  # the parabola through three places, as a cubic through four
+            parabola, places = (
+                make_interp_spline(places, found, k=2, axis=axis),
+                np.linspace(places[0], places[-1], 4),
+            )
+            found = parabola(places)
         spline = make_interp_spline(places, found, k=DEGREE, axis=axis)
         knots.append(np.asarray(spline.t, float))
         found = np.moveaxis(spline.c, 0, axis) if axis else spline.c

@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from palpate.core import PalpateError
-from palpate.study import SpecificationGrid, filter_rows
+from palpate.study import SpecificationGrid, filter_rows, ranking_column
 
 
 class ColourQuantity(StrEnum):
@@ -95,10 +95,9 @@ def read_link(query: Mapping[str, str], grid: SpecificationGrid) -> tuple[View, 
 def first_view(grid: SpecificationGrid) -> View:
     """What a grid shows first: the best design, its error over all heights and thicknesses."""
     known = numeric_columns(grid)
-    metric = next(
-        (name for name in ("built_rmse_deg", "rmse_jitter_deg", "rmse_jitter_mm", "rmse_deg") if name in known),
-        known[0],
-    )
+    metric = ranking_column(known)
+    if metric not in known:
+        metric = known[0]
     across = next((name for name in ("force_n", "height_mm") if name in known), known[0])
     pressed = [i for i, row in enumerate(grid.designs) if row.get("press_key") and row.get(metric) is not None]
     best = min(pressed, key=lambda i: float(grid.designs[i][metric] or 0.0), default=0)

@@ -13,7 +13,7 @@ from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.sensor import Unit, open_model
 from palpate.simulation import SimulatedSource, sample_presses
-from palpate.study import design_label
+from palpate.study import design_label, ranking_column
 from palpate.surrogate import twin_path
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.live import Live, open_live, open_recorded_live
@@ -84,7 +84,8 @@ class DesignOpening(LiveOpening):
 
     def build(self) -> None:
         names = {i: design_label(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
-        best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
+        rank = ranking_column(self._rows[0]) if self._rows else ""
+        best = min(names, key=lambda i: float(self._rows[i].get(rank) or math.inf), default=None)
         self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
         self._design.props(_FIELD + ' data-testid="unit"').classes("wide")
         self._source = self._build_sources((_VIRTUAL,))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from palpate.core import ArtefactStore
-from palpate.study import Study, default_metric, evaluate_grid, run_twins
+from palpate.study import Study, evaluate_grid, ranking_column, run_tasks, run_twins
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
 
@@ -35,17 +35,23 @@ def test_built_units_are_foreseen_without_training(folder: Path) -> None:
     assert many.accuracies[0].rmse_deg < many.accuracies[0].p95_deg < 2.0
 
 
-def test_they_are_the_first_columns_and_the_first_picture_of_the_grid(folder: Path) -> None:
+def test_few_presses_predict_the_accuracy_in_the_first_columns_and_pictures_of_a_grid(folder: Path) -> None:
     found = run_twins(STUDY, folder, workers=1)
-    grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
-    assert [row["built_rmse_deg"] for row in grid.designs] == [design.accuracies[0].rmse_deg for design in found]
+    plan = plan_study(STUDY)
+    assert run_tasks(folder, [task for task in plan.built if task], workers=1) == {}
+    grid = evaluate_grid(collect_designs(plan, ArtefactStore(folder / "store"), {}, seed=0))
+    assert len(plan.built[0].twin.presses) == 3  # without friction
+    for column, known in (("built", 0), ("calibrated", 1)):
+        for figure, wide in (("rmse_deg", 0.03), ("p95_deg", 0.04)):
+            expected = [getattr(design.accuracies[known], figure) for design in found]
+            assert [row[f"{column}_{figure}"] for row in grid.designs] == pytest.approx(expected, rel=wide)
     assert grid.columns.index("calibrated_p95_deg") < grid.columns.index("rmse_deg")
-    assert default_metric(grid) == "built_rmse_deg"
+    assert ranking_column(grid.columns) == "built_rmse_deg"
 
 
-def test_a_study_that_does_not_ask_has_no_such_columns() -> None:
+def test_a_study_without_a_prediction_has_no_such_columns() -> None:
     plan = plan_study(STUDY.model_copy(update={"built": None}))
-    assert plan.built == ()
+    assert plan.built == (None, None)
     assert not any(task.recipe.kind in ("twin", "built") for task in plan.tasks())
 
 

@@ -25,7 +25,7 @@ def test_csv_holds_the_columns_that_decide_and_the_tables_beside(tmp_path):
 def test_markdown_is_a_table_for_people(tmp_path):
     export_grid(tmp_path / "g.md", GRID)
     head, rule, first, second = (tmp_path / "g.md").read_text().splitlines()
-    assert head.startswith("| height (mm) | thickness (mm) | markers | angle RMSE (°) |")
+    assert head.startswith("| height (mm) | thickness (mm) | markers | angle RMSE with jitter (°) |")
     assert len({line.count("|") for line in (head, rule, first, second)}) == 1
     assert "–" in second
 

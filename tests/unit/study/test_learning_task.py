@@ -58,7 +58,7 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=0.01)
     task.make(store)
-    (design,) = collect_designs(Plan((task,)), store, {}, seed=0)
+    (design,) = collect_designs(Plan((task,), (None,)), store, {}, seed=0)
     assert design.clean is not None
     assert design.clean.rmse_deg < 0.1
     assert design.bounds[0].floor_deg == 0.01
@@ -82,7 +82,7 @@ def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=3.0)
     (design,) = collect_designs(
-        Plan((task,)), store, {task.recipe.key: run_call(run_task, (task, store), Progress())}, seed=0
+        Plan((task,), (None,)), store, {task.recipe.key: run_call(run_task, (task, store), Progress())}, seed=0
     )
     assert design.failure.startswith("Leakage")
     assert design.clean is design.jittered is None

@@ -27,7 +27,10 @@ def kinds_changed(**choices: object) -> set[str]:
 def test_first_shares_its_presses_between_layouts() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("first")).tasks()]
     counts = {kind: kinds.count(kind) for kind in kinds}
-    assert counts == {"press": 14, "dataset": 8, "limit": 8, "estimator": 8, "learning": 8, "inverted": 2}
+    assert counts == {
+        **{"press": 14 + 2 * 6, "inverted": 2, "twin": 2},
+        **dict.fromkeys(("dataset", "limit", "estimator", "learning", "built"), 8),
+    }
 
 
 def test_limits_need_presses_and_nothing_else() -> None:
@@ -35,9 +38,21 @@ def test_limits_need_presses_and_nothing_else() -> None:
     assert {kind: kinds.count(kind) for kind in kinds} == {"press": 14, "limit": 8}
 
 
-def test_paper_needs_84_presses_for_48_designs() -> None:
+def test_paper_needs_84_presses_for_48_designs_and_72_for_the_prediction() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("paper")).tasks()]
-    assert (kinds.count("press"), kinds.count("learning")) == (84, 48)
+    assert (kinds.count("press"), kinds.count("learning")) == (84 + 72, 48)
+    unpredicted = plan_study(read_study("paper").model_copy(update={"built": None})).tasks()
+    assert [task.recipe.kind for task in unpredicted].count("press") == 84
+
+
+def test_a_prediction_adds_derivatives_to_presses_of_the_study() -> None:
+    plan = plan_study(Study(name="a"))
+    predicted, own = plan.built[0].twin.presses, plan.designs[0].dataset.presses
+    shared = [press.obstacle.radial for press in own if press in predicted]
+    assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 6.0, 12.0]
+    assert [
+        len(plan_study(Study(name="a", tilts_deg=tilts)).tasks()) for tilts in ((0, 4), (0, 4, 8), (2, 4, 8))
+    ] == [*(2 + 5, 3 + 6 + 7, 3 + 5)]
 
 
 def test_every_task_comes_after_those_it_needs() -> None:
@@ -124,7 +139,7 @@ def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
     gel = Study(name="gel", material={"gel": "neo-hooke:0.001"}, designs={"heights": [20], "thicknesses": [1]})
     tasks = plan_study(gel).tasks()
     presses = [task for task in tasks if isinstance(task, PressTask)]
-    assert len(presses) == len(gel.tilts_deg)
+    assert len(presses) == len(gel.tilts_deg) + 6
     assert all(press.mesh.filled and press.design.material.gel is not None for press in presses)
     hollow = plan_study(gel.model_copy(update={"material": MaterialSpec()}))
     assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
