@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,12 @@ from palpate.surrogate import (
 
 _PREDICTION_TILTS = 3
 """Tilts of the presses from which the accuracy of built units is predicted."""
-_SHARE, _INVERTED_SHARE = 0.5, 0.25
-"""Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
+_TILT_STEP_DEG = 4.0
+"""Maximum step between the tilts of a twin (docs/design_notes/surrogate.md)."""
+_FEWEST_IMAGES = 6
+"""Number of images of a press of a twin below which their step is halved."""
+_CHECK_SHARE, _INVERTED_SHARE = 0.5, 0.25
+"""Image step of validation presses and of the inverted branch over that of the study; the latter changes quickly."""
 _TURN_DEG = 77.0
 """Direction of the first check; the others are as far on."""
 _ROUND = 2
@@ -144,9 +149,18 @@ def predicted_presses(study: Study, skin: SkinSpec) -> tuple[PressTask, ...]:
         or tilts[0] != 0.0
     ):
         return ()
-    middle = min(tilts[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
-    few = study.model_copy(update={"tilts_deg": (0.0, middle, tilts[-1])})
-    return tuple(_plan_presses(few, skin, study.built.prediction_contacts, 1.0))
+    middle = min(_twin_tilts(tilts)[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
+    return tuple(_plan_presses(study, skin, (0.0, middle, tilts[-1]), study.built.prediction_contacts))
+
+
+def _twin_tilts(tilts: Sequence[float]) -> tuple[float, ...]:
+    """The tilts of a study that a twin needs: steps of at most 4 degrees, but four tilts or all."""
+    found = [tilts[0]]
+    for tilt, following in pairwise(tilts):
+        if following - found[-1] > _TILT_STEP_DEG and tilt > found[-1]:
+            found.append(tilt)
+    found.append(tilts[-1])
+    return tuple(found) if len(found) > _PREDICTION_TILTS else tuple(tilts)
 
 
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
@@ -160,7 +174,7 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     _refuse_without_twin(study, skin)
     asked = study.built or AsBuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
-    presses = tuple(_plan_presses(study, skin, asked.contacts, _SHARE))
+    presses = tuple(_plan_presses(study, skin, _twin_tilts(study.tilts_deg), asked.contacts))
     return TwinTask(presses, inverted, tuple(_plan_checks(study, skin, asked)))
 
 
@@ -188,14 +202,18 @@ def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
     return AccuracyTask(twin, design, asked.tolerance, tuple(specs))
 
 
-def _plan_presses(study: Study, skin: SkinSpec, contacts: Sequence[str | float], share: float) -> Iterator[PressTask]:
-    """Presses with derivatives at every tilt and contact law; `share` shortens the step of the images."""
+def _plan_presses(
+    study: Study, skin: SkinSpec, tilts: Sequence[float], contacts: Sequence[str | float]
+) -> Iterator[PressTask]:
+    """Presses with derivatives at every tilt and contact law; their images are those of the study or between them."""
+    step = study.obstacle.depth_step
+    step *= 1.0 if study.obstacle.depth >= _FEWEST_IMAGES * step else 0.5
     slippery = study.obstacle.contact == "frictionless"
     filled = study.material.mesh(study.mesh).filled
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
     for contact in (study.obstacle.contact,) if slippery else contacts:
-        for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": share * study.obstacle.depth_step}
+        for tilt_deg in tilts:
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": step}
             yield PressTask(
                 design=study.design(skin),
                 mesh=study.material.mesh(study.mesh),
@@ -205,12 +223,16 @@ def _plan_presses(study: Study, skin: SkinSpec, contacts: Sequence[str | float],
 
 
 def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[PressTask]:
-    """Presses between those of the twin, in other directions, spread over its tilts and frictions."""
+    """Presses between those of the twin, in other directions, spread over its tilts and frictions.
+
+    Their images are between those of the twin, too.
+    """
     slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
     for number in range(asked.checks):
         share = (number + 0.5) / asked.checks
-        tilt, slip = (_between(values, share) for values in (study.tilts_deg, slips))
-        changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": _TURN_DEG * (number + 1)}
+        tilt, slip = (_between(values, share) for values in (_twin_tilts(study.tilts_deg), slips))
+        turn_deg, step = _TURN_DEG * (number + 1) % 360.0, _CHECK_SHARE * study.obstacle.depth_step
+        changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": turn_deg, "depth_step": step}
         if study.obstacle.contact != "frictionless":
             changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
         yield PressTask(
@@ -230,7 +252,7 @@ def _between(values: Sequence[float], share: float) -> float:
 def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
-    for tilt_deg in study.tilts_deg:
+    for tilt_deg in _twin_tilts(study.tilts_deg):
         changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
         yield PressTask(
             design=study.design(skin),

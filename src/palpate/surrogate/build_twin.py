@@ -50,7 +50,7 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     Returns
     -------
     Twin
-        Of the flat branch, and of the other where it exists under four tilts and at four depths.
+        Of the flat branch, and of the other where it exists under three tilts and at four depths.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     depths = _depths(table, 0.0)
     flat = _interpolate(table, (slips, tilts, depths))
     standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.obstacle.radial)))
-    if len(standing) <= _FEWEST:
+    if len(standing) < _FEWEST:
         return flat
     first = max(float(press.depth[0]) for press in standing)
     depths = _depths(standing, first)

@@ -16,7 +16,7 @@ from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin
 from palpate.material import get_material
-from palpate.study import MaterialSpec, single_design_study
+from palpate.study import AsBuiltSpec, MaterialSpec, single_design_study
 from palpate.surrogate import Twin, find_twin, twin_path, write_twin
 from palpate.surrogate.twin_file import material_text
 
@@ -127,7 +127,7 @@ def test_a_design_is_a_study_of_its_own() -> None:
     assert study.designs.skins() == (skin,)
     assert study.designs.markers == (MarkerSpec(count=37),)
     assert study.name == "ellipsoid_0.8_H15_T2_yeoh_1_1_1"
-    assert study.built is None
+    assert study.built == AsBuiltSpec()
     json.dumps(study.model_dump(mode="json"))
 
 

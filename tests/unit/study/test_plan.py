@@ -4,7 +4,7 @@ import pytest
 
 from errors import refused
 from palpate.core.run import Outcome
-from palpate.study import Study, read_study
+from palpate.study import Study, plan_twin, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
 from palpate.study.study import AsBuiltSpec, MaterialSpec
@@ -49,7 +49,7 @@ def test_a_prediction_adds_derivatives_to_presses_of_the_study() -> None:
     plan = plan_study(Study(name="a"))
     predicted, own = plan.built[0].twin.presses, plan.designs[0].dataset.presses
     shared = [press.obstacle.radial for press in own if press in predicted]
-    assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 6.0, 12.0]
+    assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 4.0, 12.0]
     assert [
         len(plan_study(Study(name="a", tilts_deg=tilts)).tasks()) for tilts in ((0, 4), (0, 4, 8), (2, 4, 8))
     ] == [*(2 + 5, 3 + 6 + 7, 3 + 5)]
@@ -173,3 +173,14 @@ def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None
     assert Study(name="a", azimuths_deg=(0, 45, 90)).model_dump()["azimuths_deg"] == (0, 45, 90)
     with refused("azimuths-uneven"):
         Study(name="a", azimuths_deg=(0, 30, 90))
+
+
+def test_a_twin_that_reads_images_contains_the_presses_of_the_prediction() -> None:
+    study = Study(name="a")
+    twin = plan_twin(study, study.designs.skins()[0])
+    assert {press.obstacle.radial for press in twin.presses} == {0.0, 4.0, 8.0, 12.0}
+    assert len(twin.presses) == 4 * 7
+    assert set(plan_study(study).built[0].twin.presses) < set(twin.presses)
+    assert {check.obstacle.depth_step for check in twin.checks} == {0.5 * study.obstacle.depth_step}
+    fine = plan_twin(study.model_copy(update={"tilts_deg": (0.0, 1.0, 2.0, 3.0)}), study.designs.skins()[0])
+    assert {press.obstacle.radial for press in fine.presses} == {0.0, 1.0, 2.0, 3.0}
