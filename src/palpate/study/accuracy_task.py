@@ -32,7 +32,7 @@ _PREDICTION_TILTS = 3
 """Tilts of the presses from which the accuracy of built units is predicted."""
 _TILT_STEP_DEG = 4.0
 """Maximum step between the tilts of a twin (docs/design_notes/surrogate.md)."""
-_FEWEST_IMAGES = 6
+_FEWEST_IMAGES = 5
 """Number of images of a press of a twin below which their step is halved."""
 _CHECK_SHARE, _INVERTED_SHARE = 0.5, 0.25
 """Image step of validation presses and of the inverted branch over that of the study; the latter changes quickly."""

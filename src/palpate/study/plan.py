@@ -81,10 +81,8 @@ def plan_study(study: Study) -> Plan:
     for skin in study.designs.skins():
         _refuse_unfit(study, skin.build())
         predicted = predicted_presses(study, skin)
-        shared = {(press.obstacle.contact, press.obstacle.radial): press for press in predicted}
-        presses = tuple(
-            shared.get((press.obstacle.contact, press.obstacle.radial), press) for press in _plan_presses(study, skin)
-        )
+        shared = {press.obstacle: press for press in predicted}  # the same, with derivatives
+        presses = tuple(shared.get(press.obstacle, press) for press in _plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = TwinTask(predicted) if predicted else None
         straight = min(presses, key=lambda press: press.obstacle.radial)

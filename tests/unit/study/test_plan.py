@@ -184,3 +184,9 @@ def test_a_twin_that_reads_images_contains_the_presses_of_the_prediction() -> No
     assert {check.obstacle.depth_step for check in twin.checks} == {0.5 * study.obstacle.depth_step}
     fine = plan_twin(study.model_copy(update={"tilts_deg": (0.0, 1.0, 2.0, 3.0)}), study.designs.skins()[0])
     assert {press.obstacle.radial for press in fine.presses} == {0.0, 1.0, 2.0, 3.0}
+
+
+def test_a_prediction_leaves_the_images_of_a_study_as_they_are() -> None:
+    shallow = Study.model_validate({"name": "a", "obstacle": {"depth": 3.0}})
+    assert {press.obstacle.depth_step for press in plan_study(shallow).designs[0].dataset.presses} == {0.8}
+    assert {press.obstacle.depth_step for press in plan_study(shallow).built[0].twin.presses} == {0.4}
