@@ -13,6 +13,7 @@ from typing import Any, final
 import h5py
 import numpy as np
 
+from palpate.camera import natural_key
 from palpate.core import PalpateError, reject_external_links
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
@@ -73,7 +74,7 @@ def _groups(file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:
 
     file.visititems(look)
     owners: dict[str, tuple[h5py.Dataset, h5py.Group]] = {}
-    for item in sorted(found, key=lambda one: _natural(one.name)):
+    for item in sorted(found, key=lambda one: natural_key(one.name)):
         owner = item.parent
         while owner.name != "/" and not any(_fits(one, item.shape[0]) for one in owner.values()):
             owner = owner.parent
@@ -104,9 +105,3 @@ def _columns(group: h5py.Group, images: h5py.Dataset, count: int) -> dict[str, C
                 names = [key] if values.shape[1] == 1 else [f"{key}_{number}" for number in range(values.shape[1])]
             columns |= {name: values[:, number] for number, name in enumerate(names)}
     return columns
-
-
-def _natural(name: str) -> list[Any]:
-    """Key by which ``demo_2`` comes before ``demo_10``."""
-    parts = "".join(letter if letter.isdigit() else " " for letter in name).split()
-    return [name.rstrip("0123456789").split("/")[:-1], [int(part) for part in parts], name]

@@ -12,7 +12,8 @@ from typing import Any, final
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.camera import decode_image, natural_key, read_image
+from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, Item, VideoImages
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.table import Column, RecordingTable
@@ -113,14 +114,11 @@ class _Cells(ImageSet):
         return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        cv2 = load_opencv()
         for number in numbers:
             cell = self._cells[number]
             path = self._folder / str(cell.get("path"))
-            content = cell.get("bytes") or (path.read_bytes() if path.is_file() else b"")
-            image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR) if content else None
-            yield (
-                PalpateError(f"Image {number} cannot be decoded.", code="image-damaged")
-                if image is None
-                else np.asarray(image)
-            )
+            try:
+                content = cell.get("bytes")
+                yield decode_image(content, f"Image {number}") if content else read_image(path)
+            except PalpateError as error:
+                yield error

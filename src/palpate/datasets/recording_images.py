@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
+from palpate.camera import IMAGE_SUFFIXES, natural_key, open_source, read_image
 from palpate.core import PalpateError
 
 Item = NDArray[Any] | PalpateError
@@ -170,4 +170,4 @@ def list_below(folder: Path) -> list[Path]:
             continue
         entered.add(real)
         found += [Path(place) / name for name in files if Path(name).suffix.lower() in IMAGE_SUFFIXES]
-    return sorted(found)
+    return sorted(found, key=lambda path: natural_key(str(path)))
