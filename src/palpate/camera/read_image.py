@@ -1,7 +1,7 @@
 """Image files: their size is read before their content, so that no file can fill the memory.
 
-Pixels are those of the sensor: a camera's EXIF orientation is ignored, since a lens is of the sensor, not of how it was
-held. A Bayer mosaic is developed to its green channel (`develop_mosaic`).
+Pixels are those of the sensor: a camera's EXIF orientation is ignored, since a lens belongs to the sensor's pixels.
+A Bayer mosaic is developed to its green channel (`develop_mosaic`).
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from palpate.camera import decode_image, natural_key, read_image
+from palpate.camera import decode_image, read_image
 from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, Item, VideoImages
 from palpate.datasets.recording_reader import RecordingReader
