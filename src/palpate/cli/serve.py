@@ -41,7 +41,7 @@ def serve(
     door: DoorFlags = DoorFlags(),
 ) -> None:
     """Read a sensor and send every reading to all clients; clients may also send images."""
-    from palpate.sensor import open_model, open_sensor
+    from palpate.sensor import open_model
     from palpate.viewer import Feed, ServeSpec, serve_readings
 
     unit = built.unit(reads.material)
