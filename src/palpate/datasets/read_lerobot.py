@@ -36,22 +36,19 @@ class LeRobotReader(RecordingReader):
         try:
             features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
             cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
-            if len(cameras) != 1:
-                raise PalpateError(
-                    f"{place.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
-                    "Keep the sensor's camera alone.",
-                    code="recording-several-cameras",
-                )
+            if not cameras:
+                raise PalpateError(f"{place.name} has no camera.", _REMEDY, code="recording-no-images")
+            camera = self.choose(place.name, cameras)
             tables = [parquet.read_table(path) for path in sorted((place / "data").rglob("*.parquet"))]
             if not tables:
                 raise PalpateError(
                     f"{place.name} has no table in its folder data.", _REMEDY, code="recording-no-table"
                 )
-            columns = _columns(tables, features, cameras[0])
+            columns = _columns(tables, features, cameras)
             images = (
-                _videos(place, cameras[0], columns, parquet)
-                if features[cameras[0]]["dtype"] == "video"
-                else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], place)
+                _videos(place, camera, columns, parquet)
+                if features[camera]["dtype"] == "video"
+                else _Cells([cell for table in tables for cell in table.column(camera).to_pylist()], place)
             )
         except (OSError, KeyError, ValueError, TypeError) as error:
             raise PalpateError(
@@ -60,12 +57,17 @@ class LeRobotReader(RecordingReader):
         return RecordingTable(place.name, columns, {}), images
 
 
-def _columns(tables: Sequence[Any], features: dict[str, Any], camera: str) -> dict[str, Column]:
+def _columns(tables: Sequence[Any], features: dict[str, Any], cameras: Sequence[str]) -> dict[str, Column]:
     columns: dict[str, Column] = {}
     for name, about in features.items():
-        if name == camera or not all(name in table.column_names for table in tables):
+        if name in cameras or not all(name in table.column_names for table in tables):
             continue
-        cells = np.array([cell for table in tables for cell in table.column(name).to_pylist()], dtype=float)
+        found = [cell for table in tables for cell in table.column(name).to_pylist()]
+        try:
+            cells = np.array(found, dtype=float)
+        except (TypeError, ValueError):
+            columns[name] = np.array([str(cell)[:240] for cell in found])  # text; a pose is not made of it
+            continue
         cells = cells.reshape(len(cells), -1)
         names = about.get("names")
         names = next(iter(names.values())) if isinstance(names, dict) else names
