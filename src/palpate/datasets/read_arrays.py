@@ -49,7 +49,7 @@ class ArraysReader(RecordingReader):
         images = arrays[self.choose(place.name, cameras)]
         columns: dict[str, Column] = {}
         for name, array in arrays.items():
-            if name in cameras or array.ndim not in (1, 2) or len(array) != len(images):
+            if name in cameras or array.ndim not in (1, 2) or array.shape[0] != images.shape[0]:
                 continue
             values = np.asarray(array[:])
             if values.dtype.kind in "iufb":
@@ -57,7 +57,7 @@ class ArraysReader(RecordingReader):
             elif values.ndim == 1 and values.dtype.kind == "U":
                 columns[name] = values
         if _ENDS in arrays:
-            press = np.searchsorted(np.asarray(arrays[_ENDS][:]), np.arange(len(images)), side="right")
+            press = np.searchsorted(np.asarray(arrays[_ENDS][:]), np.arange(images.shape[0]), side="right")
             columns.setdefault("press", press.astype(float))
         return RecordingTable(place.name, join_parts(place.name, [columns]), {}), _Rows(place, images)
 

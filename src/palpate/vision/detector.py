@@ -186,7 +186,7 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
     Returns
     -------
     ndarray
-        (h, w) in the levels of the image.
+        (h, w) in the levels of the image; fractions up to 1 in levels up to 255.
 
     Raises
     ------
@@ -221,7 +221,8 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
         raise PalpateError(
             "The image holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
         )
-    return grey
+    # the detector's least noise is that of whole grey levels, so fractions are brought to those
+    return grey * np.float32(255.0) if image.dtype.kind == "f" and 0.0 < grey.max(initial=0.0) <= 1.0 else grey
 
 
 def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:
