@@ -13,6 +13,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.vision.centre import fit_centres
 from palpate.vision.choose_field import choose_dots, choose_field, is_printed
 from palpate.vision.neighbours import largest_group
+from palpate.vision.off_lattice import off_lattice
 from palpate.vision.opencv import fill_hull, grow, simple_blobs
 from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
 from palpate.vision.spec import DetectSpec
@@ -83,7 +84,9 @@ class Detector:
         return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
 
     def _by_centroid(self, grey: Image) -> Blobs:
-        return self._fit(grey, _ROUNDS)[0]
+        blobs = self._fit(grey, _ROUNDS)[0]
+        beside = off_lattice(blobs.positions_px, blobs.diameter_px)
+        return blobs.take(~beside) if beside.any() else blobs
 
     @cached_property
     def _window(self) -> tuple[slice, slice]:
