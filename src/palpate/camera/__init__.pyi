@@ -12,7 +12,7 @@ from palpate.camera.lens import LENSES, Lens
 from palpate.camera.marker_traces import flat_marker_outlines, marker_outlines, project_markers, tangent_pair
 from palpate.camera.preset import camera_preset, list_presets
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
-from palpate.camera.read_image import decode_image, list_images, natural_key, read_image
+from palpate.camera.read_image import decode_image, list_images, read_image
 from palpate.camera.render import RenderSpec, render
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
@@ -42,7 +42,6 @@ __all__ = [
     "list_images",
     "list_presets",
     "marker_outlines",
-    "natural_key",
     "open_source",
     "project_markers",
     "read_board",

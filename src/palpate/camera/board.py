@@ -139,10 +139,10 @@ def charuco_board(board: BoardSpec) -> Any:
 
 
 def alternative_boards(board: BoardSpec) -> list[tuple[BoardSpec, str]]:
-    """Boards that are often meant by a description of another, each with the sentence that reports it.
+    """Boards that a description often means instead, each with the sentence that reports it.
 
     These are the legacy ChArUco pattern (OpenCV before 4.6, calib.io), columns and rows exchanged, squares counted in
-    place of inner corners or the reverse, and the other kind of circle grid.
+    place of inner corners or the reverse, and a circle grid of another kind.
     """
     found: list[tuple[BoardSpec, str]] = []
     step = {"chessboard": -1, "charuco": 1}.get(board.kind, 0)

@@ -108,7 +108,7 @@ def calibrate_camera(
 def _find_views(
     images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec
 ) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int], BoardSpec, str]:
-    """Views, rejected images, image size, the board in the images, and a sentence if that is not the board given.
+    """Views, rejected images, image size, the board, and a sentence if it is not the one given.
 
     Other boards are looked for only while the given one was not found in any image, all of them in the first images.
     """

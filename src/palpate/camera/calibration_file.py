@@ -22,8 +22,9 @@ from palpate.core import FloatArray, PalpateError
 _PINHOLE_COUNTS = (4, 5, 8, 12, 14)
 """Counts of coefficients of OpenCV's pinhole models."""
 _TANGENTIAL = 0.01
-"""Third and fourth coefficient up to which four unnamed ones count as k1, k2, p1, p2: tangential coefficients of a
-mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a fisheye's of 0.01 to 0.1."""
+"""Third and fourth coefficient up to which four unnamed ones count as k1, k2, p1, p2.
+
+Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a fisheye's of 0.01 to 0.1."""
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
@@ -88,7 +89,7 @@ def _first_line(error: Exception) -> str:
 
 
 def _find_lens(name: str, content: dict[str, Any]) -> Lens:
-    """The lens of the coefficients, which are of OpenCV's families: 4 to 14 of a pinhole, 4 of a fisheye.
+    """The lens of OpenCV's coefficients: 4 to 14 of a pinhole, 4 of a fisheye.
 
     A file without a model is of a pinhole. With four coefficients it may be a fisheye's as well, unless the third and
     fourth are as small as tangential coefficients are.

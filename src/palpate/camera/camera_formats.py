@@ -34,7 +34,7 @@ _NAMES = {
 
 
 def read_camera_text(name: str, text: str) -> dict[str, Any]:
-    """Return the content of a camera file by the keys of ROS's ``camera_info`` YAML; other keys are kept.
+    """Return the content of a camera file by the keys of ROS's ``camera_info`` YAML.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def _read_yaml(text: str) -> Any:
 
 
 def _read_xml(text: str) -> dict[str, Any]:
-    """Content of OpenCV's XML; declarations of entities are refused, since these may grow without bound."""
+    """Content of OpenCV's XML; entities are refused, since these may grow without bound."""
     if "<!ENTITY" in text.upper():
         raise ValueError("it declares entities")
     content: dict[str, Any] = {}
@@ -78,7 +78,7 @@ def _read_xml(text: str) -> dict[str, Any]:
 
 
 def _read_ini(file: str, text: str) -> dict[str, Any]:
-    """Content of ``ost.ini``, as camera_calibration writes it: a name, and its numbers on the lines below."""
+    """Content of ``ost.ini`` of camera_calibration: a name, and its numbers on the lines below."""
     content: dict[str, Any] = {}
     name = ""
     for line in map(str.strip, text.splitlines()):

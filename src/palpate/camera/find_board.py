@@ -15,7 +15,7 @@ LEAST_POINTS = 8
 """Points of one image below which it says little; the homography alone takes four."""
 _LARGEST_WINDOW_PX = 11
 _OFF_GRID, _ON_GRID = 0.3, 0.6
-"""Distance from a flat grid, over the corners' distance, that a lens may cause; least share of corners within it."""
+"""Distance from a flat grid, over that of corners, and the share of corners within it."""
 
 
 def find_board(

@@ -146,7 +146,7 @@ def undistort_by_newton(
     lens
         The lens, which distorts.
     slope
-        (..., 2, 2) derivative of its `distort` at points (..., 2); where that is singular, the identity is taken.
+        (..., 2, 2) derivative of its `distort` at points (..., 2); if that is singular, the identity is taken.
     points
         Observed points.
     iterations

@@ -6,7 +6,6 @@ A Bayer mosaic is developed to its green channel (`develop_mosaic`).
 
 from __future__ import annotations
 
-import re
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -15,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.core.files import natural_key
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
 """Largest image that is read, in millions of pixels."""
 _MOSAIC, _PART, _SHARE = 0.08, 8, 0.9
-"""Relative difference of colours from which a mosaic is recognised, and the share of image parts of 16 × 16 px that
+"""Relative difference of colours of a mosaic, and the share of image parts of 16 × 16 px that
 must agree in its sign; grey images differ by either sign alike."""
 
 
@@ -95,9 +95,9 @@ def decode_image(content: bytes, name: str = "The image", largest_mpx: float = L
 
 
 def develop_mosaic(image: NDArray[Any]) -> NDArray[Any]:
-    """Develop a Bayer mosaic that was saved as grey to its green channel; return any other image unchanged.
+    """Develop a Bayer mosaic saved as grey to its green channel; return any other image unchanged.
 
-    A mosaic is recognised by its four pixels of each 2 × 2: two on a diagonal agree (green), and one of the other
+    A mosaic is recognised by its four pixels of each 2 × 2: two on a diagonal agree (green), and one of the second
     diagonal is darker, or brighter, than these by more than `_MOSAIC` and in nearly all lit parts of the image.
     """
     if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16) or min(image.shape) < 2 * _PART:
@@ -118,12 +118,6 @@ def develop_mosaic(image: NDArray[Any]) -> NDArray[Any]:
             order = (cv2.COLOR_BayerGB2BGR, cv2.COLOR_BayerBG2BGR)[number]
             return np.ascontiguousarray(cv2.cvtColor(image, order)[..., 1])
     return image
-
-
-def natural_key(name: str) -> list[tuple[int, str]]:
-    """Key by which ``frame_2`` comes before ``frame_10``: numbers count as such."""
-    parts = re.findall(r"([0-9]+)|([^0-9]+)", name)
-    return [*((int(digits), "") if digits else (-1, text) for digits, text in parts), (-2, name)]
 
 
 def list_images(folder: Path) -> tuple[Path, ...]:

@@ -1,4 +1,4 @@
-"""Recordings as NPZ files and Zarr stores: images as one array, and poses as others of as many rows beside it.
+"""Recordings as NPZ files and Zarr stores: images as one array, poses as arrays of as many rows.
 
 A Zarr store may keep its arrays in the group ``data`` and the ends of its episodes in ``meta/episode_ends``, as
 diffusion policies do; each episode counts as a press. Zarr needs the extra ``zarr``.
@@ -19,7 +19,7 @@ from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.stored_images import holds_images, join_parts, name_columns, read_row
 from palpate.datasets.table import Column, RecordingTable
 
-_REMEDY = "Give images as one array (n, h, w) or (n, h, w, 3), and poses as arrays of n rows beside it."
+_REMEDY = "Give images as one array (n, h, w) or (n, h, w, 3), and poses as arrays of n rows."
 _ENDS = "episode_ends"
 
 

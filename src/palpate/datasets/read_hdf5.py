@@ -15,8 +15,8 @@ from typing import Any, final
 import h5py
 import numpy as np
 
-from palpate.camera import natural_key
 from palpate.core import PalpateError, reject_external_links
+from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.stored_images import holds_images, join_parts, name_columns
@@ -79,7 +79,7 @@ class HDF5Reader(RecordingReader):
 
 
 def _episodes(folder: Path) -> list[Path]:
-    """HDF5 files of a folder whose names differ by a number only, an episode each; none if there are others."""
+    """HDF5 files of a folder, an episode each; none if their names differ by more than a number."""
     endings = HDF5Reader.formats.split(", ")
     files = [path for path in folder.iterdir() if path.suffix.lower() in endings]
     alike = len({re.sub(r"\d+", "", path.name) for path in files}) == 1

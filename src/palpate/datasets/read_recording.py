@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.camera import natural_key, read_image, recording_suffixes
+from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
+from palpate.core.files import natural_key
 from palpate.datasets.recording_columns import (
     ColumnMapping,
     PoseColumn,
@@ -218,14 +219,14 @@ def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
     if which is None:
         raise PalpateError(
             f"Column {column} numbers images, and {folder} holds {len(videos)} videos.",
-            "Put the one video of these images beside the table, or name the video of each row in a column.",
+            "Put the one video of these images at the table, or name the video of each row in a column.",
             code="recording-several-videos",
         )
     return VideoImages(videos, which, table.columns[column].astype(int).tolist())
 
 
 def _videos_of_rows(table: RecordingTable, videos: list[Path]) -> list[int] | None:
-    """Number of the video of each row, by the column that names them; `None` if no column names each by its file."""
+    """Number of each row's video, by the column of their file names; `None` without such a column."""
     numbers = {path.name: number for number, path in enumerate(videos)}
     for name, values in table.columns.items():
         if not table.is_numeric(name):

@@ -15,8 +15,9 @@ from typing import Any, final
 import h5py
 from numpy.typing import NDArray
 
-from palpate.camera import IMAGE_SUFFIXES, natural_key, open_source, read_image
+from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
 from palpate.core import PalpateError
+from palpate.core.files import natural_key
 from palpate.datasets.stored_images import read_row
 
 Item = NDArray[Any] | PalpateError

@@ -1,4 +1,4 @@
-"""Images in arrays: grey or colour, channels last or first, numbers of any type, or rows of JPEG or PNG files."""
+"""Images in arrays: grey or colour, channels last or first, any type, or rows of JPEG files."""
 
 from __future__ import annotations
 
@@ -64,14 +64,14 @@ def _file_content(cell: Any) -> bytes:
 
 
 def name_columns(key: str, values: FloatArray, names: Sequence[str] = ()) -> dict[str, Column]:
-    """Columns of an array (n, k): by their names where there are k, else by its key and a number."""
+    """Columns of an array (n, k): by their names if there are k, else by its key and a number."""
     if len(names) != values.shape[1]:
         names = [key] if values.shape[1] == 1 else [f"{key}_{number}" for number in range(values.shape[1])]
     return {name: values[:, number] for number, name in enumerate(names)}
 
 
 def join_parts(name: str, parts: Sequence[dict[str, Column]]) -> dict[str, Column]:
-    """Columns that all parts of a recording have, one below the other.
+    """Columns that all parts of a recording have, concatenated.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def join_parts(name: str, parts: Sequence[dict[str, Column]]) -> dict[str, Colum
     if not shared - {"press"}:
         raise PalpateError(
             f"{name} has no numbers with as many rows as images.",
-            "Give poses as arrays of n rows beside the n images.",
+            "Give poses as arrays of n rows for n images.",
             code="recording-no-table",
         )
     return {key: np.concatenate([part[key] for part in parts]) for key in parts[0] if key in shared}

@@ -246,7 +246,7 @@ def _grey(image: NDArray[Any]) -> Pictures:
 
 
 def _white_level(image: NDArray[Any]) -> float:
-    """Greatest grey level: 1 of fractions, 255 of 8 bit, 4095 of 10 and 12 bit, 65535 of 16 bit.
+    """White level: 1 of fractions, 255 of 8 bit, 4095 of 10 and 12 bit, 65535 of 16 bit.
 
     10 and 12 bit share a level, so that a brighter image of a camera of 10 bit does not change its scale.
     """

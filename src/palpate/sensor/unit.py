@@ -44,7 +44,7 @@ class Unit:
         return self if scaled is self.camera_spec else replace(self, lens=scaled)
 
     def describe_scaling(self, used: CameraSpec) -> str:
-        """Sentence that reports by what the lens was scaled to that of an image; empty if it was not."""
+        """Sentence that reports the scaling of the lens to an image size; empty without one."""
         own = self.camera_spec
         if (own.width_px, own.height_px) == (used.width_px, used.height_px):
             return ""

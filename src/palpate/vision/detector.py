@@ -13,11 +13,11 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.vision.centre import fit_centres
 from palpate.vision.choose_field import choose_dots, choose_field, is_printed
 from palpate.vision.neighbours import largest_group
-from palpate.vision.off_lattice import off_lattice
 from palpate.vision.opencv import fill_hull, grow, simple_blobs
 from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
 from palpate.vision.spec import DetectSpec
 from palpate.vision.split import split_merged
+from palpate.vision.stray_blobs import find_strays
 
 Image = NDArray[np.float32]
 _ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
@@ -85,8 +85,8 @@ class Detector:
 
     def _by_centroid(self, grey: Image) -> Blobs:
         blobs = self._fit(grey, _ROUNDS)[0]
-        beside = off_lattice(blobs.positions_px, blobs.diameter_px)
-        return blobs.take(~beside) if beside.any() else blobs
+        strays = find_strays(blobs.positions_px, blobs.diameter_px)
+        return blobs.take(~strays) if strays.any() else blobs
 
     @cached_property
     def _window(self) -> tuple[slice, slice]:
@@ -224,7 +224,7 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
         raise PalpateError(
             "The image holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
         )
-    # the detector's least noise is that of whole grey levels, so fractions are brought to those
+    # the detector's minimum noise is that of whole grey levels, so fractions are brought to those
     return grey * np.float32(255.0) if image.dtype.kind == "f" and 0.0 < grey.max(initial=0.0) <= 1.0 else grey
 
 

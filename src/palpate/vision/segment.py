@@ -94,10 +94,10 @@ class Blobs:
     def __len__(self) -> int:
         return len(self.positions_px)
 
-    def take(self, kept: BoolArray) -> Blobs:
+    def take(self, mask: BoolArray) -> Blobs:
         """Return the blobs of a mask (n,)."""
         names = ("positions_px", "diameter_px", "contrast", "sigma_px", "at_border")
-        return replace(self, **{name: getattr(self, name)[kept] for name in names})
+        return replace(self, **{name: getattr(self, name)[mask] for name in names})
 
 
 def measure_noise(image: Image) -> float:

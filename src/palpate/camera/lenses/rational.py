@@ -1,4 +1,4 @@
-"""Lens distortion: the rational model of OpenCV with its thin-prism terms, ROS's ``rational_polynomial``.
+"""Lens distortion: OpenCV's rational model with thin prism, ROS's ``rational_polynomial``.
 
 On the plane at unit distance, with s = x² + y², N = 1 + k1 s + k2 s² + k3 s³ and D = 1 + k4 s + k5 s² + k6 s³,
 
@@ -55,7 +55,7 @@ class Rational(Lens):
 
     @cached_property
     def max_radius(self) -> float:
-        """Greatest radius on the unit plane up to which the radial part grows, before its pole."""
+        """Maximum radius on the unit plane up to which the radial part grows, before its pole."""
         over = Polynomial([1.0, self.k1, self.k2, self.k3])
         under = Polynomial([1.0, self.k4, self.k5, self.k6])
         growth = over * under + Polynomial([0.0, 2.0]) * (over.deriv() * under - over * under.deriv())
@@ -74,7 +74,7 @@ class Rational(Lens):
         )
 
     def undistort(self, points: FloatArray) -> FloatArray:
-        """By Newton's iteration."""
+        """Ideal points by Newton's iteration."""
         return undistort_by_newton(self, self._slope, points)
 
     def mirrored(self) -> Rational:

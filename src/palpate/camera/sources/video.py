@@ -90,7 +90,7 @@ class VideoSource(Source):
 
 
 def _edited_s(path: Path) -> float:
-    """Duration, s, that the first edit list of an MP4 file shows; 0 without one, or if the file is cut off."""
+    """Duration, s, of the first edit list of an MP4 file; 0 without one, or if the file is cut off."""
     content = path.read_bytes()
     at = 0
     while at + 8 <= len(content):

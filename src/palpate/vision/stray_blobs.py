@@ -1,4 +1,4 @@
-"""Blobs beside a hexagonal lattice of markers: screws, arcs and glints of a rim, which only their place tells."""
+"""Blobs outside a hexagonal lattice of markers: screws, arcs and glints of a rim."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from palpate.core import BoolArray, FloatArray, IntArray
 
 _NEIGHBOURS, _HEXAGON = 7, 1.35
-"""Neighbours looked at; distance of the sixth over that of the first below which the field is a hexagonal lattice
+"""Neighbours looked at; maximum distance of the sixth over that of the first of a hexagonal lattice
 (1 of a hexagon, 1.41 of a square). Corners of a pressed square field end too few lines."""
 _OFF, _SIZE = 0.22, 1.4
-"""Distance from the continued line of two neighbours, over their distance, and ratio of diameters to theirs, up to
-which a blob continues the lattice."""
+"""Distance from the continued line of two neighbours, over theirs, and ratio of diameters, up to which
+a blob continues the lattice."""
 _LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
-"""Lines that an inner marker of a lattice ends, the share of such markers from which a field is one, its least number
-of blobs, and the number of inner ones looked at."""
+"""Lines that an inner marker ends, the minimum share of such markers, the minimum number of blobs, and the
+number of inner ones looked at."""
 _BEYOND, _WIDTH = 0.6, 2.5
-"""Distance beyond the hull of the lattice, over its step, from which a blob off its lines is no marker,
+"""Distance beyond the hull, over the lattice step, from which a blob off its lines is no marker,
 and width of the border that is looked at, both over the step of the lattice."""
 
 
-def off_lattice(points: FloatArray, diameters: FloatArray) -> BoolArray:
-    """Return which blobs (n,) lie beside a hexagonal lattice: beyond its hull, and on fewer than two of its lines.
+def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
+    """Return which blobs (n,) are outside a hexagonal lattice: beyond its hull, on under two lines.
 
     None does if the field is no such lattice, such as a square grid, rings or scattered markers.
 
@@ -57,7 +57,7 @@ def off_lattice(points: FloatArray, diameters: FloatArray) -> BoolArray:
 
 
 def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArray | None:
-    """Whether places are outside a hull or up to `margin` inside it; with a negative one, at most that far beyond."""
+    """Whether places are up to `margin` inside a hull or outside; if negative, at most that far out."""
     try:
         equations = ConvexHull(points).equations
     except QhullError:
@@ -69,7 +69,7 @@ def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArr
 def _count_lines(
     points: FloatArray, diameters: FloatArray, near: IntArray, trusted: BoolArray, rows: IntArray
 ) -> IntArray:
-    """(k,) lines of three that points by their numbers (k,) end; the other two are trusted and of like size."""
+    """(k,) lines of three that points by their numbers (k,) end; two are trusted and of like size."""
     first = near[rows, 1:]
     second = near[first][:, :, 1:]
     ends = 2.0 * points[first][:, :, None] - points[second]
