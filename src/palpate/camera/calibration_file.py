@@ -24,7 +24,9 @@ _PINHOLE_COUNTS = (4, 5, 8, 12, 14)
 _TANGENTIAL = 0.01
 """Third and fourth coefficient up to which four unnamed ones count as k1, k2, p1, p2.
 
-Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a fisheye's of 0.01 to 0.1."""
+Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a
+fisheye's of 0.01 to 0.1.
+"""
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:

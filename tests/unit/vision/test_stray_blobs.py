@@ -31,7 +31,7 @@ def test_few_things_of_a_rim_pass_for_markers_and_none_is_lost(threshold: bool) 
         draw_rim(image, rng)
         found = prepare_detector(image).find(image).positions_px
         away = np.linalg.norm(heads[:, None] - found, axis=-1)
-        inside = np.hypot(*(heads - SIZE // 2).T) + radii < WINDOW - 4
+        inside = np.hypot(*(heads - SIZE // 2).T) + radii < WINDOW - 14  # no glint covers these
         lost += int((away.min(axis=1)[inside] > 3.0).sum())
         extra.append(int((away.min(axis=0) > 3.5).sum()))
     assert lost == 0
