@@ -5,6 +5,7 @@ import pytest
 from palpate.camera import LENSES, Lens
 from palpate.camera.lenses.brown import Brown
 from palpate.camera.lenses.kannala_brandt import KannalaBrandt
+from palpate.camera.lenses.rational import Rational
 from palpate.testing import LensSuite
 
 ROWS = [
@@ -14,6 +15,8 @@ ROWS = [
     KannalaBrandt(),
     KannalaBrandt(-0.048, 0.011, -0.055, 0.021),
     KannalaBrandt(-0.5),
+    Rational(),
+    Rational(2.1, 0.6, 0.001, -0.002, 0.01, 2.3, 0.8, 0.03, 0.002, -0.001, 0.001, 0.002),
 ]
 
 

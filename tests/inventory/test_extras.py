@@ -52,6 +52,8 @@ PROGRAMS = {
     "web": "import palpate.viewer.server; from nicegui import ui; print(ui.label)",
     "vision": "from palpate.cli import main; main('find {data}/recording --json'.split())",
     "davis": "import dv_processing; print(dv_processing.__version__)",
+    "av": "from palpate.core import load_extra; load_extra('av', 'av', 'PyAV')",
+    "zarr": "from palpate.core import load_extra; load_extra('zarr', 'zarr', 'Zarr')",
     "ros": "from palpate.sensor.write_bag import Bag; from pathlib import Path; Bag(Path('bag')).close()",
     "docs": "import sphinx, myst_parser, pydata_sphinx_theme, latex2mathml, pytest, hypothesis",
 }

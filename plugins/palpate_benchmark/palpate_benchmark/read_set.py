@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from palpate.camera import decode_image
 from palpate.core import FloatArray, IntArray, PalpateError, TextArray, load_opencv, reject_external_links
 from palpate_benchmark.set_files import CHECKSUMS, HIDDEN, digest
 from palpate_benchmark.spec import BenchmarkSpec, Split
@@ -141,7 +142,7 @@ class BenchmarkSet:
         try:
             with zipfile.ZipFile(path) as archive:
                 for name in names:
-                    grey = cv2.imdecode(np.frombuffer(archive.read(name), np.uint8), cv2.IMREAD_GRAYSCALE)
+                    grey = decode_image(archive.read(name), name)
                     found.append(cv2.resize(grey, size[::-1], interpolation=cv2.INTER_AREA))
         except (OSError, KeyError, zipfile.BadZipFile, cv2.error) as error:
             raise PalpateError(

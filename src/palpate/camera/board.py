@@ -21,7 +21,9 @@ GROUP = "calibration code published by the group of Zaid et al. 2024"
 class BoardSpec(Spec):
     """A calibration board; the default is the ChArUco board of the paper's group."""
 
-    kind: Literal["chessboard", "circles", "charuco"] = parameter("charuco", unit="", meaning="pattern", source=GROUP)
+    kind: Literal["chessboard", "circles", "symmetric-circles", "charuco"] = parameter(
+        "charuco", unit="", meaning="pattern; circles are an asymmetric grid", source=GROUP
+    )
     columns: int = parameter(
         11,
         unit="1",
@@ -34,10 +36,18 @@ class BoardSpec(Spec):
         8, unit="1", meaning="squares down; inner corners of a chessboard; rows of circles", source=GROUP, ge=3, le=60
     )
     square: float = parameter(
-        29.0, unit="mm", meaning="side of a square; of circles half the distance in a row", source=GROUP, gt=0, le=500
+        29.0,
+        unit="mm",
+        meaning="side of a square; of circles half the distance in a row, or the distance of symmetric ones",
+        source=GROUP,
+        gt=0,
+        le=500,
     )
     marker: float = parameter(21.5, unit="mm", meaning="side of a ChArUco marker", source=GROUP, gt=0, le=500)
     dictionary: str = parameter("DICT_4X4_100", unit="", meaning="dictionary of the ChArUco markers", source=GROUP)
+    legacy: bool = parameter(
+        False, unit="", meaning="whether a ChArUco board of an even number of rows has a marker in its first square"
+    )
 
     @model_validator(mode="after")
     def _markers_fit(self) -> BoardSpec:
@@ -54,6 +64,7 @@ BOARDS = {
     "charuco": BoardSpec(),
     "chessboard": BoardSpec(kind="chessboard", columns=9, rows=6, square=25.0),
     "circles": BoardSpec(kind="circles", columns=4, rows=11, square=20.0),
+    "symmetric-circles": BoardSpec(kind="symmetric-circles", columns=7, rows=6, square=20.0),
 }
 """Boards by name."""
 
@@ -93,7 +104,7 @@ def board_points(board: BoardSpec) -> FloatArray:
         row, column = np.mgrid[: board.rows, : board.columns].reshape(2, -1)
         plane = np.stack([2 * column + row % 2, row], axis=-1)
     else:
-        inner = 1 if board.kind == "charuco" else 0
+        inner = 1 if board.kind == "charuco" else 0  # of a chessboard and a symmetric grid the points are counted
         row, column = np.mgrid[: board.rows - inner, : board.columns - inner].reshape(2, -1)
         plane = np.stack([column + inner, row + inner], axis=-1)
     return np.column_stack([plane * board.square, np.zeros(len(plane))])
@@ -122,7 +133,50 @@ def charuco_board(board: BoardSpec) -> Any:
             "Take a larger dictionary.",
             code="board-dictionary-too-small",
         )
-    return aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
+    made = aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
+    made.setLegacyPattern(board.legacy)
+    return made
+
+
+def alternative_boards(board: BoardSpec) -> list[tuple[BoardSpec, str]]:
+    """Boards that a description often means instead, each with the sentence that reports it.
+
+    These are the legacy ChArUco pattern (OpenCV before 4.6, calib.io), columns and rows exchanged, squares counted in
+    place of inner corners or the reverse, and a circle grid of another kind.
+    """
+    found: list[tuple[BoardSpec, str]] = []
+    step = {"chessboard": -1, "charuco": 1}.get(board.kind, 0)
+    counted = {"chessboard": "inner corners", "charuco": "squares"}.get(board.kind, "circles")
+    own = f"{board.columns} × {board.rows}"
+    sizes = [(board.columns, board.rows, "")]
+    for add in dict.fromkeys((0, step)):
+        for columns, rows in ((board.columns + add, board.rows + add), (board.rows + add, board.columns + add)):
+            why = (
+                "columns and rows are exchanged"
+                if not add
+                else "squares were counted"
+                if step < 0
+                else "inner corners were counted"
+            )
+            if min(columns, rows) >= 3 and (columns, rows) not in [size[:2] for size in sizes]:
+                sizes.append((columns, rows, f"{columns} × {rows} {counted} were found, not {own}: {why}."))
+    kinds = {"circles": ("circles", "symmetric-circles"), "symmetric-circles": ("symmetric-circles", "circles")}
+    legacies = (board.legacy, not board.legacy) if board.kind == "charuco" else (False,)
+    for columns, rows, said in sizes:
+        for kind in kinds.get(board.kind, (board.kind,)):
+            for legacy in legacies:
+                notes = [said] if said else []
+                if kind != board.kind:
+                    notes.append(f"The circles are {'a symmetric' if kind != 'circles' else 'an asymmetric'} grid.")
+                if legacy and not board.legacy and rows % 2 == 0:
+                    notes.append(
+                        "The board has the legacy ChArUco pattern (OpenCV before 4.6, calib.io): a marker in its "
+                        "first square."
+                    )
+                one = {"columns": columns, "rows": rows, "kind": kind, "legacy": legacy}
+                if notes:
+                    found.append((board.model_copy(update=one), " ".join(notes)))
+    return found
 
 
 def charuco_bits(board: BoardSpec) -> list[tuple[int, int, BoolArray]]:

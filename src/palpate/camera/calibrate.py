@@ -7,13 +7,13 @@ worse than 4 times the median of all images and than 1 px; the rest is fitted ag
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera.board import BoardSpec, board_points
+from palpate.camera.board import BoardSpec, alternative_boards, board_points
 from palpate.camera.calibration import Calibration
 from palpate.camera.find_board import find_board
 from palpate.camera.lens import Lens
@@ -23,6 +23,8 @@ from palpate.core import FloatArray, PalpateError, Spec, load_opencv, parameter
 
 _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
+_FIRST_IMAGES = 8
+"""Images in which other boards than the given one are looked for."""
 
 
 class CalibrationSpec(Spec):
@@ -74,7 +76,7 @@ def calibrate_camera(
         If too few images show the board, or the fit fails.
     """
     spec = spec or CalibrationSpec()
-    views, rejected, size = _find_views(images, spec)
+    views, rejected, size, board, note = _find_views(images, spec)
     _refuse_few(views, rejected, spec)
     lens = _fit(views, size, spec)
     rms = [float(np.sqrt(np.mean((miss**2).sum(axis=1)))) for miss in lens.residuals]
@@ -98,31 +100,55 @@ def calibrate_camera(
         image_rms_px=np.array(rms),
         rejected=tuple(rejected),
         coverage=_count_cells(np.concatenate([view.pixels for view in views]), size),
-        board=spec.board,
+        board=board,
+        note=note,
     )
 
 
 def _find_views(
     images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec
-) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int]]:
-    points = board_points(spec.board)
-    views: list[_View] = []
-    rejected: list[tuple[str, str]] = []
-    size = (0, 0)
-    for name, image in images:
-        if isinstance(image, str):
-            rejected.append((name, image))
-            continue
+) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int], BoardSpec, str]:
+    """Views, rejected images, image size, the board, and a sentence if it is not the one given.
+
+    Other boards are looked for only while the given one was not found in any image, all of them in the first images.
+    """
+    given = _Candidate(spec.board)
+    others = [_Candidate(board, note) for board, note in alternative_boards(spec.board)]
+    for number, (name, image) in enumerate(images):
+        given.look(name, image, spec.window_px)
+        if given.views:
+            others = []
+        elif number >= _FIRST_IMAGES:
+            others = [one for one in others if one.views]
+        for other in others:
+            other.look(name, image, spec.window_px)
+    best = max([given, *others], key=lambda one: len(one.views))
+    return best.views, best.rejected, best.size, best.board, best.note
+
+
+@dataclass
+class _Candidate:
+    """A board that the images may show, and what was found of it."""
+
+    board: BoardSpec
+    note: str = ""
+    views: list[_View] = field(default_factory=list)
+    rejected: list[tuple[str, str]] = field(default_factory=list)
+    size: tuple[int, int] = (0, 0)
+
+    def look(self, name: str, image: NDArray[Any] | str, window_px: int | None) -> None:
+        """Find the board in one more image."""
+        found = image if isinstance(image, str) else find_board(image, self.board, window_px)
+        if isinstance(image, str) or isinstance(found, str):
+            self.rejected.append((name, str(found)))
+            return
         own = (image.shape[1], image.shape[0])
-        found = find_board(image, spec.board, spec.window_px)
-        if isinstance(found, str):
-            rejected.append((name, found))
-        elif views and own != size:
-            rejected.append((name, f"it has {own[0]} × {own[1]} px, the first {size[0]} × {size[1]}"))
-        else:
-            size = own
-            views.append(_View(name, points[found[0]], found[1]))
-    return views, rejected, size
+        if self.views and own != self.size:
+            sizes = f"it has {own[0]} × {own[1]} px, the first {self.size[0]} × {self.size[1]}"
+            self.rejected.append((name, sizes))
+            return
+        self.size = own
+        self.views.append(_View(name, board_points(self.board)[found[0]], found[1]))
 
 
 def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrationSpec) -> None:

@@ -36,7 +36,9 @@ class Calibration:
     coverage
         (6, 8) number of points in each cell of the image, from its top left corner.
     board
-        The board, `None` where it is not known.
+        The board in the images, `None` where it is not known.
+    note
+        How it differs from the board that was given; empty if it does not.
     """
 
     lens: Lens
@@ -50,6 +52,7 @@ class Calibration:
     rejected: tuple[tuple[str, str], ...]
     coverage: NDArray[np.intp]
     board: BoardSpec | None
+    note: str = ""
 
     @property
     def model(self) -> str:

@@ -6,21 +6,27 @@ rows, cols and data; OpenCV for the first line and the mark ``!!opencv-matrix``.
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import ParseError
 
 import numpy as np
-from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from palpate.camera.calibration import Calibration
-from palpate.camera.lens import LENSES, lens_from_model, make_lens
+from palpate.camera.camera_formats import flat, read_camera_text
+from palpate.camera.lens import LENSES, Lens, lens_from_model, make_lens
+from palpate.camera.lenses.brown import Brown
 from palpate.core import FloatArray, PalpateError
 
-_CAMERA = re.compile(r"cam\d+")
-_KALIBR = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
-"""Lens models of ROS by their names in Kalibr."""
+_PINHOLE_COUNTS = (4, 5, 8, 12, 14)
+"""Counts of coefficients of OpenCV's pinhole models."""
+_TANGENTIAL = 0.01
+"""Third and fourth coefficient up to which four unnamed ones count as k1, k2, p1, p2.
+
+Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a
+fisheye's of 0.01 to 0.1.
+"""
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
@@ -51,9 +57,7 @@ def write_calibration(path: Path, calibration: Calibration, name: str = "camera"
 
 
 def read_calibration(path: Path) -> Calibration:
-    """Read a calibration written by us, by OpenCV's sample, by ROS or by Kalibr (a camchain of one camera).
-
-    ROS's ``plumb_bob`` with four coefficients has k3 = 0.
+    """Read a calibration written by us, by OpenCV, ROS or Kalibr (`palpate.camera.camera_formats`).
 
     Raises
     ------
@@ -61,78 +65,86 @@ def read_calibration(path: Path) -> Calibration:
         If the file is no calibration, or its coefficients are not those of the lens model that it names.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        lines = [
-            "" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()
-        ]
-        content = YAML(typ="safe").load("\n".join(lines))
-        return _calibration(path.name, _from_kalibr(path.name, content))
+        return _calibration(path.name, read_camera_text(path.name, path.read_text(encoding="utf-8")))
     except (
         OSError,
         UnicodeDecodeError,
         YAMLError,
-        KeyError,
+        ParseError,
+        RecursionError,
+        ArithmeticError,
+        LookupError,
         TypeError,
         ValueError,
-        OverflowError,
         AttributeError,
     ) as error:
         raise PalpateError(
-            f"{path.name} is not a calibration: {error}.", "Calibrate again.", code="calibration-file-unreadable"
+            f"{path.name} is not a calibration: {_first_line(error)}.",
+            "Known are YAML, XML and JSON of OpenCV, YAML, ost.ini and `topic echo` of ROS, and camchains of Kalibr.",
+            code="calibration-file-unreadable",
         ) from error
 
 
-def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    """The content as ROS writes it, of a camchain by Kalibr; any other content unchanged."""
-    chain = {key: value for key, value in content.items() if _CAMERA.fullmatch(str(key))}
-    if not chain:
-        return content
-    if len(chain) > 1:
+def _first_line(error: Exception) -> str:
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return (lines[0] if lines else type(error).__name__).rstrip(".")[:160]
+
+
+def _find_lens(name: str, content: dict[str, Any]) -> Lens:
+    """The lens of OpenCV's coefficients: 4 to 14 of a pinhole, 4 of a fisheye.
+
+    A file without a model is of a pinhole. With four coefficients it may be a fisheye's as well, unless the third and
+    fourth are as small as tangential coefficients are.
+    """
+    values = _numbers(content.get("distortion_coefficients", []), None)
+    named = content.get("distortion_model")
+    kind = lens_from_model("plumb_bob" if named in (None, "") else str(named))
+    if not named and len(values) == 4 and np.abs(values[2:]).max() > _TANGENTIAL:
         raise PalpateError(
-            f"{name} holds {len(chain)} cameras: {', '.join(chain)}.",
-            "Copy the one that is meant to a file of its own.",
-            code="calibration-several-cameras",
+            f"{name} has 4 coefficients and names no lens model: they may be k1, k2, p1, p2 or those of a fisheye.",
+            "Add a line `distortion_model: plumb_bob` or `distortion_model: equidistant`.",
+            code="lens-model-ambiguous",
         )
-    (camera,) = chain.values()
-    model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
-    if model != "pinhole" or lens not in _KALIBR:
+    if kind is not None and kind.model in ("plumb_bob", "rational_polynomial"):
+        if len(values) == 14 and values[12:].any():
+            raise PalpateError(
+                f"{name} has the tilted sensor model (τx {values[12]:g}, τy {values[13]:g}), which palpate does not "
+                "have.",
+                "Calibrate without CALIB_TILTED_MODEL.",
+                code="lens-model-unknown",
+            )
+        if len(values) in _PINHOLE_COUNTS:
+            values = np.pad(values, (0, 14 - len(values)))[:12]
+            kind, values = (lens_from_model("rational"), values) if values[5:].any() else (Brown, values[:5])
+    elif kind is not None and not values[len(kind.parameters()) :].any():
+        values = values[: len(kind.parameters())]
+    if kind is None or len(values) != len(kind.parameters()):
+        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.available())
         raise PalpateError(
-            f"{name} has Kalibr's model {model}-{lens}, which palpate does not have.",
-            "Calibrate with pinhole-radtan or pinhole-equi.",
-            code="lens-model-unknown",
+            f"{name} has {len(values)} coefficients for the lens model {named}.",
+            f"{'; '.join(known)}: one is no stand-in for the other.",
+            code="lens-coefficient-count",
         )
-    fx, fy, cx, cy = (float(value) for value in camera["intrinsics"])
-    width, height = camera["resolution"]
-    return {
-        "image_width": width,
-        "image_height": height,
-        "camera_matrix": {"data": [fx, 0, cx, 0, fy, cy, 0, 0, 1]},
-        "distortion_model": _KALIBR[lens],
-        "distortion_coefficients": {"data": camera["distortion_coeffs"] if lens != "none" else [0, 0, 0, 0]},
-    }
+    return make_lens(kind.name, values.tolist())
 
 
 def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
-    distortion = _numbers(content["distortion_coefficients"], None)
-    named = content.get("distortion_model", "plumb_bob" if len(distortion) == 5 else None)
-    kind = lens_from_model(str(named))
-    if kind is lens_from_model("plumb_bob") and len(distortion) == 4:
-        distortion = np.append(distortion, 0.0)
-    if kind is None or len(distortion) != len(kind.parameters()):
-        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.available())
+    lens = _find_lens(name, content)
+    focal, width, height = matrix[[0, 1], [0, 1]], float(content["image_width"]), float(content["image_height"])
+    if not (focal > 0.0).all() or width < 1.0 or height < 1.0:
         raise PalpateError(
-            f"{name} has {len(distortion)} coefficients for the lens model {named}.",
-            f"{'; '.join(known)}: one is no stand-in for the other.",
-            code="lens-coefficient-count",
+            f"{name} has focal lengths {focal[0]:g} and {focal[1]:g} px for an image of {width:g} × {height:g} px.",
+            "ROS writes zeros for a camera that is not calibrated: calibrate it.",
+            code="calibration-file-unreadable",
         )
-    size = 4 + len(distortion)
+    size = 4 + len(lens.coefficients)
     covariance = _numbers(content["covariance"], size**2).reshape(size, size) if "covariance" in content else None
     coverage = _numbers(content["coverage"], 48).reshape(6, 8).astype(int) if "coverage" in content else None
     return Calibration(
-        lens=make_lens(kind.name, distortion.tolist()),
-        width_px=int(content["image_width"]),
-        height_px=int(content["image_height"]),
+        lens=lens,
+        width_px=int(width),
+        height_px=int(height),
         intrinsics_px=np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]),
         rms_px=float(content.get("rms_px", content.get("avg_reprojection_error", np.nan))),
         covariance=np.full((size, size), np.nan) if covariance is None else covariance,
@@ -152,8 +164,8 @@ def _matrix(name: str, values: FloatArray) -> str:
     )
 
 
-def _numbers(block: dict[str, Any], count: int | None) -> FloatArray:
-    values = np.array([float(value) for value in block["data"]])
+def _numbers(block: Any, count: int | None) -> FloatArray:
+    values = np.array([float(value) for value in flat(block)])
     if (count is not None and len(values) != count) or not np.isfinite(values).all():
         raise ValueError(f"a matrix of {len(values)} numbers, or one that is not finite")
     return values

@@ -42,7 +42,7 @@ def draw_board(board: BoardSpec, px_per_mm: float) -> NDArray[np.uint8]:
     x = (np.arange(columns) + 0.5) / px_per_mm - _MARGIN * board.square
     y = (np.arange(rows) + 0.5) / px_per_mm - _MARGIN * board.square
     sheet = np.full((rows, columns), 255, np.uint8)
-    if board.kind == "circles":
+    if board.kind.endswith("circles"):
         for cx, cy, _ in board_points(board):
             dx, dy = x[None] - cx - board.square / 2, y[:, None] - cy - board.square / 2
             sheet[dx**2 + dy**2 <= (_DOT * board.square) ** 2] = 0
@@ -68,7 +68,7 @@ def write_board(path: Path, board: BoardSpec) -> None:
     axes.set_xlim(shift, width + shift)
     axes.set_ylim(height + shift, shift)
     axes.axis("off")
-    if board.kind == "circles":
+    if board.kind.endswith("circles"):
         for x, y, _ in board_points(board) + board.square / 2:
             axes.add_patch(Circle((x, y), _DOT * board.square, color="black", lw=0))
     else:

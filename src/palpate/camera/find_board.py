@@ -14,6 +14,8 @@ from palpate.core import FloatArray, load_opencv
 LEAST_POINTS = 8
 """Points of one image below which it says little; the homography alone takes four."""
 _LARGEST_WINDOW_PX = 11
+_OFF_GRID, _ON_GRID = 0.3, 0.6
+"""Distance from a flat grid, over that of corners, and the share of corners within it."""
 
 
 def find_board(
@@ -42,7 +44,7 @@ def find_board(
         grey = np.rint((grey - low) * (255.0 / max(high - low, 1e-9))).astype(np.uint8)
     if min(grey.shape) < 32:
         return f"the image has only {grey.shape[1]} × {grey.shape[0]} px"
-    find = {"chessboard": _find_chessboard, "circles": _find_circles, "charuco": _find_charuco}[board.kind]
+    find = {"chessboard": _find_chessboard, "charuco": _find_charuco}.get(board.kind, _find_circles)
     return find(grey, board, window_px)
 
 
@@ -71,7 +73,8 @@ def _find_circles(
     spec.minArea, spec.maxArea = 12.0, float(grey.size) / 40.0
     spec.minDistBetweenBlobs, spec.minThreshold, spec.thresholdStep = 3.0, 10.0, 5.0
     blobs = cv2.SimpleBlobDetector_create(spec)
-    for flags in (cv2.CALIB_CB_ASYMMETRIC_GRID, cv2.CALIB_CB_ASYMMETRIC_GRID | cv2.CALIB_CB_CLUSTERING):
+    grid = cv2.CALIB_CB_ASYMMETRIC_GRID if board.kind == "circles" else cv2.CALIB_CB_SYMMETRIC_GRID
+    for flags in (grid, grid | cv2.CALIB_CB_CLUSTERING):
         found, centres = cv2.findCirclesGrid(grey, size, flags=flags, blobDetector=blobs)
         if found:
             return np.arange(board.columns * board.rows), np.asarray(centres, float).reshape(-1, 2)
@@ -96,4 +99,9 @@ def _find_charuco(
     points = board_points(board)[chosen, :2]
     if np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-6) < 2:
         return f"the {count} corners found lie on one line"
-    return chosen, np.asarray(corners, float).reshape(-1, 2)
+    pixels = np.asarray(corners, float).reshape(-1, 2)
+    spacing = float(np.median(cKDTree(pixels).query(pixels, 2)[0][:, 1]))
+    _, fits = cv2.findHomography(points, pixels, cv2.RANSAC, max(_OFF_GRID * spacing, 1.0))
+    if fits is None or np.mean(fits) < _ON_GRID:
+        return f"the {count} corners found do not lie as on this board"
+    return chosen, pixels

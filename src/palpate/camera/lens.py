@@ -8,7 +8,7 @@ names it in its entry points (group ``palpate.lenses``); `palpate.testing.LensSu
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -81,12 +81,25 @@ LENSES: Registry[type[Lens]] = Registry(
     {
         "brown": "palpate.camera.lenses.brown:Brown",
         "kannala-brandt": "palpate.camera.lenses.kannala_brandt:KannalaBrandt",
+        "rational": "palpate.camera.lenses.rational:Rational",
     },
     fits=lambda found: isinstance(found, type) and issubclass(found, Lens),
 )
 """Lenses by name."""
 
-_ALIASES = {"radtan": "plumb_bob", "fisheye": "equidistant"}
+_ALIASES = {
+    "radtan": "plumb_bob",
+    "brown": "plumb_bob",
+    "brown_conrady": "plumb_bob",
+    "fisheye": "equidistant",
+    "equi": "equidistant",
+    "kannala_brandt": "equidistant",
+    "kannala_brandt4": "equidistant",
+    "rational": "rational_polynomial",
+    "thin_prism": "rational_polynomial",
+}
+_ITERATIONS = 50
+_TOLERANCE = 1e-10
 
 
 def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
@@ -111,8 +124,9 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
 
 def lens_from_model(model: str) -> type[Lens] | None:
     """The lens of a model's name in a calibration file; `None` where there is none."""
-    wanted = _ALIASES.get(model, model)
-    return next((lens for _, lens in LENSES.available() if wanted == (lens.model or lens.name)), None)
+    plain = model.lower().replace("-", "_")
+    wanted = _ALIASES.get(plain, plain)
+    return next((lens for _, lens in LENSES.available() if wanted in (lens.model, lens.name.replace("-", "_"))), None)
 
 
 def fold_of(slopes: Sequence[float]) -> float:
@@ -120,6 +134,43 @@ def fold_of(slopes: Sequence[float]) -> float:
     # in 1/r² the leading coefficient is 1, so vanishing coefficients do no harm
     inverse = max((root.real for root in np.roots(slopes) if abs(root.imag) < 1e-12), default=0.0)
     return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
+
+
+def undistort_by_newton(
+    lens: Lens, slope: Callable[[FloatArray], FloatArray], points: FloatArray, iterations: int = _ITERATIONS
+) -> FloatArray:
+    """Ideal points (..., 2) of observed ones (..., 2) by Newton's iteration.
+
+    Parameters
+    ----------
+    lens
+        The lens, which distorts.
+    slope
+        (..., 2, 2) derivative of its `distort` at points (..., 2); if that is singular, the identity is taken.
+    points
+        Observed points.
+    iterations
+        Maximum number of iterations.
+
+    Raises
+    ------
+    PalpateError
+        If it does not converge, or ends beyond the fold of the lens.
+    """
+    ideal = np.array(points, dtype=float)
+    for _ in range(iterations):
+        miss = lens.distort(ideal) - points
+        if not np.any(np.abs(miss) > _TOLERANCE):
+            break
+        matrix = slope(ideal)
+        singular = np.abs(np.linalg.det(matrix)) < 1e-9
+        matrix = np.where(singular[..., None, None], np.eye(2), matrix)
+        ideal -= np.linalg.solve(matrix, miss[..., None])[..., 0]
+    worst = float(np.max(np.abs(lens.distort(ideal) - points), initial=0.0))
+    radius = float(np.max(np.linalg.norm(ideal, axis=-1), initial=0.0))
+    if not worst <= _TOLERANCE * 10.0 or radius > lens.max_radius:
+        raise folded(lens.max_radius)
+    return ideal
 
 
 def folded(limit: float) -> PalpateError:

@@ -1,4 +1,8 @@
-"""Image files: their size is read before their content, so that no file can fill the memory."""
+"""Image files: their size is read before their content, so that no file can fill the memory.
+
+Pixels are those of the sensor: a camera's EXIF orientation is ignored, since a lens belongs to the sensor's pixels.
+A Bayer mosaic is developed to its green channel (`develop_mosaic`).
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.core.files import natural_key
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
 """Largest image that is read, in millions of pixels."""
+_MOSAIC, _PART, _SHARE = 0.08, 8, 0.9
+"""Relative difference of colours of a mosaic, and the share of image parts of 16 × 16 px that
+must agree in its sign; grey images differ by either sign alike."""
 
 
 def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
@@ -29,7 +37,7 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
     Returns
     -------
     ndarray
-        (h, w) or (h, w, 3), blue, green, red; 8 or 16 bit.
+        (h, w) or (h, w, 3), blue, green, red; 8 or 16 bit, or float.
 
     Raises
     ------
@@ -74,16 +82,46 @@ def decode_image(content: bytes, name: str = "The image", largest_mpx: float = L
             code="image-too-large",
         )
     cv2 = load_opencv()
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+    flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
+    try:
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), flags)
+    except cv2.error:
+        image = None
     if image is None:
         raise PalpateError(
             f"{name} cannot be decoded: it is cut off or damaged.", "Save it again.", code="image-damaged"
         )
-    return np.asarray(image)
+    return develop_mosaic(np.asarray(image))
+
+
+def develop_mosaic(image: NDArray[Any]) -> NDArray[Any]:
+    """Develop a Bayer mosaic saved as grey to its green channel; return any other image unchanged.
+
+    A mosaic is recognised by its four pixels of each 2 × 2: two on a diagonal agree (green), and one of the second
+    diagonal is darker, or brighter, than these by more than `_MOSAIC` and in nearly all lit parts of the image.
+    """
+    if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16) or min(image.shape) < 2 * _PART:
+        return image
+    rows, columns = (side // (2 * _PART) for side in image.shape)
+    parts = image[: rows * 2 * _PART, : columns * 2 * _PART].reshape(rows, _PART, 2, columns, _PART, 2)
+    means = parts.mean(axis=(1, 4), dtype=float).transpose(1, 3, 0, 2).reshape(4, -1)
+    means = means[:, means.mean(axis=0) > 0.5 * means.mean()]
+    pairs = ((means[0], means[3], means[1], means[2]), (means[1], means[2], means[0], means[3]))
+    for number, (first, second, *others) in enumerate(pairs):
+        green = (first + second) / 2.0
+        alike = green.size and abs(np.median((first - second) / green)) < 0.25 * _MOSAIC
+        differ = [(other - green) / green for other in others]
+        if alike and any(
+            abs(np.median(one)) > _MOSAIC and max(np.mean(one > 0), np.mean(one < 0)) > _SHARE for one in differ
+        ):
+            cv2 = load_opencv()
+            order = (cv2.COLOR_BayerGB2BGR, cv2.COLOR_BayerBG2BGR)[number]
+            return np.ascontiguousarray(cv2.cvtColor(image, order)[..., 1])
+    return image
 
 
 def list_images(folder: Path) -> tuple[Path, ...]:
-    """Image files of a folder by name.
+    """Image files of a folder by name, numbers in natural order.
 
     Raises
     ------
@@ -92,7 +130,8 @@ def list_images(folder: Path) -> tuple[Path, ...]:
     """
     if not folder.is_dir():
         raise PalpateError(f"{folder} is not a folder.", "Give a folder of images.", code="folder-missing")
-    found = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES))
+    images = (path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and not path.name.startswith("."))
+    found = tuple(sorted(images, key=lambda path: natural_key(path.name)))
     if not found:
         raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.", code="folder-no-image")
     return found

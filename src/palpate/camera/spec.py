@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from palpate.camera.lens import LENSES, make_lens
 from palpate.camera.window import WindowSpec
-from palpate.core import PAPER, Spec, parameter
+from palpate.core import PAPER, PalpateError, Spec, parameter
 
 CALIBRATION = f"calibration published with {PAPER}"
 BROWN = "brown"
@@ -28,7 +28,9 @@ class CameraSpec(Spec):
     cx_px: float = parameter(174.91, unit="px", meaning="principal point, column", source=CALIBRATION)
     cy_px: float = parameter(128.22, unit="px", meaning="principal point, row", source=CALIBRATION)
     lens: str = parameter(
-        BROWN, unit="", meaning="lens model: brown, kannala-brandt (fisheye), or one of an installed package"
+        BROWN,
+        unit="",
+        meaning="lens model: brown, kannala-brandt (fisheye), rational, or one of an installed package",
     )
     distortion: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0, 0.0),
@@ -79,6 +81,28 @@ class CameraSpec(Spec):
                 {"thickness": f"{self.window.thickness:g}", "distance": f"{self.distance:g}"},
             )
         return self
+
+    def scaled_to(self, width_px: int, height_px: int) -> Self:
+        """Return the camera of an image of another size, binned or enlarged by an exact ratio.
+
+        Raises
+        ------
+        PalpateError
+            If width and height have different ratios: the image was cropped, or is of another camera.
+        """
+        if (width_px, height_px) == (self.width_px, self.height_px):
+            return self
+        if width_px * self.height_px != height_px * self.width_px:
+            raise PalpateError(
+                f"The lens is of {self.width_px} × {self.height_px} px, the image has {width_px} × {height_px} px, "
+                "and no single ratio connects them.",
+                "Give the lens of images of this size: `palpate calibration camera`, then --lens.",
+                code="lens-image-size",
+            )
+        ratio = width_px / self.width_px
+        middle = {name: (getattr(self, name) + 0.5) * ratio - 0.5 for name in ("cx_px", "cy_px")}
+        focal = {name: getattr(self, name) * ratio for name in ("fx_px", "fy_px")}
+        return self.model_copy(update={"width_px": width_px, "height_px": height_px} | middle | focal)
 
     @model_serializer(mode="wrap")
     def _leave_out_brown(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from palpate.camera import read_image
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
-from palpate.cli.unit import ModelFlags, UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.core.report import plain_page
 from palpate.design import TILT_SPACE
@@ -105,10 +105,10 @@ def accept(
 def _read(folder: Path, known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
-    from palpate.sensor import check_model, open_sensor, run_sensor
+    from palpate.sensor import check_model, run_sensor
 
     check_model(model, unit, TILT_SPACE)
-    sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
+    sensor = open_printing_scale([read_image(folder / name) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, _images(folder, known.images)))
     poses = np.array([reading.pose for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])

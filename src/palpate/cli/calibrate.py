@@ -28,7 +28,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FOLDER = "Folder of images of the board."
-_BOARD = "charuco, chessboard or circles, optionally with COLUMNSxROWS:SQUARE_MM[:MARKER_MM]: chessboard:9x6:25."
+_BOARD = (
+    "charuco, chessboard, circles or symmetric-circles, optionally with COLUMNSxROWS:SQUARE_MM[:MARKER_MM]: "
+    "chessboard:9x6:25."
+)
 _OUT = "YAML file of the calibration, for OpenCV and ROS; without it, no file is written."
 _PARAMETERS = ("parameter", "value", "standard deviation")
 _IMAGES = ("image", Column("rms_px", "RMS residual", form=".3f", meaning="RMS distance of the board's points"))
@@ -85,6 +88,7 @@ def _describe(found: Calibration) -> dict[str, Any]:
         "rms_px": found.rms_px,
         "images": dict(zip(found.image_names, found.image_rms_px.tolist(), strict=True)),
         "rejected": dict(found.rejected),
+        "note": found.note,
         "covered": found.covered,
         "coverage": found.coverage.tolist(),
     }
@@ -98,4 +102,6 @@ def _reports(found: Calibration) -> Iterator[Report | str]:
     yield Report.of("images", _IMAGES, zip(found.image_names, map(float, found.image_rms_px), strict=True))
     for name, reason in found.rejected:
         yield f"left out: {name}: {reason}"
+    if found.note:
+        yield found.note
     yield f"RMS residual {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells"

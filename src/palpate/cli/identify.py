@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import read_image
 from palpate.cli.output import Output, check_file, check_folder
-from palpate.cli.unit import ModelFlags, UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import FloatArray, PalpateError
 from palpate.core.report import Column, Report
 
@@ -83,14 +83,14 @@ def identify(
 ) -> None:
     """Estimate the deviations of a unit and its mounting on the robot from calibration presses."""
     from palpate.calibration import IdentifiedUnit, write_unit
-    from palpate.sensor import identify_unit, open_model, open_sensor, read_ground_truth, write_identification
+    from palpate.sensor import identify_unit, open_model, read_ground_truth, write_identification
 
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
     known, unit = read_ground_truth(truth), built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
-    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
+    sensor = open_printing_scale([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))
     found = identify_unit(sensor, presses, robot.spec())
     if files.out is not None:

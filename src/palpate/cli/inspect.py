@@ -103,6 +103,8 @@ def _verdict(inspection: Inspection, number: int) -> str:
 
 
 def _reports(markers: Report, inspection: Inspection) -> Iterator[Report | str]:
+    if scaled := inspection.unit.describe_scaling(inspection.registration.camera.spec):
+        yield scaled
     yield markers
     distance = inspection.distance[~(inspection.distance != inspection.distance)]
     yield (

@@ -22,15 +22,18 @@ if TYPE_CHECKING:
     from palpate.learn import RecordingResult
 
 _RECORDING = (
-    "Table of poses (.csv, .jsonl) in the folder of its images or video; an HDF5 file; a folder with one of these; "
-    "or a LeRobot dataset."
+    "Table of poses (.csv, .jsonl) in the folder of its images or video; an HDF5, NPZ or Zarr file; a folder with "
+    "one of these or with HDF5 episodes; or a LeRobot dataset."
 )
 _OUT = "Folder for the model (model.h5) and the report. The same command resumes an interrupted run."
 _LEARN = (
     "Columns to estimate, separated by commas; COLUMN=QUANTITY if the name does not state the quantity "
     "(pose_4=rx_deg,pose_3=depth_mm). By default rx, ry and depth if they exist, otherwise all columns."
 )
-_IMAGE = "Column of the image names or numbers, if it is not recognised by its name."
+_IMAGE = (
+    "Column of the image names or numbers, if it is not recognised by its name; the camera of a LeRobot dataset, the "
+    "array of an HDF5, NPZ or Zarr file, or the folder of images, if there are several."
+)
 _PRESS = "Column of the press that an image belongs to; without it, each image is a separate press."
 _ANGLES = "Unit of angles whose column has no unit in its name."
 _LENGTHS = "Unit of lengths whose column has no unit in its name."

@@ -16,7 +16,7 @@ from palpate.camera import Source, list_images, open_source, read_image
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, Output, check_file, check_folder, print_text
-from palpate.cli.unit import ModelFlags, UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 from palpate.design import Design, PoseSpace
@@ -93,7 +93,7 @@ def live(
     output: JsonOutput = JsonOutput(),
 ) -> int:
     """Estimate the pose of the obstacle in every image of a camera or a recording."""
-    from palpate.sensor import describe_reading, open_model, open_sensor, run_sensor, write_readings
+    from palpate.sensor import describe_reading, open_model, run_sensor, write_readings
 
     if flags.count is not None and flags.count < 1:
         raise PalpateError(
@@ -110,7 +110,7 @@ def live(
     reads_with = open_model(model, unit.design.skin)
     with _open(source, unit) as opened:
         images = opened.images()
-        sensor = open_sensor(
+        sensor = open_printing_scale(
             _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit.design)
         )
         sensor.clock = opened.clock

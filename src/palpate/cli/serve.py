@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from palpate.camera import open_source
 from palpate.cli.flag import flags_of
-from palpate.cli.unit import ModelFlags, UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
 from palpate.sensor import SensorSpec
 
@@ -41,7 +41,7 @@ def serve(
     door: DoorFlags = DoorFlags(),
 ) -> None:
     """Read a sensor and send every reading to all clients; clients may also send images."""
-    from palpate.sensor import open_model, open_sensor
+    from palpate.sensor import open_model
     from palpate.viewer import Feed, ServeSpec, serve_readings
 
     unit = built.unit(reads.material)
@@ -55,7 +55,7 @@ def serve(
             "Record more images, or lower --rest-images.",
             code="rest-images-few",
         )
-    sensor = open_sensor(images, unit, model, rig)
+    sensor = open_printing_scale(images, unit, model, rig)
     sensor.clock = clock
     feed = Feed(lambda: open_source(source), again=not Path(source).exists())
     serve_readings(sensor, feed, ServeSpec(door.host, door.port, door.token), _announce)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -18,7 +19,7 @@ from palpate.design import Design, DomeSpec, MarkerSpec, SkinSpec, build_skin, r
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
-    from palpate.sensor import Unit
+    from palpate.sensor import Sensor, Unit
 
 _LENS = "YAML file of `palpate calibration camera`; by default the lens of the nominal camera."
 
@@ -87,6 +88,16 @@ class PrintFlags(DesignFlags):
                 (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
             )
         return Unit(self.design(material), has_orientation_mark=self.mark, lens=lens)
+
+
+def open_printing_scale(rest: Iterable[Any], unit: Unit, *words: Any, **flags: Any) -> Sensor:
+    """Open a sensor (`open_sensor`), and print if the lens was scaled to the images."""
+    from palpate.sensor import open_sensor
+
+    sensor = open_sensor(rest, unit, *words, **flags)
+    if scaled := unit.describe_scaling(sensor.registration.camera.spec):
+        print(scaled, file=sys.stderr)
+    return sensor
 
 
 @Parameter(name="*")

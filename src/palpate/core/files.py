@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -118,3 +119,9 @@ def _drafts(folder: Path) -> Iterator[Path]:
         yield Path(name)
         for draft in sorted(Path(name).iterdir()):
             os.replace(draft, folder / draft.name)
+
+
+def natural_key(name: str) -> list[tuple[int, str]]:
+    """Key by which ``frame_2`` comes before ``frame_10``: numbers count as such."""
+    parts = re.findall(r"([0-9]+)|([^0-9]+)", name)
+    return [*((int(digits), "") if digits else (-1, text) for digits, text in parts), (-2, name)]

@@ -1,12 +1,14 @@
 """Recordings in HDF5: images as one array and poses as others beside it, or such groups, a press each.
 
-One dataset of the file, or of each group, has the shape (n, h, w) or (n, h, w, c) and whole numbers: the images.
+One dataset of the file, or of each group, holds the images (`palpate.datasets.stored_images`). A folder of files
+whose names differ by a number is read as a whole, each file a press.
 Every other of n numbers, or of (n, k), is a column, or k of them, named by its attribute ``columns`` where it has
 one. So the arrays of many labs, and robomimic's ``data/demo_0``, are read alike; each group counts as a press.
 """
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, final
 
@@ -14,11 +16,13 @@ import h5py
 import numpy as np
 
 from palpate.core import PalpateError, reject_external_links
+from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.stored_images import holds_images, join_parts, name_columns
 from palpate.datasets.table import Column, RecordingTable
 
-_REMEDY = "Give images as one dataset (n, h, w) of whole numbers, and poses as datasets of n rows beside it."
+_REMEDY = "Give images as one dataset (n, h, w), (n, h, w, 3) or of n JPEG files, and poses as others of n rows."
 
 
 @final
@@ -29,61 +33,75 @@ class HDF5Reader(RecordingReader):
 
     @classmethod
     def accepts(cls, place: Path) -> bool:
+        if place.is_dir():
+            return len(_episodes(place)) > 1
         return place.is_file() and place.suffix.lower() in cls.formats.split(", ")
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
-        try:
-            with h5py.File(place, "r") as file:
-                reject_external_links(file, place)
-                groups = _groups(file)
-                if not groups:
-                    raise PalpateError(f"{place.name} holds no images.", _REMEDY, code="recording-no-images")
-                parts, places = [], list[tuple[str, int]]()
-                for number, (images, group) in enumerate(groups):
-                    count = images.shape[0]
-                    parts.append(_columns(group, images, count))
-                    if len(groups) > 1:
-                        parts[-1].setdefault("press", np.full(count, float(number)))
-                    places += [(images.name, row) for row in range(count)]
-        except (OSError, KeyError, ValueError) as error:
+        parts: list[dict[str, Column]] = []
+        places: list[tuple[Path, str, int]] = []
+        for path in _episodes(place) if place.is_dir() else [place]:
+            try:
+                with h5py.File(path, "r") as file:
+                    reject_external_links(file, path)
+                    for images, group in self._groups(path, file):
+                        parts.append(_columns(group, images, images.shape[0]))
+                        places += [(path, images.name, row) for row in range(images.shape[0])]
+            except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
+                raise PalpateError(
+                    f"{path.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
+                ) from error
+        for number, part in enumerate(parts if len(parts) > 1 else ()):
+            part.setdefault("press", np.full(len(next(iter(part.values()), ())), float(number)))
+        return RecordingTable(place.name, join_parts(place.name, parts), {}), ArrayImages(places)
+
+    def _groups(self, path: Path, file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:
+        """Datasets of images and the groups that hold their columns, in the order of their names."""
+        found: list[h5py.Dataset] = []
+
+        def look(name: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and holds_images(item):
+                found.append(item)
+
+        file.visititems(look)
+        owners: dict[str, tuple[h5py.Group, dict[str, h5py.Dataset]]] = {}
+        for item in sorted(found, key=lambda one: natural_key(one.name)):
+            owner = item.parent
+            while owner.name != "/" and not any(_fits(one, item.shape[0]) for one in owner.values()):
+                owner = owner.parent
+            key = item.name[len(owner.name.rstrip("/")) :].strip("/")
+            owners.setdefault(owner.name, (owner, {}))[1][key] = item
+        if not owners:
             raise PalpateError(
-                f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
-        names = set.intersection(*(set(part) for part in parts))
-        if not names - {"press"}:
-            raise PalpateError(
-                f"{place.name} has no numbers with as many rows as images.", _REMEDY, code="recording-no-table"
+                f"{path.name} holds no images{_list_arrays(file)}.", _REMEDY, code="recording-no-images"
             )
-        columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
-        return RecordingTable(place.name, columns, {}), ArrayImages(place, places)
+        return [(images[self.choose(path.name, list(images))], owner) for owner, images in owners.values()]
 
 
-def _groups(file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:
-    """Datasets of images and the groups that hold their columns, in the order of their names."""
-    found: list[h5py.Dataset] = []
+def _episodes(folder: Path) -> list[Path]:
+    """HDF5 files of a folder, an episode each; none if their names differ by more than a number."""
+    endings = HDF5Reader.formats.split(", ")
+    files = [path for path in folder.iterdir() if path.suffix.lower() in endings]
+    alike = len({re.sub(r"\d+", "", path.name) for path in files}) == 1
+    return sorted(files, key=lambda path: natural_key(path.name)) if alike else []
 
-    def look(name: str, item: Any) -> None:
-        if (
-            isinstance(item, h5py.Dataset)
-            and item.ndim in (3, 4)
-            and item.dtype.kind == "u"
-            and min(item.shape[1:3]) >= 8
-        ):
-            found.append(item)
 
-    file.visititems(look)
-    owners: dict[str, tuple[h5py.Dataset, h5py.Group]] = {}
-    for item in sorted(found, key=lambda one: _natural(one.name)):
-        owner = item.parent
-        while owner.name != "/" and not any(_fits(one, item.shape[0]) for one in owner.values()):
-            owner = owner.parent
-        owners.setdefault(owner.name, (item, owner))
-    return list(owners.values())
+def _list_arrays(file: h5py.File) -> str:
+    """Names, shapes and types of the arrays of a file, as a clause."""
+    found: list[str] = []
+    file.visititems(
+        lambda name, item: found.append(f"{name} {item.shape} {item.dtype}") if hasattr(item, "shape") else None
+    )
+    return f", but {', '.join(found[:5])}" if found else ""
 
 
 def _fits(item: Any, count: int) -> bool:
     return (
-        isinstance(item, h5py.Dataset) and item.ndim in (1, 2) and item.shape[0] == count and item.dtype.kind in "iuf"
+        isinstance(item, h5py.Dataset)
+        and item.ndim in (1, 2)
+        and item.shape[0] == count
+        and item.dtype.kind in "iufb"
+        and not holds_images(item)
     )
 
 
@@ -100,13 +118,5 @@ def _columns(group: h5py.Group, images: h5py.Dataset, count: int) -> dict[str, C
             ]
             if len(names) == 1 and "," in names[0]:
                 names = [text.strip() for text in names[0].split(",")]
-            if len(names) != values.shape[1]:
-                names = [key] if values.shape[1] == 1 else [f"{key}_{number}" for number in range(values.shape[1])]
-            columns |= {name: values[:, number] for number, name in enumerate(names)}
+            columns |= name_columns(key, values, names)
     return columns
-
-
-def _natural(name: str) -> list[Any]:
-    """Key by which ``demo_2`` comes before ``demo_10``."""
-    parts = "".join(letter if letter.isdigit() else " " for letter in name).split()
-    return [name.rstrip("0123456789").split("/")[:-1], [int(part) for part in parts], name]

@@ -12,7 +12,8 @@ from typing import Any, final
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.camera import decode_image, read_image
+from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, Item, VideoImages
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.table import Column, RecordingTable
@@ -35,22 +36,19 @@ class LeRobotReader(RecordingReader):
         try:
             features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
             cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
-            if len(cameras) != 1:
-                raise PalpateError(
-                    f"{place.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
-                    "Keep the sensor's camera alone.",
-                    code="recording-several-cameras",
-                )
+            if not cameras:
+                raise PalpateError(f"{place.name} has no camera.", _REMEDY, code="recording-no-images")
+            camera = self.choose(place.name, cameras)
             tables = [parquet.read_table(path) for path in sorted((place / "data").rglob("*.parquet"))]
             if not tables:
                 raise PalpateError(
                     f"{place.name} has no table in its folder data.", _REMEDY, code="recording-no-table"
                 )
-            columns = _columns(tables, features, cameras[0])
+            columns = _columns(tables, features, cameras)
             images = (
-                _videos(place, cameras[0], columns, parquet)
-                if features[cameras[0]]["dtype"] == "video"
-                else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], place)
+                _videos(place, camera, columns, parquet)
+                if features[camera]["dtype"] == "video"
+                else _Cells([cell for table in tables for cell in table.column(camera).to_pylist()], place)
             )
         except (OSError, KeyError, ValueError, TypeError) as error:
             raise PalpateError(
@@ -59,12 +57,17 @@ class LeRobotReader(RecordingReader):
         return RecordingTable(place.name, columns, {}), images
 
 
-def _columns(tables: Sequence[Any], features: dict[str, Any], camera: str) -> dict[str, Column]:
+def _columns(tables: Sequence[Any], features: dict[str, Any], cameras: Sequence[str]) -> dict[str, Column]:
     columns: dict[str, Column] = {}
     for name, about in features.items():
-        if name == camera or not all(name in table.column_names for table in tables):
+        if name in cameras or not all(name in table.column_names for table in tables):
             continue
-        cells = np.array([cell for table in tables for cell in table.column(name).to_pylist()], dtype=float)
+        found = [cell for table in tables for cell in table.column(name).to_pylist()]
+        try:
+            cells = np.array(found, dtype=float)
+        except (TypeError, ValueError):
+            columns[name] = np.array([str(cell)[:240] for cell in found])  # text; a pose is not made of it
+            continue
         cells = cells.reshape(len(cells), -1)
         names = about.get("names")
         names = next(iter(names.values())) if isinstance(names, dict) else names
@@ -113,14 +116,11 @@ class _Cells(ImageSet):
         return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        cv2 = load_opencv()
         for number in numbers:
             cell = self._cells[number]
             path = self._folder / str(cell.get("path"))
-            content = cell.get("bytes") or (path.read_bytes() if path.is_file() else b"")
-            image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR) if content else None
-            yield (
-                PalpateError(f"Image {number} cannot be decoded.", code="image-damaged")
-                if image is None
-                else np.asarray(image)
-            )
+            try:
+                content = cell.get("bytes")
+                yield decode_image(content, f"Image {number}") if content else read_image(path)
+            except PalpateError as error:
+                yield error

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
+from palpate.core.files import natural_key
 from palpate.datasets.recording_columns import (
     ColumnMapping,
     PoseColumn,
@@ -103,7 +104,12 @@ def read_recording(
     reader, place = _find_reader(place)
     if rest is not None:
         read_image(rest)  # refused here, by its own sentence
-    table, images = reader().read(place)
+    reads = reader()
+    reads.image = choice.image
+    table, images = reads.read(place)
+    folder = place.parent
+    if images is None and choice.image not in table.columns and (folder / choice.image).is_dir():
+        folder, choice = folder / choice.image, replace(choice, image="")
     column = find_image_column(table, choice) if images is None else ""
     by = find_press_column(table, choice)
     notes: list[str] = []
@@ -119,7 +125,7 @@ def read_recording(
     rows = np.concatenate([chosen, at_rest])
     if images is None:
         names = tuple(str(text) for text in table.columns[column][rows].tolist())
-        images = _find_images(place, table.rows(rows), column)
+        images = _find_images(folder, table.rows(rows), column)
         rest = rest or (None if len(at_rest) else _find_rest(place.parent))
     else:
         names = tuple(f"image {row}" for row in rows)
@@ -159,7 +165,7 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
     files = sorted(place.iterdir())
     for reader in readers:
         tables = [path for path in files if reader.accepts(path)]
-        if len(tables) == 1:
+        if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):
             return reader, tables[0]
         if tables:
             raise PalpateError(
@@ -204,18 +210,30 @@ def _thin(press: IntArray, most: int, seed: int) -> IntArray:
     return np.flatnonzero(np.isin(member.reshape(-1), kept))[:most]
 
 
-def _find_images(place: Path, table: RecordingTable, column: str) -> ImageSet:
+def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
     if not table.is_numeric(column):
-        return ImageFiles(find_files(place.parent, [str(text) for text in table.columns[column].tolist()]))
-    videos = [path for path in sorted(place.parent.iterdir()) if path.suffix.lower() in recording_suffixes()]
-    if len(videos) != 1:
+        return ImageFiles(find_files(folder, [str(text) for text in table.columns[column].tolist()]))
+    found = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
+    videos = [path for path in found if path.suffix.lower() in recording_suffixes()]
+    which = [0] * len(table) if len(videos) == 1 else _videos_of_rows(table, videos)
+    if which is None:
         raise PalpateError(
-            f"Column {column} numbers images, and {place.parent} holds {len(videos)} videos.",
-            "Put the one video of these images beside the table.",
+            f"Column {column} numbers images, and {folder} holds {len(videos)} videos.",
+            "Put the one video of these images at the table, or name the video of each row in a column.",
             code="recording-several-videos",
         )
-    frames = table.columns[column].astype(int).tolist()
-    return VideoImages(videos, [0] * len(frames), frames)
+    return VideoImages(videos, which, table.columns[column].astype(int).tolist())
+
+
+def _videos_of_rows(table: RecordingTable, videos: list[Path]) -> list[int] | None:
+    """Number of each row's video, by the column of their file names; `None` without such a column."""
+    numbers = {path.name: number for number, path in enumerate(videos)}
+    for name, values in table.columns.items():
+        if not table.is_numeric(name):
+            files = [Path(str(text).replace("\\", "/")).name for text in values]
+            if files and all(file in numbers for file in files):
+                return [numbers[file] for file in files]
+    return None
 
 
 def _refuse_small(found: Recording) -> None:

@@ -8,15 +8,17 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any, final
 
 import h5py
-import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
 from palpate.core import PalpateError
+from palpate.core.files import natural_key
+from palpate.datasets.stored_images import read_row
 
 Item = NDArray[Any] | PalpateError
 
@@ -87,23 +89,28 @@ class VideoImages(ImageSet):
 
 @final
 class ArrayImages(ImageSet):
-    """Images of datasets (n, h, w) or (n, h, w, c) of an HDF5 file."""
+    """Images of datasets of HDF5 files: file, dataset and row of each."""
 
-    def __init__(self, path: Path, places: Sequence[tuple[str, int]]) -> None:
-        self._path, self._places = path, tuple(places)
+    def __init__(self, places: Sequence[tuple[Path, str, int]]) -> None:
+        self._places = tuple(places)
 
     def stamp(self, number: int) -> str:
-        about = self._path.stat()
-        return f"{self._path.name} {about.st_size} {about.st_mtime_ns} {self._places[number]}"
+        path, name, row = self._places[number]
+        about = path.stat()
+        return f"{path.name} {about.st_size} {about.st_mtime_ns} {(name, row)}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        with h5py.File(self._path, "r") as file:
-            for number in numbers:
-                name, row = self._places[number]
-                try:
-                    yield np.asarray(file[name][row])
-                except (OSError, ValueError) as error:
-                    yield PalpateError(f"Image {row} of {name} cannot be read: {error}.", code="image-unreadable")
+        for path, group in groupby(numbers, lambda number: self._places[number][0]):
+            with h5py.File(path, "r") as file:
+                for number in group:
+                    _, name, row = self._places[number]
+                    try:
+                        yield read_row(file[name], row)
+                    except PalpateError as error:
+                        yield error
+                    except (OSError, ValueError) as error:
+                        problem = f"Image {row} of {name} cannot be read: {error}."
+                        yield PalpateError(problem, code="image-unreadable")
 
 
 @final
@@ -147,10 +154,20 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
     direct = [folder / name.replace("\\", "/") for name in names]
     if all(path.is_file() for path in direct):
         return direct
-    below: dict[str, Path] = {}
+    below: dict[str, list[Path]] = {}
     for path in list_below(folder):
-        below.setdefault(path.name, path)
-    found = [path if path.is_file() else below.get(path.name, path) for path in direct]
+        below.setdefault(path.name, []).append(path)
+    twice = next(
+        (below[path.name] for path in direct if not path.is_file() and len(below.get(path.name, ())) > 1), None
+    )
+    if twice:
+        folders = [str(path.parent.relative_to(folder)) for path in twice]
+        raise PalpateError(
+            f"{twice[0].name} is in {len(folders)} folders: {', '.join(folders)}.",
+            f"Choose one by --image, such as --image {folders[-1]}.",
+            code="images-in-several-folders",
+        )
+    found = [path if path.is_file() else below.get(path.name, [path])[0] for path in direct]
     if not any(path.is_file() for path in found):
         raise PalpateError(
             f"None of the {len(names)} images of the table is there, the first is {names[0]}.",
@@ -170,4 +187,4 @@ def list_below(folder: Path) -> list[Path]:
             continue
         entered.add(real)
         found += [Path(place) / name for name in files if Path(name).suffix.lower() in IMAGE_SUFFIXES]
-    return sorted(found)
+    return sorted(found, key=lambda path: natural_key(str(path)))

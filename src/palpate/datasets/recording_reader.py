@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, final
 
-from palpate.core import Registry
+from palpate.core import PalpateError, Registry
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.table import RecordingTable, read_table
 
@@ -18,9 +20,36 @@ class RecordingReader(ABC):
     ----------
     formats
         What it reads, as messages name it.
+    image
+        Which of several images a row has is read: a key or path, as ``--image`` gives it; empty if there is one.
     """
 
     formats: ClassVar[str]
+    image: str = ""
+
+    def choose(self, name: str, keys: Sequence[str]) -> str:
+        """Return the one key of images that is meant by `image`: a whole key, or its last part.
+
+        Raises
+        ------
+        PalpateError
+            If none is, or several are.
+        """
+        ends = [key for key in keys if re.split(r"[./]", key)[-1] == self.image]
+        found = [key for key in keys if key.strip("/") == self.image.strip("/")] or ends if self.image else list(keys)
+        if len(found) == 1:
+            return found[0]
+        if not found:
+            raise PalpateError(
+                f"{name} has no images {self.image}; it has {', '.join(keys)}.",
+                "Choose one of these by --image.",
+                code="column-unknown",
+            )
+        raise PalpateError(
+            f"{name} has images of {len(found)} cameras: {', '.join(found)}.",
+            f"Choose the sensor's camera, such as --image {found[0]}.",
+            code="recording-several-cameras",
+        )
 
     @classmethod
     @abstractmethod
@@ -59,6 +88,7 @@ READERS: Registry[type[RecordingReader]] = Registry(
         "lerobot": "palpate.datasets.read_lerobot:LeRobotReader",
         "table": "palpate.datasets.recording_reader:TableReader",
         "hdf5": "palpate.datasets.read_hdf5:HDF5Reader",
+        "arrays": "palpate.datasets.read_arrays:ArraysReader",
     },
     fits=lambda found: isinstance(found, type) and issubclass(found, RecordingReader),
 )

@@ -81,7 +81,7 @@ def write_instructions(
         told = (
             _describe(skin, layout, material, mold),
             _list_material(mixed, mold, spec),
-            _cast(mixed, mold),
+            _cast(volume, mixed, mold),
             _inspect(skin, layout),
         )
         marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
@@ -132,15 +132,17 @@ def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
     ]
 
 
-def _cast(mixed: float, mold: Mold) -> list[str]:
+def _cast(volume: float, mixed: float, mold: Mold) -> list[str]:
+    first = 2 / 3 * volume
     return [
         "Sand the hollow of cavity and core smooth; wash, dry, and spray with mold release.",
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
         f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
         "Pot life 45 min at 23 °C.",
         "Draw air out under vacuum for 5 min.",
-        "Fill the cavity two thirds, apex down; set the core in so that the three pins enter: it fits one way only.",
-        "Pour through the hole until elastomer stands in every vent. Clamp.",
+        f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits one "
+        "way only.",
+        f"Pour the other {volume - first:.1f} mL through the hole until elastomer stands in every vent. Clamp.",
         "Cure for 4 h at 23 °C on a level table.",
         "Lift the core straight out with the part on it, then peel the part off from the flange. Cut the sprues.",
     ]

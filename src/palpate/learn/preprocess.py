@@ -235,14 +235,27 @@ def _grey(image: NDArray[Any]) -> Pictures:
             "Give 8 px a side to 40 million.",
             code="image-size-out-of-bounds",
         )
+    top = _white_level(image)
     if image.ndim == 3:
         image = image[..., 0] if image.shape[2] == 1 else image[..., :3].astype(np.float32) @ _LUMA
     if image.dtype != np.uint8:
-        top = 65535.0 if image.dtype == np.uint16 else 1.0 if image.dtype == bool else 255.0
         image = np.clip(np.nan_to_num(image.astype(np.float32)) * (255.0 / top), 0, 255).astype(np.uint8)
     if image.max() == 1:
         image = image * np.uint8(255)  # black and white kept as 0 and 1
     return np.ascontiguousarray(image)
+
+
+def _white_level(image: NDArray[Any]) -> float:
+    """White level: 1 of fractions, 255 of 8 bit, 4095 of 10 and 12 bit, 65535 of 16 bit.
+
+    10 and 12 bit share a level, so that a brighter image of a camera of 10 bit does not change its scale.
+    """
+    if image.dtype == np.uint8:
+        return 255.0
+    most = float(np.nan_to_num(image.max(initial=0)))
+    if image.dtype.kind != "u":
+        return next((level for level in (1.0, 255.0, 4095.0) if most <= level), 65535.0)
+    return 4095.0 if most <= 4095.0 else 65535.0
 
 
 _LUMA = np.array([0.114, 0.587, 0.299], np.float32)

@@ -189,8 +189,12 @@ class Sensor:
 
 @dataclass(frozen=True, eq=False)
 class RestReference:
-    """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is."""
+    """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is.
 
+    The unit is the given one with its lens scaled to the images.
+    """
+
+    unit: Unit
     detector: Detector
     naming: MarkerAssignment
     registration: Registration
@@ -230,6 +234,8 @@ def analyse_rest(
             "Record one first; in a table of images, its press is 'rest'.",
             code="rest-image-missing",
         )
+    height, width = np.asarray(images[0]).shape[:2]
+    unit = unit.at_size(width, height)
     mark = place_orientation_mark(unit.design.skin, unit.design.layout) if unit.has_orientation_mark else None
     pattern = build_pattern(unit.design.layout.positions, build_camera(unit.camera_spec).project, mark)
     detector, naming = _find_and_name(images[0], unit, detect, pattern)
@@ -251,7 +257,7 @@ def analyse_rest(
         )
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.design.layout, unit.design.skin, unit.camera_spec, refine_lens)
-    return RestReference(detector, naming, where)
+    return RestReference(unit, detector, naming, where)
 
 
 def _find_and_name(
@@ -309,8 +315,8 @@ def open_sensor(
     check_model(model, unit)
     spec = spec or SensorSpec()
     seen = analyse_rest(rest, unit, detect, reference_press, spec.refine_lens)
-    reader = make_estimator(model, unit, seen.naming, seen.registration, spec)
-    return Sensor(unit, reader, spec, seen.detector, seen.naming, seen.registration)
+    reader = make_estimator(model, seen.unit, seen.naming, seen.registration, spec)
+    return Sensor(seen.unit, reader, spec, seen.detector, seen.naming, seen.registration)
 
 
 def run_sensor(

@@ -17,6 +17,7 @@ from palpate.vision.opencv import fill_hull, grow, simple_blobs
 from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
 from palpate.vision.spec import DetectSpec
 from palpate.vision.split import split_merged
+from palpate.vision.stray_blobs import find_strays
 
 Image = NDArray[np.float32]
 _ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
@@ -83,7 +84,9 @@ class Detector:
         return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
 
     def _by_centroid(self, grey: Image) -> Blobs:
-        return self._fit(grey, _ROUNDS)[0]
+        blobs = self._fit(grey, _ROUNDS)[0]
+        strays = find_strays(blobs.positions_px, blobs.diameter_px)
+        return blobs.take(~strays) if strays.any() else blobs
 
     @cached_property
     def _window(self) -> tuple[slice, slice]:
@@ -186,7 +189,7 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
     Returns
     -------
     ndarray
-        (h, w) in the levels of the image.
+        (h, w) in the levels of the image; fractions up to 1 in levels up to 255.
 
     Raises
     ------
@@ -221,7 +224,8 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
         raise PalpateError(
             "The image holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
         )
-    return grey
+    # the detector's minimum noise is that of whole grey levels, so fractions are brought to those
+    return grey * np.float32(255.0) if image.dtype.kind == "f" and 0.0 < grey.max(initial=0.0) <= 1.0 else grey
 
 
 def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:

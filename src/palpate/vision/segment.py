@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,11 @@ class Blobs:
 
     def __len__(self) -> int:
         return len(self.positions_px)
+
+    def take(self, mask: BoolArray) -> Blobs:
+        """Return the blobs of a mask (n,)."""
+        names = ("positions_px", "diameter_px", "contrast", "sigma_px", "at_border")
+        return replace(self, **{name: getattr(self, name)[mask] for name in names})
 
 
 def measure_noise(image: Image) -> float:

@@ -117,7 +117,7 @@ def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp
     np.testing.assert_allclose(build_camera(spec).project(domed), expected[0], atol=1e-3)
     text = (tmp_path / "fisheye.yaml").read_text().replace('distortion_model: "equidistant"', "")
     (tmp_path / "mixed.yaml").write_text(text)
-    with refused("lens-coefficient-count", "4", "None"):
+    with refused("lens-model-ambiguous", "4"):
         read_calibration(tmp_path / "mixed.yaml")
 
 

@@ -136,7 +136,7 @@ def test_a_folder_without_a_table_or_with_two_is_refused(tmp_path: Path) -> None
     with refused("recording-no-table"):
         read_recording(tmp_path)
     (tmp_path / "a.csv").write_text("image\n")
-    (tmp_path / "b.csv").write_text("image\n")
+    (tmp_path / "b.csv").write_text("image,rx_deg\n")
     with refused("recording-several-tables", "2", "a.csv, b.csv"):
         read_recording(tmp_path)
 

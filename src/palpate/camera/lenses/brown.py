@@ -20,11 +20,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from palpate.camera.arrays import array_module
-from palpate.camera.lens import Lens, fold_of, folded
+from palpate.camera.lens import Lens, fold_of, undistort_by_newton
 from palpate.core import FloatArray
-
-_ITERATIONS = 50
-_TOLERANCE = 1e-10
 
 
 @final
@@ -69,34 +66,22 @@ class Brown(Lens):
 
     def undistort(self, points: FloatArray) -> FloatArray:
         """By Newton's iteration."""
-        ideal = np.array(points, dtype=float)
-        for _ in range(_ITERATIONS):
-            miss = self.distort(ideal) - points
-            if not np.any(np.abs(miss) > _TOLERANCE):
-                break
-            ideal -= np.linalg.solve(self._slope(ideal), miss[..., None])[..., 0]
-        worst = float(np.max(np.abs(self.distort(ideal) - points), initial=0.0))
-        radius = float(np.max(np.linalg.norm(ideal, axis=-1), initial=0.0))
-        if not worst <= _TOLERANCE * 10.0 or radius > self.max_radius:
-            raise folded(self.max_radius)
-        return ideal
+        return undistort_by_newton(self, self._slope, points)
 
     def mirrored(self) -> Brown:
         return replace(self, p2=-self.p2)
 
     def _slope(self, points: FloatArray) -> FloatArray:
-        """(..., 2, 2) derivative of `distort`; where it is singular, the identity."""
+        """(..., 2, 2) derivative of `distort`."""
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
         slope = 2.0 * (self.k1 + square * (2.0 * self.k2 + square * 3.0 * self.k3))
         cross = x * y * slope + 2.0 * (self.p1 * x + self.p2 * y)
-        matrix = np.stack(
+        return np.stack(
             [
                 np.stack([radial + x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x, cross], axis=-1),
                 np.stack([cross, radial + y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x], axis=-1),
             ],
             axis=-2,
         )
-        singular = np.abs(np.linalg.det(matrix)) < 1e-9
-        return np.where(singular[..., None, None], np.eye(2), matrix)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar, final
@@ -10,7 +11,7 @@ import numpy as np
 
 from palpate.camera.source import ImageOrError, Source
 from palpate.camera.sources.capture import open_capture
-from palpate.core import PalpateError, load_opencv
+from palpate.core import MissingExtraError, PalpateError, load_extra, load_opencv
 
 
 @final
@@ -34,19 +35,80 @@ class VideoSource(Source):
 
     def images(self) -> Iterator[ImageOrError]:
         cv2 = load_opencv()
-        promised, given = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0
+        promised, given, last_s = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0, 0.0
+        fps = max(float(self._capture.get(cv2.CAP_PROP_FPS)), 1e-3)
+        codec = int(self._capture.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").lower()
+        if codec == b"av01":
+            yield from self._decode_av1()
+            return
         while True:
             read, image = self._capture.read()
             if not read:
                 break
             given += 1
+            last_s = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
             yield np.asarray(image)
-        if given < promised or not given:
+        if not given or (given < promised and not self._is_whole(given, promised, fps, last_s)):
             yield PalpateError(
                 f"{self._path.name} ends after {given} of {max(promised, 0)} images: it is cut off or damaged.",
                 "Record it again.",
                 code="video-cut-off",
             )
 
+    def _is_whole(self, given: int, promised: int, fps: float, last_s: float) -> bool:
+        """Whether a video of fewer images than its head promises has all of them.
+
+        So is one whose edit list shows a part of its images, and one of a variable frame rate in a container that
+        stores no count: the promised count is then the duration times the mean rate.
+        """
+        if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
+            return self._path.suffix.lower() in (".mkv", ".webm") and last_s >= 0.9 * promised / fps
+        return given + 1 >= int(_edited_s(self._path) * fps) > 0
+
+    def _decode_av1(self) -> Iterator[ImageOrError]:
+        """Images of an AV1 video by PyAV: the wheels of OpenCV do not decode it."""
+        try:
+            av = load_extra("av", "av", "PyAV")
+        except MissingExtraError:
+            yield PalpateError(
+                f"{self._path.name} is an AV1 video, which OpenCV does not decode.",
+                f"pip install av, or convert it: ffmpeg -i {self._path.name} -c:v libx264 -crf 12 h264.mp4",
+                code="video-av1",
+            )
+            return
+        try:
+            with av.open(str(self._path)) as container:
+                for frame in container.decode(video=0):
+                    yield np.asarray(frame.to_ndarray(format="bgr24"))
+        except (av.FFmpegError, OSError, IndexError, ValueError) as error:
+            yield PalpateError(
+                f"{self._path.name} is cut off or damaged: {error}.", "Record it again.", code="video-cut-off"
+            )
+
     def close(self) -> None:
         self._capture.release()
+
+
+def _edited_s(path: Path) -> float:
+    """Duration, s, of the first edit list of an MP4 file; 0 without one, or if the file is cut off."""
+    content = path.read_bytes()
+    at = 0
+    while at + 8 <= len(content):
+        size = int.from_bytes(content[at : at + 4], "big")
+        size = int.from_bytes(content[at + 8 : at + 16], "big") if size == 1 else size or len(content) - at
+        at += max(size, 8)
+    head, edits = content.find(b"mvhd"), content.find(b"elst")
+    if at != len(content) or min(head, edits) < 0:
+        return 0.0
+    try:
+        long = content[head + 4] == 1
+        (scale,) = struct.unpack_from(">I", content, head + (24 if long else 16))
+        long, (count,) = content[edits + 4] == 1, struct.unpack_from(">I", content, edits + 8)
+        form = ">QqI" if long else ">IiI"
+        entries = [
+            struct.unpack_from(form, content, edits + 12 + number * (20 if long else 12))
+            for number in range(min(count, 1000))
+        ]
+    except struct.error:
+        return 0.0
+    return sum(duration for duration, start, _ in entries if start >= 0) / max(scale, 1)

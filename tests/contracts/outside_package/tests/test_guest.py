@@ -128,13 +128,14 @@ class TestNpzReader(RecordingReaderSuite):
         rng = np.random.default_rng(0)
         poses = {name: rng.uniform(-5, 5, 24) for name in ("rx_deg", "ry_deg")}
         images = rng.integers(0, 255, (24, 48, 64), np.uint8)
-        np.savez(tmp_path / "presses.npz", images=images, press=np.arange(24) // 3, **poses)
-        return tmp_path / "presses.npz"
+        with (tmp_path / "all.presses").open("wb") as file:
+            np.savez(file, images=images, press=np.arange(24) // 3, **poses)
+        return tmp_path / "all.presses"
 
     @pytest.fixture
     def damaged(self, tmp_path: Path) -> Path:
-        (tmp_path / "torn.npz").write_bytes(b"PK torn")
-        return tmp_path / "torn.npz"
+        (tmp_path / "torn.presses").write_bytes(b"PK torn")
+        return tmp_path / "torn.presses"
 
     def test_a_folder_that_holds_one_is_read_as_well(self, place: Path) -> None:
         assert len(read_recording(place.parent)) == 24

@@ -10,11 +10,11 @@ from palpate.datasets import ImageSet, RecordingReader, RecordingTable
 
 
 class NpzReader(RecordingReader):
-    formats = ".npz"
+    formats = ".presses"
 
     @classmethod
     def accepts(cls, place: Path) -> bool:
-        return place.is_file() and place.suffix == ".npz"
+        return place.is_file() and place.suffix == ".presses"
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         try:

@@ -1,0 +1,160 @@
+"""Camera files of other tools, brought to the keys of ROS's ``camera_info`` YAML.
+
+Read are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
+``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr. Matrices may be blocks with ``data``, nested or flat lists.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+from xml.etree import ElementTree
+
+from ruamel.yaml import YAML
+
+from palpate.core import PalpateError
+
+KALIBR_LENSES = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
+"""Lens models of ROS by their names in Kalibr."""
+_CAMERA = re.compile(r"cam\d+")
+_NAMES = {
+    "camera_matrix": ("k", "cameramatrix", "camera_matrix", "mtx", "intrinsic_matrix"),
+    "distortion_coefficients": (
+        *("d", "distcoeffs", "dist_coeffs", "dist_coeff", "dist", "distortion_coefficients", "distortion"),
+        *("distortion_coeffs", "distcoefs"),
+    ),
+    "image_width": ("image_width", "width"),
+    "image_height": ("image_height", "height"),
+    "image_size": ("image_size", "imagesize", "resolution"),
+    "distortion_model": ("distortion_model", "model", "lens_model"),
+}
+"""Names of each key in files, in small letters, by the key of ROS."""
+
+
+def read_camera_text(name: str, text: str) -> dict[str, Any]:
+    """Return the content of a camera file by the keys of ROS's ``camera_info`` YAML.
+
+    Raises
+    ------
+    PalpateError
+        If it has several cameras, a model that no lens of palpate has, or no camera matrix or image size.
+    ValueError
+        If the text is not of its format; of ruamel and ElementTree, their own errors.
+    """
+    start = text.lstrip("\ufeff \r\n\t")
+    if start.startswith("<"):
+        content = _read_xml(start)
+    elif start.startswith(("{", "[\n", "[ ")):
+        content = json.loads(start)
+    elif re.search(r"^\[image\]\s*$", start, re.MULTILINE):
+        content = _read_ini(name, start)
+    else:
+        content = _read_yaml(start)
+    if not isinstance(content, dict):
+        raise ValueError("it holds no keys")
+    return _by_ros_keys(name, _from_kalibr(name, content))
+
+
+def _read_yaml(text: str) -> Any:
+    """The first document of a YAML file, with or without the marks of OpenCV."""
+    lines = ["" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()]
+    return next((content for content in YAML(typ="safe").load_all("\n".join(lines)) if content is not None), None)
+
+
+def _read_xml(text: str) -> dict[str, Any]:
+    """Content of OpenCV's XML; entities are refused, since these may grow without bound."""
+    if "<!ENTITY" in text.upper():
+        raise ValueError("it declares entities")
+    content: dict[str, Any] = {}
+    for node in ElementTree.fromstring(text):
+        inner = {child.tag: (child.text or "").strip() for child in node}
+        words = (node.text or "").split()
+        content[node.tag] = inner | {"data": inner["data"].split()} if "data" in inner else words[0] if words else ""
+        if "data" not in inner and len(words) > 1:
+            content[node.tag] = words
+    return content
+
+
+def _read_ini(file: str, text: str) -> dict[str, Any]:
+    """Content of ``ost.ini`` of camera_calibration: a name, and its numbers on the lines below."""
+    content: dict[str, Any] = {}
+    name = ""
+    for line in map(str.strip, text.splitlines()):
+        if not line or line.startswith("#"):
+            continue
+        if line.startswith("["):
+            content.setdefault("sections", []).append(line)
+            continue
+        key, _, value = line.partition("=")
+        words = (value or key).split()
+        if re.match(r"[-+.\d]", words[0]):
+            if value:
+                name = key.strip()
+            content.setdefault(name.replace(" ", "_"), []).extend(words)
+        else:
+            name = line
+    cameras = [section for section in content.pop("sections") if section not in ("[image]", "[externals]")]
+    if len(cameras) > 1:
+        raise _several(", ".join(cameras), file, len(cameras))
+    return {key: values[0] if len(values) == 1 else values for key, values in content.items()}
+
+
+def _several(found: str, name: str, count: int) -> PalpateError:
+    return PalpateError(
+        f"{name} holds {count} cameras: {found}.",
+        "Copy the one that is meant to a file of its own.",
+        code="calibration-several-cameras",
+    )
+
+
+def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    """The content as ROS writes it, of a camchain by Kalibr; any other content unchanged."""
+    chain = {key: value for key, value in content.items() if _CAMERA.fullmatch(str(key))}
+    if not chain:
+        return content
+    if len(chain) > 1:
+        raise _several(", ".join(chain), name, len(chain))
+    (camera,) = chain.values()
+    model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
+    if model != "pinhole" or lens not in KALIBR_LENSES:
+        raise PalpateError(
+            f"{name} has Kalibr's model {model}-{lens}, which palpate does not have.",
+            "Calibrate with pinhole-radtan or pinhole-equi.",
+            code="lens-model-unknown",
+        )
+    fx, fy, cx, cy = (float(value) for value in camera["intrinsics"])
+    return {
+        "image_size": camera["resolution"],
+        "camera_matrix": [fx, 0, cx, 0, fy, cy, 0, 0, 1],
+        "distortion_model": KALIBR_LENSES[lens],
+        "distortion_coefficients": camera["distortion_coeffs"] if lens != "none" else [0, 0, 0, 0],
+    }
+
+
+def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    low = {str(key).lower(): value for key, value in content.items()}
+    found = {
+        key: next(low[own] for own in names if low.get(own) is not None)
+        for key, names in _NAMES.items()
+        if any(low.get(own) is not None for own in names)
+    }
+    if float(low.get("fisheye_model", 0) or 0):
+        found["distortion_model"] = "equidistant"
+    if "image_size" in found:
+        found["image_width"], found["image_height"] = (float(one) for one in flat(found.pop("image_size")))
+    missing = [key for key in ("camera_matrix", "image_width", "image_height") if key not in found]
+    if missing:
+        raise PalpateError(
+            f"{name} is not a calibration: it has no {', no '.join(missing)}.",
+            "Add it, as in ROS's camera_info YAML, or calibrate by `palpate calibration camera`.",
+            code="calibration-file-unreadable",
+        )
+    return low | found
+
+
+def flat(block: Any) -> list[Any]:
+    """Numbers of a matrix: a block with ``data``, or flat or nested lists."""
+    values = block["data"] if isinstance(block, Mapping) else block
+    return [one for value in values for one in (flat(value) if isinstance(value, list) else [value])]

@@ -1,0 +1,95 @@
+"""Recordings as NPZ files and Zarr stores: images as one array, poses as arrays of as many rows.
+
+A Zarr store may keep its arrays in the group ``data`` and the ends of its episodes in ``meta/episode_ends``, as
+diffusion policies do; each episode counts as a press. Zarr needs the extra ``zarr``.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from palpate.core import PalpateError, load_extra
+from palpate.datasets.recording_images import ImageSet, Item
+from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.stored_images import holds_images, join_parts, name_columns, read_row
+from palpate.datasets.table import Column, RecordingTable
+
+_REMEDY = "Give images as one array (n, h, w) or (n, h, w, 3), and poses as arrays of n rows."
+_ENDS = "episode_ends"
+
+
+@final
+class ArraysReader(RecordingReader):
+    """Images and poses as arrays of one NPZ file or Zarr store."""
+
+    formats = ".npz, .zarr"
+
+    @classmethod
+    def accepts(cls, place: Path) -> bool:
+        return place.suffix.lower() in cls.formats.split(", ")
+
+    def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
+        try:
+            return self._read(place, _read_npz(place) if place.suffix.lower() == ".npz" else _read_zarr(place))
+        except (OSError, LookupError, TypeError, ValueError, RuntimeError, zipfile.BadZipFile) as error:
+            raise PalpateError(
+                f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
+            ) from error
+
+    def _read(self, place: Path, arrays: Mapping[str, Any]) -> tuple[RecordingTable, ImageSet]:
+        cameras = [name for name, array in arrays.items() if holds_images(array)]
+        if not cameras:
+            held = ", ".join(f"{name} {array.shape} {array.dtype}" for name, array in list(arrays.items())[:5])
+            raise PalpateError(f"{place.name} holds no images, but {held}.", _REMEDY, code="recording-no-images")
+        images = arrays[self.choose(place.name, cameras)]
+        columns: dict[str, Column] = {}
+        for name, array in arrays.items():
+            if name in cameras or array.ndim not in (1, 2) or array.shape[0] != images.shape[0]:
+                continue
+            values = np.asarray(array[:])
+            if values.dtype.kind in "iufb":
+                columns |= name_columns(name, values.astype(float).reshape(len(values), -1))
+            elif values.ndim == 1 and values.dtype.kind == "U":
+                columns[name] = values
+        if _ENDS in arrays:
+            press = np.searchsorted(np.asarray(arrays[_ENDS][:]), np.arange(images.shape[0]), side="right")
+            columns.setdefault("press", press.astype(float))
+        return RecordingTable(place.name, join_parts(place.name, [columns]), {}), _Rows(place, images)
+
+
+def _read_npz(place: Path) -> dict[str, Any]:
+    with np.load(place, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
+
+
+def _read_zarr(place: Path) -> dict[str, Any]:
+    zarr = load_extra("zarr", "zarr", "Zarr")
+    root = zarr.open_group(str(place), mode="r")
+    groups = [root, *(root[name] for name in ("data", "meta") if name in root)]
+    return {name: array for group in groups for name, array in group.arrays()}
+
+
+@final
+class _Rows(ImageSet):
+    """Rows of an array of images."""
+
+    def __init__(self, place: Path, images: Any) -> None:
+        self._images, about = images, place.stat()
+        self._stamp = f"{place.name} {about.st_size} {about.st_mtime_ns}"
+
+    def stamp(self, number: int) -> str:
+        return f"{self._stamp} {number}"
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        for number in numbers:
+            try:
+                yield read_row(self._images, number)
+            except PalpateError as error:
+                yield error
+            except (OSError, ValueError) as error:
+                yield PalpateError(f"Image {number} cannot be read: {error}.", code="image-unreadable")

@@ -1,0 +1,88 @@
+"""Images in arrays: grey or colour, channels last or first, any type, or rows of JPEG files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera import decode_image
+from palpate.core import FloatArray, PalpateError
+from palpate.datasets.table import Column
+
+_FILES = (b"\xff\xd8\xff", b"\x89PNG")
+"""First bytes of JPEG and PNG files."""
+_LEAST_PX = 8
+
+
+def holds_images(array: Any) -> bool:
+    """Return whether an array (of HDF5, NPZ or Zarr) of n rows has an image in each."""
+    shape, kind = tuple(array.shape), array.dtype.kind
+    if not shape or not shape[0]:
+        return False
+    if len(shape) == 4 and kind in "uif":
+        first, last = shape[1] in (1, 3, 4), shape[3] in (1, 3, 4)
+        sides = shape[2:] if first and not last else shape[1:3]
+        return (first or last) and min(sides) >= _LEAST_PX
+    if len(shape) == 3 and kind in "uif" and min(shape[1:]) >= _LEAST_PX:
+        if kind == "u":
+            return True
+        low, high = float(np.min(array[0])), float(np.max(array[0]))
+        return low >= 0.0 and high <= (1.0 if kind == "f" else 65535.0)
+    if (len(shape) == 1 and kind in "OSV") or (len(shape) == 2 and array.dtype == np.uint8 and shape[1] >= 64):
+        return _file_content(array[0]).startswith(_FILES)
+    return False
+
+
+def read_row(array: Any, row: int) -> NDArray[Any]:
+    """Return image `row` of an array that `holds_images`: (h, w) or (h, w, c).
+
+    Raises
+    ------
+    PalpateError
+        If it is a file that cannot be decoded.
+    """
+    if array.ndim <= 2:
+        return decode_image(_file_content(array[row]), f"Image {row} of {getattr(array, 'name', 'the array')}")
+    image = np.asarray(array[row])
+    if image.ndim == 3 and image.shape[2] not in (1, 3, 4):
+        image = np.moveaxis(image, 0, -1)
+    if image.dtype.kind == "f" and not np.isfinite(image).all():
+        raise PalpateError(f"Image {row} holds values that are not numbers.", code="image-not-finite")
+    return np.ascontiguousarray(image)
+
+
+def _file_content(cell: Any) -> bytes:
+    if isinstance(cell, bytes | np.bytes_):
+        return bytes(cell)
+    try:
+        return np.asarray(cell).astype(np.uint8, copy=False).tobytes()
+    except (TypeError, ValueError):
+        return b""
+
+
+def name_columns(key: str, values: FloatArray, names: Sequence[str] = ()) -> dict[str, Column]:
+    """Columns of an array (n, k): by their names if there are k, else by its key and a number."""
+    if len(names) != values.shape[1]:
+        names = [key] if values.shape[1] == 1 else [f"{key}_{number}" for number in range(values.shape[1])]
+    return {name: values[:, number] for number, name in enumerate(names)}
+
+
+def join_parts(name: str, parts: Sequence[dict[str, Column]]) -> dict[str, Column]:
+    """Columns that all parts of a recording have, concatenated.
+
+    Raises
+    ------
+    PalpateError
+        If they share none but the press.
+    """
+    shared = set.intersection(*(set(part) for part in parts))
+    if not shared - {"press"}:
+        raise PalpateError(
+            f"{name} has no numbers with as many rows as images.",
+            "Give poses as arrays of n rows for n images.",
+            code="recording-no-table",
+        )
+    return {key: np.concatenate([part[key] for part in parts]) for key in parts[0] if key in shared}

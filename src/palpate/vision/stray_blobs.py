@@ -1,0 +1,82 @@
+"""Blobs outside a hexagonal lattice of markers: screws, arcs and glints of a rim."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError, cKDTree
+
+from palpate.core import BoolArray, FloatArray, IntArray
+
+_NEIGHBOURS, _HEXAGON = 7, 1.35
+"""Neighbours looked at; maximum distance of the sixth over that of the first of a hexagonal lattice
+(1 of a hexagon, 1.41 of a square). Corners of a pressed square field end too few lines."""
+_OFF, _SIZE = 0.22, 1.4
+"""Distance from the continued line of two neighbours, over theirs, and ratio of diameters, up to which
+a blob continues the lattice."""
+_LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
+"""Lines that an inner marker ends, the minimum share of such markers, the minimum number of blobs, and the
+number of inner ones looked at."""
+_BEYOND, _WIDTH = 0.6, 2.5
+"""Distance beyond the hull, over the lattice step, from which a blob off its lines is no marker,
+and width of the border that is looked at, both over the step of the lattice."""
+
+
+def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
+    """Return which blobs (n,) are outside a hexagonal lattice: beyond its hull, on under two lines.
+
+    None does if the field is no such lattice, such as a square grid, rings or scattered markers.
+
+    Parameters
+    ----------
+    points
+        (n, 2) centres, px.
+    diameters
+        (n,) diameters, px.
+    """
+    none = np.zeros(len(points), bool)
+    if len(points) < _LEAST:
+        return none
+    distance, near = cKDTree(points).query(points, _NEIGHBOURS + 1)
+    if np.median(distance[:, 6] / np.maximum(distance[:, 1], 1e-9)) > _HEXAGON:
+        return none
+    step = float(np.median(distance[:, 1]))
+    outer = _near_hull(points, points, _WIDTH * step)
+    if outer is None:
+        return none
+    rows, inner = np.flatnonzero(outer), np.flatnonzero(~outer)
+    on_line = np.ones(len(points), bool)
+    if len(inner) < _LEAST // 2:
+        return none
+    inner = inner[:: max(len(inner) // _LOOKED, 1)]
+    if np.mean(_count_lines(points, diameters, near, on_line, inner) >= _LINES) < _REGULAR:
+        return none
+    for _ in range(3):  # a blob off the lattice may stand on the line of another
+        on_line[rows] = _count_lines(points, diameters, near, on_line, rows) >= 2
+    beyond = _near_hull(points[on_line], points, -_BEYOND * step)
+    return none if beyond is None else ~on_line & ~beyond
+
+
+def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArray | None:
+    """Whether places are up to `margin` inside a hull or outside; if negative, at most that far out."""
+    try:
+        equations = ConvexHull(points).equations
+    except QhullError:
+        return None
+    out = (places @ equations[:, :2].T + equations[:, 2]).max(axis=1)
+    return np.asarray(out > -margin if margin > 0.0 else out < -margin)
+
+
+def _count_lines(
+    points: FloatArray, diameters: FloatArray, near: IntArray, trusted: BoolArray, rows: IntArray
+) -> IntArray:
+    """(k,) lines of three that points by their numbers (k,) end; two are trusted and of like size."""
+    first = near[rows, 1:]
+    second = near[first][:, :, 1:]
+    ends = 2.0 * points[first][:, :, None] - points[second]
+    miss = np.linalg.norm(ends - points[rows, None, None], axis=-1)
+    arm = np.linalg.norm(points[first] - points[rows, None], axis=-1)[:, :, None]
+    fits = (miss < _OFF * arm) & trusted[first][:, :, None] & trusted[second]
+    typical = np.sqrt(diameters[first][:, :, None] * diameters[second])
+    ratio = diameters[rows, None, None] / np.maximum(typical, 1e-9)
+    fits &= (ratio < _SIZE) & (ratio > 1.0 / _SIZE)
+    return np.asarray(fits.any(axis=2).sum(axis=1))

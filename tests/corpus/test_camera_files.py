@@ -1,0 +1,179 @@
+"""Camera files of OpenCV, ROS and Kalibr, drawn with a seed, against OpenCV's own projection of the same lens."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from errors import refused
+from palpate.camera import read_calibration
+
+RANDOM = np.random.default_rng(49)
+POINTS = RANDOM.uniform([-0.4, -0.3, 1], [0.4, 0.3, 1], (40, 3))
+FX, FY, CX, CY = (float(value) for value in RANDOM.uniform([280, 280, 170, 125], [310, 310, 180, 135]).round(3))
+MATRIX = np.array([[FX, 0, CX], [0, FY, CY], [0, 0, 1]])
+FLAT = [FX, 0, CX, 0, FY, CY, 0, 0, 1]
+SIZE = (346, 260)
+LENS = {
+    4: [-0.31, 0.11, 0.0007, -0.0004],
+    5: [-0.31, 0.11, 0.0007, -0.0004, -0.02],
+    8: [2.1, 0.6, 0.0007, -0.0004, 0.01, 2.3, 0.8, 0.03],
+    12: [2.1, 0.6, 0.0007, -0.0004, 0.01, 2.3, 0.8, 0.03, 0.002, -0.001, 0.001, 0.002],
+    14: [2.1, 0.6, 0.0007, -0.0004, 0.01, 2.3, 0.8, 0.03, 0.002, -0.001, 0.001, 0.002, 0, 0],
+    "fisheye": [0.03, -0.02, 0.014, -0.011],
+}
+
+
+def opencv_yaml(values: list[float], model: str = "", head: str = "%YAML:1.0", size: bool = True) -> str:
+    text = f"{head}\n---\n" + (f"image_width: {SIZE[0]}\nimage_height: {SIZE[1]}\n" if size else "")
+    for name, data, rows in (("camera_matrix", FLAT, 3), ("distortion_coefficients", values, len(values))):
+        text += f"{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {len(data) // rows}\n   dt: d\n"
+        text += "   data: [ " + ",\n       ".join(map(repr, data)) + " ]\n"
+    return text + (f"distortion_model: {model}\n" if model else "")
+
+
+def opencv_xml(values: list[float], names: tuple[str, str] = ("camera_matrix", "distortion_coefficients")) -> str:
+    blocks = "".join(
+        f'<{name} type_id="opencv-matrix">\n<rows>{rows}</rows>\n<cols>{len(data) // rows}</cols>\n<dt>d</dt>\n'
+        f"<data>\n{' '.join(map(repr, data))}</data></{name}>\n"
+        for name, data, rows in ((names[0], FLAT, 3), (names[1], values, len(values)))
+    )
+    size = f"<image_width>{SIZE[0]}</image_width>\n<image_height>{SIZE[1]}</image_height>\n"
+    return f'<?xml version="1.0"?>\n<opencv_storage>\n{size}{blocks}</opencv_storage>\n'
+
+
+def ros_yaml(values: list[float], model: str) -> str:
+    return (
+        f"image_width: {SIZE[0]}\nimage_height: {SIZE[1]}\ncamera_name: tactile\n"
+        f"camera_matrix:\n  rows: 3\n  cols: 3\n  data: {FLAT}\ndistortion_model: {model}\n"
+        f"distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: {values}\n"
+    )
+
+
+def ros_echo(values: list[float], model: str, names: str = "dk", blocks: bool = True) -> str:
+    d, k = names
+    lists = {d: values, k: FLAT}
+    text = "header:\n  stamp:\n    sec: 1\n    nanosec: 2\n  frame_id: tactile\n"
+    text += f"height: {SIZE[1]}\nwidth: {SIZE[0]}\ndistortion_model: {model}\n"
+    for name, data in lists.items():
+        text += f"{name}:\n" + "".join(f"- {x}\n" for x in data) if blocks else f"{name}: {data}\n"
+    return text + "binning_x: 0\nroi:\n  x_offset: 0\n  height: 0\n  width: 0\n---\n"
+
+
+def ost_ini(values: list[float]) -> str:
+    rows = "\n".join(" ".join(f"{value:.9f}" for value in FLAT[at : at + 3]) for at in (0, 3, 6))
+    return (
+        f"# oST version 5.0 parameters\n\n[image]\n\nwidth\n{SIZE[0]}\n\nheight\n{SIZE[1]}\n\n[narrow_stereo]\n\n"
+        f"camera matrix\n{rows}\n\ndistortion\n{' '.join(map(repr, values))}\n\nrectification\n"
+        "1 0 0\n0 1 0\n0 0 1\n\nprojection\n300 0 170 0\n0 300 128 0\n0 0 1 0\n"
+    )
+
+
+def kalibr(values: list[float], model: str) -> str:
+    return (
+        f"cam0:\n  camera_model: pinhole\n  distortion_coeffs: {values}\n  distortion_model: {model}\n"
+        f"  intrinsics: [{FX}, {FY}, {CX}, {CY}]\n  resolution: [{SIZE[0]}, {SIZE[1]}]\n"
+    )
+
+
+def json_lists(values: list[float]) -> str:
+    return json.dumps({"cameraMatrix": MATRIX.tolist(), "distCoeffs": [values], "imageSize": list(SIZE)}, indent=1)
+
+
+def json_blocks(values: list[float]) -> str:
+    block = {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d", "data": FLAT}
+    lens = {"type_id": "opencv-matrix", "rows": 1, "cols": len(values), "dt": "d", "data": values}
+    about = {"image_width": SIZE[0], "image_height": SIZE[1]}
+    return json.dumps(about | {"camera_matrix": block, "distortion_coefficients": lens}, indent="\t")
+
+
+READ = {
+    **{f"opencv_{n}.yaml": (opencv_yaml(LENS[n]), n) for n in (4, 5, 8, 12, 14)},
+    **{f"opencv_{n}.xml": (opencv_xml(LENS[n]), n) for n in (4, 5, 8, 14)},
+    **{f"opencv_{n}.json": (json_blocks(LENS[n]), n) for n in (5, 8, 12)},
+    "old_sample.xml": (opencv_xml(LENS[5], ("Camera_Matrix", "Distortion_Coefficients")), 5),
+    "lists.json": (json_lists(LENS[5]), 5),
+    "yaml_1_2.yaml": (opencv_yaml(LENS[8], head="%YAML 1.2"), 8),
+    "opencv_fisheye.yaml": (opencv_yaml(LENS["fisheye"]) + "fisheye_model: 1\n", "fisheye"),
+    "ros_plumb_bob.yaml": (ros_yaml(LENS[5], "plumb_bob"), 5),
+    "ros_rational.yaml": (ros_yaml(LENS[8], "rational_polynomial"), 8),
+    "ros_rational_in_capitals.yaml": (ros_yaml(LENS[8], "RATIONAL_POLYNOMIAL"), 8),
+    **{f"{name}.yaml": (ros_yaml(LENS["fisheye"], name), "fisheye") for name in ("equidistant", "fisheye")},
+    **{f"{name}.yaml": (ros_yaml(LENS["fisheye"], name), "fisheye") for name in ("kannala_brandt", "kannala-brandt")},
+    "fisheye_with_zeros.yaml": (ros_yaml([*LENS["fisheye"], 0.0, 0.0], "equidistant"), "fisheye"),
+    "echo_ros2.yaml": (ros_echo(LENS[5], "plumb_bob"), 5),
+    "echo_ros2_rational.txt": (ros_echo(LENS[8], "rational_polynomial"), 8),
+    "echo_ros2_two_messages.yaml": (ros_echo(LENS[5], "plumb_bob") * 2, 5),
+    "echo_ros1.yaml": (ros_echo(LENS[5], '"plumb_bob"', "DK", blocks=False), 5),
+    "echo_ros1_fisheye.yaml": (ros_echo(LENS["fisheye"], '"equidistant"', "DK", blocks=False), "fisheye"),
+    "ost.ini": (ost_ini(LENS[5]), 5),
+    "ost.txt": (ost_ini(LENS[5]).replace("\n", "\r\n"), 5),
+    "camchain.yaml": (kalibr(LENS[4], "radtan"), 4),
+    "camchain_fisheye.yaml": (kalibr(LENS["fisheye"], "equidistant"), "fisheye"),
+}
+
+REFUSED = {
+    "tilted.yaml": (opencv_yaml([*LENS[12], 0.01, 0.02]), "lens-model-unknown"),
+    "four_of_what.yaml": (opencv_yaml(LENS["fisheye"]), "lens-model-ambiguous"),
+    "no_size.yaml": (opencv_yaml(LENS[5], size=False), "calibration-file-unreadable"),
+    "six.yaml": (opencv_yaml([*LENS[5], 0.1]), "lens-coefficient-count"),
+    "fov.yaml": (ros_yaml([0.9], "fov"), "lens-coefficient-count"),
+    "uncalibrated.yaml": (
+        ros_echo([0.0] * 5, "plumb_bob").replace(f"- {FX}", "- 0.0"),
+        "calibration-file-unreadable",
+    ),
+    "two_cameras.yaml": (
+        kalibr(LENS[4], "radtan") + kalibr(LENS[4], "radtan").replace("cam0", "cam1"),
+        "calibration-several-cameras",
+    ),
+    "two_cameras.ini": (
+        ost_ini(LENS[5]) + ost_ini(LENS[5]).partition("[narrow_stereo]")[2].join(("[right]", "")),
+        "calibration-several-cameras",
+    ),
+    "entities.xml": ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "calibration-file-unreadable"),
+    "half.xml": (opencv_xml(LENS[5])[:300], "calibration-file-unreadable"),
+    "half.json": (json_lists(LENS[5])[:60], "calibration-file-unreadable"),
+    "nan.yaml": (opencv_yaml([float("nan")] * 5).replace("nan", ".nan"), "calibration-file-unreadable"),
+    "empty.yaml": ("", "calibration-file-unreadable"),
+    "prose.txt": ("The camera has fx 300.", "calibration-file-unreadable"),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_a_camera_file_gives_the_projection_of_opencv(name: str, tmp_path: Path) -> None:
+    text, lens = READ[name]
+    path = tmp_path / name
+    path.write_bytes(text.encode())
+    found = read_calibration(path)
+    assert (found.width_px, found.height_px) == SIZE
+    fx, fy, cx, cy = found.intrinsics_px
+    seen = found.lens.distort(POINTS[:, :2]) * [fx, fy] + [cx, cy]
+    values = np.array(LENS[lens])
+    if lens == "fisheye":
+        expected, _ = cv2.fisheye.projectPoints(POINTS[:, None], np.zeros(3), np.zeros(3), MATRIX, values)
+    else:
+        expected, _ = cv2.projectPoints(POINTS, np.zeros(3), np.zeros(3), MATRIX, values)
+    expected = expected[:, 0]
+    assert seen == pytest.approx(expected, abs=1e-8)
+    assert found.lens.undistort((expected - [cx, cy]) / [fx, fy]) == pytest.approx(POINTS[:, :2], abs=1e-8)
+    if lens != "fisheye":
+        stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-14)
+        theirs = (
+            cv2.undistortPointsIter(expected[:, None], MATRIX, values, None, None, stop)[:, 0]
+            if hasattr(cv2, "undistortPointsIter")
+            else cv2.undistortPoints(expected[:, None], MATRIX, values, None, None, None, stop)[:, 0]
+        )
+        assert found.lens.undistort((expected - [cx, cy]) / [fx, fy]) == pytest.approx(theirs, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_camera_file_that_says_too_little_is_refused_in_a_sentence(name: str, tmp_path: Path) -> None:
+    text, code = REFUSED[name]
+    path = tmp_path / name
+    path.write_text(text)
+    with refused(code, name) as caught:
+        read_calibration(path)
+    assert caught.value.remedy
+    assert "\n" not in caught.value.problem

@@ -1,0 +1,198 @@
+"""Recordings in the layouts of LeRobot, ALOHA, robomimic, the TacTip toolkit, NPZ and Zarr, drawn with a seed."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import h5py
+import numpy as np
+import pyarrow
+import pyarrow.parquet
+import pytest
+import zarr
+
+from errors import refused
+from palpate.core import PalpateError
+from palpate.datasets import ColumnMapping, Recording, read_recording
+
+COUNT, PRESSES = 24, 8
+RANDOM = np.random.default_rng(7)
+POSES = RANDOM.uniform([-9, -9, 1], [9, 9, 20], (COUNT, 3))
+IMAGES = RANDOM.integers(0, 255, (COUNT, 20, 24, 3)).astype(np.uint8)
+PRESS = np.repeat(np.arange(PRESSES), COUNT // PRESSES)
+JPEG = [np.frombuffer(cv2.imencode(".png", image)[1], np.uint8) for image in IMAGES]
+NAMES = ("rx_deg", "ry_deg", "depth_mm")
+LAYOUTS: dict[str, Callable[[], object]] = {
+    "colour": lambda: IMAGES,
+    "grey": lambda: IMAGES[..., 1],
+    "channels first": lambda: np.moveaxis(IMAGES, -1, 1),
+    "one channel first": lambda: IMAGES[:, None, :, :, 1],
+    "fractions": lambda: (IMAGES / 255.0).astype(np.float32),
+    "channels first, fractions": lambda: np.moveaxis(IMAGES / 255.0, -1, 1),
+    "int64": lambda: IMAGES.astype(np.int64),
+    "16 bit": lambda: IMAGES.astype(np.uint16) * 16,
+}
+
+
+def check(recording: Recording, scale: float = 1.0, channel: int | None = None) -> None:
+    assert len(recording) == COUNT
+    assert recording.presses == PRESSES
+    assert recording.targets == pytest.approx(POSES, abs=1e-4)
+    (image,) = recording.images.read([3])
+    assert not isinstance(image, PalpateError), image
+    wanted = IMAGES[3] if channel is None else IMAGES[3, ..., channel]
+    assert np.squeeze(image) * scale == pytest.approx(wanted, abs=1e-3)
+
+
+def write_h5(path: Path, images: object, where: str = "images") -> None:
+    with h5py.File(path, "w") as file:
+        file[where] = images
+        file["poses"] = POSES
+        file["poses"].attrs["columns"] = NAMES
+        file["press"] = PRESS
+
+
+@pytest.mark.parametrize("ending", ["h5", "npz", "zarr"])
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_images_of_any_layout_and_type_are_read(layout: str, ending: str, tmp_path: Path) -> None:
+    images, path = np.asarray(LAYOUTS[layout]()), tmp_path / f"a.{ending}"
+    poses = dict(zip(NAMES, POSES.T, strict=True))
+    if ending == "h5":
+        write_h5(path, images)
+    elif ending == "npz":
+        np.savez(path, images=images, press=PRESS, **poses)
+    else:
+        root = zarr.open_group(str(path), mode="w")
+        for name, array in {"data/images": images, **{f"data/{name}": one for name, one in poses.items()}}.items():
+            root[name] = array
+        root["meta/episode_ends"] = np.arange(1, PRESSES + 1) * (COUNT // PRESSES)
+    scale = 255.0 if "fraction" in layout else 1 / 16 if layout == "16 bit" else 1.0
+    check(read_recording(path), scale, 1 if layout in ("grey", "one channel first") else None)
+
+
+@pytest.mark.parametrize("padded", [False, True])
+def test_rows_of_compressed_files_are_decoded(padded: bool, tmp_path: Path) -> None:
+    longest = max(map(len, JPEG))
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        if padded:
+            file["images"] = np.stack([np.pad(one, (0, longest - len(one))) for one in JPEG])
+        else:
+            cells = file.create_dataset("images", (COUNT,), h5py.vlen_dtype(np.uint8))
+            for number, one in enumerate(JPEG):
+                cells[number] = one
+        file["press"] = PRESS
+        for name, values in zip(NAMES, POSES.T, strict=True):
+            file[name] = values
+    check(read_recording(tmp_path / "a.h5"))
+
+
+def test_a_folder_of_aloha_episodes_is_one_recording(tmp_path: Path) -> None:
+    for press in range(PRESSES):
+        rows = press == PRESS
+        with h5py.File(tmp_path / f"episode_{press}.hdf5", "w") as file:
+            file["observations/images/tactile"] = IMAGES[rows]
+            file["observations/images/wrist"] = IMAGES[rows][:, ::2, ::2]
+            file["observations/pose"] = POSES[rows]
+            file["observations/pose"].attrs["columns"] = NAMES
+    check(read_recording(tmp_path, ColumnMapping(image="tactile")))
+    with refused("recording-several-cameras", "images/tactile", "images/wrist"):
+        read_recording(tmp_path)
+    with refused("column-unknown", "elbow"):
+        read_recording(tmp_path, ColumnMapping(image="elbow"))
+
+
+def test_robomimic_demonstrations_are_presses(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.hdf5", "w") as file:
+        for press in range(PRESSES):
+            rows = press == PRESS
+            for camera in ("agentview_image", "tactile_image"):
+                file[f"data/demo_{press}/obs/{camera}"] = IMAGES[rows]
+            file[f"data/demo_{press}/obs/pose"] = POSES[rows]
+            file[f"data/demo_{press}/obs/pose"].attrs["columns"] = NAMES
+    check(read_recording(tmp_path / "a.hdf5", ColumnMapping(image="tactile_image")))
+
+
+def write_lerobot(folder: Path, cameras: tuple[str, ...], version: int = 3) -> None:
+    features = {name: {"dtype": "image", "shape": [20, 24, 3], "names": None} for name in cameras}
+    about = {"observation.state": {"dtype": "float32", "shape": [3], "names": list(NAMES)}}
+    about |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in ("frame_index", "episode_index")}
+    about["task"] = {"dtype": "string", "shape": [1], "names": None}
+    (folder / "meta").mkdir(parents=True)
+    (folder / "meta" / "info.json").write_text(json.dumps({"fps": 10, "features": features | about}))
+    for chunk in range(2):
+        rows = np.flatnonzero((PRESS >= PRESSES // 2) == bool(chunk))
+        columns = {name: [{"bytes": JPEG[row].tobytes(), "path": None} for row in rows] for name in cameras}
+        table = columns | {
+            "observation.state": POSES[rows].tolist(),
+            "frame_index": rows % 3,
+            "episode_index": PRESS[rows],
+            "task": ["press the wall"] * len(rows),
+        }
+        path = (
+            folder
+            / "data"
+            / f"chunk-{chunk:03d}"
+            / ("file-000.parquet" if version == 3 else f"episode_{chunk}.parquet")
+        )
+        path.parent.mkdir(parents=True)
+        pyarrow.parquet.write_table(pyarrow.table(table), path)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_lerobot_chunks_with_a_text_column_are_read(version: int, tmp_path: Path) -> None:
+    write_lerobot(tmp_path, ("observation.images.tactile",), version)
+    recording = read_recording(tmp_path)
+    check(recording)
+    assert any("task" in note and "text" in note for note in recording.notes)
+
+
+def test_a_camera_of_lerobot_is_chosen_by_a_flag(tmp_path: Path) -> None:
+    cameras = ("observation.images.tactile", "observation.images.wrist")
+    write_lerobot(tmp_path, cameras)
+    for name in (cameras[0], "tactile"):
+        check(read_recording(tmp_path, ColumnMapping(image=name)))
+    with refused("recording-several-cameras", *cameras):
+        read_recording(tmp_path)
+
+
+def test_images_of_the_same_names_in_two_folders_are_asked_for(tmp_path: Path) -> None:
+    rows = [f"image_{k}.png,{PRESS[k]}," + ",".join(f"{x:.6f}" for x in POSES[k]) for k in range(COUNT)]
+    (tmp_path / "targets.csv").write_text("\n".join(["sensor_image,press,rx_deg,ry_deg,depth_mm", *rows]) + "\n")
+    (tmp_path / "targets_images.csv").write_bytes((tmp_path / "targets.csv").read_bytes())
+    for folder, shown in (("sensor_images", IMAGES), ("processed_images", 255 - IMAGES)):
+        (tmp_path / folder).mkdir()
+        for k in range(COUNT):
+            cv2.imwrite(str(tmp_path / folder / f"image_{k}.png"), shown[k])
+    with refused("images-in-several-folders", "processed_images", "sensor_images"):
+        read_recording(tmp_path)
+    check(read_recording(tmp_path, ColumnMapping(image="sensor_images")))
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "code"),
+    [
+        (
+            "no_images.h5",
+            lambda path: h5py.File(path, "w").create_dataset("poses", data=POSES),
+            "recording-no-images",
+        ),
+        (
+            "no_poses.h5",
+            lambda path: h5py.File(path, "w").create_dataset("images", data=IMAGES),
+            "recording-no-table",
+        ),
+        ("no_images.npz", lambda path: np.savez(path, poses=POSES), "recording-no-images"),
+        ("no_poses.npz", lambda path: np.savez(path, images=IMAGES), "recording-no-table"),
+        ("pickled.npz", lambda path: np.savez(path, a=np.array([{}], object)), "recording-unreadable"),
+        ("torn.npz", lambda path: path.write_bytes(b"PK torn"), "recording-unreadable"),
+        ("torn.h5", lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n"), "recording-unreadable"),
+        ("torn.zarr", lambda path: path.mkdir(), "recording-unreadable"),
+    ],
+)
+def test_a_recording_without_its_parts_is_refused(
+    name: str, write: Callable[[Path], object], code: str, tmp_path: Path
+) -> None:
+    write(tmp_path / name)
+    with refused(code, name):
+        read_recording(tmp_path / name)
