@@ -106,7 +106,7 @@ def read_recording(
     table, images = reader().read(place)
     column = find_image_column(table, choice) if images is None else ""
     by = find_press_column(table, choice)
-    notes: list[str] = []
+    notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
