@@ -147,7 +147,9 @@ def find_blocks(lines: list[Line], dialect: Dialect) -> list[Block]:
     for _, text in lines:
         cells = dialect.split(text) if text.strip() else []
         filled = sum(map(bool, cells))
-        kinds.append(0 if not filled else 1 if len(cells) >= 2 and any(map(dialect.is_number, filter(None, cells))) else 2)
+        kinds.append(
+            0 if not filled else 1 if len(cells) >= 2 and any(map(dialect.is_number, filter(None, cells))) else 2
+        )
         widths.append(filled)
     blocks, at, blank = [Block([], [])], 0, False
     while at < len(lines):
@@ -202,9 +204,10 @@ def _finish(lines: list[Line], dialect: Dialect, blocks: list[Block], widths: li
     for block in blocks:
         width = Counter(len(trimmed(dialect.split(lines[at][1]))) for at in block.rows).most_common(1)
         block.width = width[0][0] if width else 0
-        if not _name(lines, dialect, block, widths) and last is not None and 0 < block.width <= len(last.header):
-            if len(block.rows) >= _MIN_ROWS or not _is_footer(lines, dialect, block, last):
-                block.header, block.units = last.header, last.units
+        if _name(lines, dialect, block, widths) or last is None or not 0 < block.width <= len(last.header):
+            pass
+        elif len(block.rows) >= _MIN_ROWS or not _is_footer(lines, dialect, block, last):
+            block.header, block.units = last.header, last.units
         if block.header:
             block.width = 0
         last = block if block.rows else last

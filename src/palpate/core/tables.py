@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from palpate.core.arrays import FloatArray, IntArray
 from palpate.core.errors import PalpateError
 from palpate.core.extra import load_extra
-from palpate.core.table_text import COMMENTS, Block, Dialect, find_blocks, find_dialect, parse_number, read_head
+from palpate.core.table_text import COMMENTS, Block, find_blocks, find_dialect, parse_number, read_head
 from palpate.core.text_lines import HEAD, Line, read_bytes, split_lines
 from palpate.core.units import split_unit
 

@@ -7,16 +7,23 @@ from palpate.datasets.normalise import Normalisation, draw_jitter
 from palpate.datasets.poses import sample_poses
 from palpate.datasets.randomise import PerturbedPresses
 from palpate.datasets.read_recording import LEAST_PRESSES, Recording, read_recording
-from palpate.datasets.recording_columns import ColumnMapping, PoseColumn
+from palpate.datasets.recording_columns import (
+    ColumnMapping,
+    PoseColumn,
+    find_image_column,
+    find_press_column,
+    find_quantities,
+)
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.spec import DatasetSpec, RandomisationSpec
 from palpate.datasets.split import PressSplit, check_leakage, split_presses
-from palpate.datasets.table import RecordingTable, read_table
+from palpate.datasets.table import REST, RecordingTable, read_table
 
 __all__ = [
     "LEAST_PRESSES",
     "READERS",
+    "REST",
     "ColumnMapping",
     "Dataset",
     "DatasetSpec",
@@ -32,6 +39,9 @@ __all__ = [
     "check_leakage",
     "dataset_version",
     "draw_jitter",
+    "find_image_column",
+    "find_press_column",
+    "find_quantities",
     "generate_dataset",
     "read_dataset",
     "read_recording",

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from palpate.camera import IMAGE_SUFFIXES
 from palpate.core import FloatArray, PalpateError
+from palpate.core.units import split_unit
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
@@ -29,26 +30,54 @@ _IMAGE = (
     "path",
     "sensor_image",
     "frame",
+    "bild",
+    "bilddatei",
+    "fichier",
+    "图像",
+    "画像",
 )
-_PRESS = ("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run")
+_PRESS = (
+    "press",
+    "contact",
+    "touch",
+    "tap",
+    "trial",
+    "episode",
+    "episode_index",
+    "demo",
+    "group",
+    "run",
+    "kontakt",
+    "appui",
+    "接触",
+)
 _INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
 _ANGLE = re.compile(
-    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|a|b|c)([_ \d]|$)|angle"
+    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)([_ \d]|$)|angle"
 )
 _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
+    r"|tiefe|profondeur|深"
 )
-_UNIT = re.compile(r"^(.*?)[_ ]*[\[(]?(?<![a-z])(deg|degree|degrees|rad|radian|radians|mm|cm|um|m)[\])]?$")
 _FACTORS = {
-    "deg": ("deg", 1.0),
-    "rad": ("deg", 180.0 / np.pi),
-    "mm": ("mm", 1.0),
+    **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
+    **dict.fromkeys(("rad", "radian", "radians", "弧度"), ("deg", 180.0 / np.pi)),
+    **dict.fromkeys(("mm", "毫米"), ("mm", 1.0)),
     "cm": ("mm", 10.0),
-    "um": ("mm", 1e-3),
+    **dict.fromkeys(("um", "µm", "μm"), ("mm", 1e-3)),
     "m": ("mm", 1e3),
+    **dict.fromkeys(("in", "inch", "inches"), ("mm", 25.4)),
+    **{"n": ("N", 1.0), "mn": ("N", 1e-3), "kn": ("N", 1e3), "gf": ("N", 9.80665e-3), "kgf": ("N", 9.80665)},
+    "lbf": ("N", 4.4482216152605),
 }
-_WORDS = {"degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad"}
-_AXES = {"roll": "rx", "pitch": "ry", "z": "depth", "penetration": "depth", "indentation": "depth"}
+"""Unit that is written → unit of the program and factor."""
+_AXES = {
+    **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
+    **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
+    **dict.fromkeys(
+        ("z", "penetration", "indentation", "tiefe", "eindringtiefe", "profondeur", "深度", "深さ"), "depth"
+    ),
+}
 """Other names of what the rest of the program calls so, where no column has the name itself."""
 _STILL = 1e-9
 _TURN = 3.5
@@ -64,7 +93,7 @@ class PoseColumn:
     column
         Name in the table.
     axis, unit
-        Short name, and unit of `values`: deg, mm, or 1 where nobody said.
+        Short name, and unit of `values`: deg, mm, N, or 1 where nobody said.
     values
         (n,) numbers in this unit.
     note
@@ -139,6 +168,66 @@ def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
     if choice.press:
         return _given(table, choice.press, "--press")
     return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
+
+
+def find_quantities(
+    table: RecordingTable,
+    choice: ColumnMapping,
+    taken: tuple[str, ...],
+    axes: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+) -> dict[str, PoseColumn]:
+    """Columns of named axes, in deg, mm and N, with NaN in empty cells; by any name and unit of a recording.
+
+    Parameters
+    ----------
+    table, choice
+        The table, and the statements of the user on it.
+    taken
+        Columns that are something else.
+    axes, optional
+        Axes that must exist, and that may.
+
+    Raises
+    ------
+    PalpateError
+        If one is missing, its unit is unknown, or a cell is no number; the message names the line.
+    """
+    found, doubts = [], []
+    for name in table.columns:
+        if name in taken or not table.is_numeric(name):
+            continue
+        try:
+            found.append(_with_unit(table, name, choice))
+        except PalpateError as error:
+            doubts.append(error)
+    named = {one.axis: one for one in reversed(_name_axes(found))}
+    missing = [axis for axis in axes if axis not in named]
+    texts = [name for name in table.columns if name not in taken and not table.is_numeric(name)]
+    for name in texts:
+        bare = _AXES.get(_short(split_unit(name.lower())[0]), _short(split_unit(name.lower())[0]))
+        if bare in missing:
+            raise PalpateError(
+                f"{table.name}, line {table.first_line}: {name} is '{table.columns[name][0]}', no number.",
+                "Write numbers.",
+                code="value-not-number",
+            )
+    if missing and doubts:
+        raise doubts[0]
+    if missing:
+        raise PalpateError(
+            f"{table.name} has no column for {', '.join(missing)}; it has {_list(table)}.",
+            f"Name columns {', '.join(axes)}, with a unit: rx_deg, depth_mm.",
+            code="column-missing",
+        )
+    chosen = {axis: named[axis] for axis in (*axes, *optional) if axis in named}
+    for axis in chosen:
+        fault = table.faults.get(named[axis].column)
+        if fault and "'nan'" not in fault.lower():
+            raise PalpateError(
+                f"{table.name}, column {named[axis].column}: {fault}.", "Write a number.", code="value-not-number"
+            )
+    return chosen
 
 
 def find_pose_columns(
@@ -229,7 +318,7 @@ def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
             "Give xyz, zyx, ... or capitals: XYZ.",
             code="euler-order-unknown",
         )
-    letters = {"rx": "x", "ry": "y", "rz": "z", "yaw": "z"}
+    letters = {"rx": "x", "ry": "y", "rz": "z"}
     angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
     if "x" not in angles or "y" not in angles:
         raise PalpateError(
@@ -292,11 +381,9 @@ def _why_not(table: RecordingTable, name: str) -> str:
 def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
-    matched = _UNIT.match(low)
-    most, note = float(np.abs(values).max()), ""
-    if matched and matched[1]:
-        bare, unit = matched[1], _WORDS.get(matched[2], matched[2])
-    else:
+    bare, unit = split_unit(low)
+    most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
+    if unit not in _FACTORS or not bare:
         bare = low
         if _ANGLE.search(low):
             unit = choice.angles or ("deg" if most > _TURN else "")

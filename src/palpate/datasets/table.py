@@ -31,12 +31,15 @@ class RecordingTable:
         Name of a column of numbers → sentence on its cells that are no numbers.
     notes
         Sentences on lines of the file that were passed over.
+    first_line
+        Line of the first row in its file.
     """
 
     name: str
     columns: Mapping[str, Column]
     faults: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    first_line: int = 2
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()))) if self.columns else 0
@@ -48,7 +51,7 @@ class RecordingTable:
     def rows(self, chosen: NDArray[Any]) -> RecordingTable:
         """The table with some of its rows only."""
         columns = {key: values[chosen] for key, values in self.columns.items()}
-        return RecordingTable(self.name, columns, self.faults, self.notes)
+        return RecordingTable(self.name, columns, self.faults, self.notes, self.first_line)
 
 
 def read_table(path: Path) -> RecordingTable:
@@ -70,7 +73,9 @@ def read_table(path: Path) -> RecordingTable:
         names[at]: f"line {fault.line} has '{fault.text[:30]}', which is no number"
         for at, fault in table.faults.items()
     }
-    return RecordingTable(path.name, dict(zip(names, table.columns, strict=True)), faults, table.notes)
+    return RecordingTable(
+        path.name, dict(zip(names, table.columns, strict=True)), faults, table.notes, int(table.lines[0])
+    )
 
 
 def as_numbers(values: Column) -> FloatArray:

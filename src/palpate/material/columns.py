@@ -289,7 +289,9 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
             return StrainUnit.RATIO, 1.0, False
         if greatest <= MAX_STRAIN:
             return StrainUnit.RATIO, 1.0, True
-    said = f"in {' and in '.join(sorted(unit for unit, _ in units))}" if units else f"up to {greatest:g} without a unit"
+    said = (
+        f"in {' and in '.join(sorted(unit for unit, _ in units))}" if units else f"up to {greatest:g} without a unit"
+    )
     raise PalpateError(
         f"{table.path}: the strain (column {column + 1}) is {said}.",
         f"Give --strain-unit: {', '.join(StrainUnit)}.",

@@ -65,7 +65,11 @@ def select_cycle(sample: Sample, cycle: int | None) -> tuple[Sample, ...]:
         name = f"{sample.name} to {sample.stretch[rows[-1]]:.3g}"
         note = f"{said}: cycle {cycle} of this level is fitted, set {100 * (rest - 1):.2g} % removed"
         kept = replace(
-            sample, stretch=sample.stretch / rest, nominal=sample.nominal * rest, name=name, notes=(*sample.notes, note)
+            sample,
+            stretch=sample.stretch / rest,
+            nominal=sample.nominal * rest,
+            name=name,
+            notes=(*sample.notes, note),
         ).where(rows)
         found.append(kept.where(outward * (kept.stretch - 1) >= -1e-9))
     return tuple(found)

@@ -18,7 +18,17 @@ _TIME = re.compile(r"time|zeit|temps|时间|時間|\bt\b|\bt[ _(\[]", re.I)
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
 _STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
-_UNITS = {"ms": "ms", "s": "s", "sec": "s", "sek": "s", "seconds": "s", "秒": "s", "min": "min", "h": "h", "hour": "h"}
+_UNITS = {
+    "ms": "ms",
+    "s": "s",
+    "sec": "s",
+    "sek": "s",
+    "seconds": "s",
+    "秒": "s",
+    "min": "min",
+    "h": "h",
+    "hour": "h",
+}
 
 
 def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> RelaxationTest:

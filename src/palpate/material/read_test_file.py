@@ -284,7 +284,7 @@ def _check(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> 
     if sample.stretch.max() > most or sample.stretch.min() < 0.01:
         raise PalpateError(
             f"{path}: the stretch goes from {sample.stretch.min():.3g} to {sample.stretch.max():.4g}.",
-            "No elastomer bears that: check the unit of strain and the gauge length; --strain-unit % or mm/mm states it.",
+            "No elastomer bears that: check gauge length and unit of strain; --strain-unit states it.",
             code="stretch-implausible",
         )
     if np.abs(sample.nominal).max() > 1e3:
