@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from palpate.camera import read_image
+from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.output import Output, check_file, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import FloatArray, PalpateError
@@ -27,7 +28,7 @@ _COLUMNS = (
     Column("before", "prior standard deviation", form=".2g"),
 )
 _TRUTH = (
-    "CSV of the known poses: columns image, press, rx_deg, ry_deg, depth_mm and, with a load cell, force_n; in the "
+    "Table of the known poses: columns image, press, rx_deg, ry_deg, depth_mm and, with a load cell, force_n; in the "
     "folder of its images. Images of the unloaded skin have the press 'rest'."
 )
 _OUT = "Unit file (.json) for `palpate sensor live` and `palpate calibration accept`."
@@ -79,6 +80,7 @@ def identify(
     files: IdentificationFlags = IdentificationFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
+    columns: ColumnFlags = ColumnFlags(),
     output: Output = Output(),
 ) -> None:
     """Estimate the deviations of a unit and its mounting on the robot from calibration presses."""
@@ -88,7 +90,7 @@ def identify(
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_ground_truth(truth), built.unit(reads.material)
+    known, unit = read_ground_truth(truth, columns.mapping()), built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))

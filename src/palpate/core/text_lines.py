@@ -17,7 +17,7 @@ _BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 _SAVE = "Save the table as CSV text."
 _LETTERS = {
     "cp1252": "äöüßÄÖÜéèêàçâîôûñ°µ²³±·½σελ",
-    "gb18030": "应变力位移时间载荷拉伸压缩试样标距伸长率名义工程真实单编号强度速温秒毫米兆帕千牛顿序图像接触深角百分比",
+    "gb18030": "应变力位移时间载荷拉伸压缩试样标距伸长率名义工程真实单编号强度速温秒毫米兆帕千牛顿图像接触深角百分比",
     "cp932": "ひずみ応力荷重変位時間引張圧縮試験片伸び公称真単番号標線距離秒画像接触深傾角度強温速ストレロード",
 }
 """Letters by which an encoding other than UTF is recognised: those of headers of test machines."""

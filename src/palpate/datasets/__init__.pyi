@@ -18,6 +18,7 @@ from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.spec import DatasetSpec, RandomisationSpec
 from palpate.datasets.split import PressSplit, check_leakage, split_presses
+from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable, read_table
 
 __all__ = [
@@ -48,5 +49,6 @@ __all__ = [
     "read_table",
     "sample_poses",
     "split_presses",
+    "to_surface",
     "write_dataset",
 ]

@@ -26,6 +26,7 @@ from palpate.datasets.recording_images import (
     list_below,
 )
 from palpate.datasets.recording_reader import READERS, RecordingReader
+from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
 LEAST_IMAGES, LEAST_PRESSES = 12, 8
@@ -115,7 +116,9 @@ def read_recording(
             "--max-images for more."
         )
     chosen = chosen[kept]
-    poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))
+    posed = to_surface(table.rows(chosen), choice, (by, column))
+    notes += posed.notes[len(table.notes) :]
+    poses, others, left_out = find_pose_columns(posed, choice, (by, column))
     rows = np.concatenate([chosen, at_rest])
     if images is None:
         names = tuple(str(text) for text in table.columns[column][rows].tolist())

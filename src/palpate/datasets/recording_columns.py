@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from palpate.camera import IMAGE_SUFFIXES
 from palpate.core import FloatArray, PalpateError
@@ -80,6 +79,8 @@ _AXES = {
 }
 """Other names of what the rest of the program calls so, where no column has the name itself."""
 _STILL = 1e-9
+_JUMP, _GAP = 150.0, 45.0
+"""Degrees beyond which angles of both signs jump at ±180°, and the gap by which their circle can be opened."""
 _TURN = 3.5
 """Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
 
@@ -121,8 +122,12 @@ class ColumnMapping:
     angles, lengths
         Units of columns that do not name theirs, ``deg`` or ``rad``, ``mm`` or ``m``; empty where values tell.
     euler
-        Order of Euler angles, as scipy names it (``xyz`` about fixed axes, ``XYZ`` about turned ones); empty where
-        angles are learnt as they stand.
+        Orientation of three or more columns: order of Euler angles, as scipy names it (``xyz`` about fixed axes,
+        ``XYZ`` about rotated ones), ``rotvec``, ``xyzw`` or ``wxyz`` for quaternions, ``matrix``; empty if names and
+        values state it, or angles are a tilt as they stand.
+    frame
+        Point of the pressed surface in mm and its outward normal, in the frame of the poses: ``x,y,z,nx,ny,nz``,
+        empty if poses are relative to it, or it is estimated.
     """
 
     targets: tuple[str, ...] = ()
@@ -131,6 +136,7 @@ class ColumnMapping:
     angles: str = ""
     lengths: str = ""
     euler: str = ""
+    frame: str = ""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
@@ -170,6 +176,25 @@ def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
     return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
 
 
+def find_angles_and_lengths(
+    table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...], doubts: list[PalpateError] | None = None
+) -> dict[str, PoseColumn]:
+    """Columns of numbers by axis, constant ones included; of two of one axis the first.
+
+    Errors of columns whose unit is unknown are appended to `doubts`.
+    """
+    found = []
+    for name in table.columns:
+        if name in taken or not table.is_numeric(name):
+            continue
+        try:
+            found.append(_with_unit(table, name, choice))
+        except PalpateError as error:
+            if doubts is not None:
+                doubts.append(error)
+    return {one.axis: one for one in reversed(_name_axes(found))}
+
+
 def find_quantities(
     table: RecordingTable,
     choice: ColumnMapping,
@@ -193,19 +218,12 @@ def find_quantities(
     PalpateError
         If one is missing, its unit is unknown, or a cell is no number; the message names the line.
     """
-    found, doubts = [], []
-    for name in table.columns:
-        if name in taken or not table.is_numeric(name):
-            continue
-        try:
-            found.append(_with_unit(table, name, choice))
-        except PalpateError as error:
-            doubts.append(error)
-    named = {one.axis: one for one in reversed(_name_axes(found))}
+    doubts: list[PalpateError] = []
+    named = find_angles_and_lengths(table, choice, taken, doubts)
     missing = [axis for axis in axes if axis not in named]
     texts = [name for name in table.columns if name not in taken and not table.is_numeric(name)]
     for name in texts:
-        bare = _AXES.get(_short(split_unit(name.lower())[0]), _short(split_unit(name.lower())[0]))
+        bare = _AXES.get(short_name(split_unit(name.lower())[0]), short_name(split_unit(name.lower())[0]))
         if bare in missing:
             raise PalpateError(
                 f"{table.name}, line {table.first_line}: {name} is '{table.columns[name][0]}', no number.",
@@ -278,7 +296,8 @@ def find_pose_columns(
                 doubts.append(error)
     if doubts:
         raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
-    poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
+    poses, wraps = _unwrap(_name_axes(poses), learn)
+    left_out += wraps
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:
         raise PalpateError(
@@ -310,35 +329,30 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
     )
 
 
-def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
-    """The same with rx and ry as components of the tilt's rotation vector, from Euler angles in an order."""
-    if sorted(order.lower()) != ["x", "y", "z"] or order not in (order.lower(), order.upper()):
-        raise PalpateError(
-            f"'{order}' is no order of Euler angles.",
-            "Give xyz, zyx, ... or capitals: XYZ.",
-            code="euler-order-unknown",
-        )
-    letters = {"rx": "x", "ry": "y", "rz": "z"}
-    angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
-    if "x" not in angles or "y" not in angles:
-        raise PalpateError(
-            "Euler angles need columns rx and ry.",
-            "Name them so, or leave out --euler.",
-            code="euler-columns-missing",
-        )
-    count = len(angles["x"].values)
-    turns = np.stack([angles[k].values if k in angles else np.zeros(count) for k in order.lower()], axis=1)
-    normal = Rotation.from_euler(order, turns, degrees=True).as_matrix()[:, :, 2]
-    tilt = np.degrees(np.arctan2(np.hypot(normal[:, 0], normal[:, 1]), normal[:, 2]))
-    factor = tilt / np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)
-    new = {"rx": -normal[:, 1] * factor, "ry": normal[:, 0] * factor}
-    note = "Columns of rx and ry are Euler angles in the order " + order + "; learnt as the tilt's rotation vector."
-    return [
-        PoseColumn(one.column, one.axis, one.unit, new[one.axis], note if one.axis == "rx" else one.note)
-        if one.axis in new
-        else one
-        for one in poses
-    ]
+def _unwrap(poses: list[PoseColumn], learn: tuple[str, ...]) -> tuple[list[PoseColumn], list[str]]:
+    """Angles that jump at ±180° about their circular mean, and sentences on those that go round and are left out."""
+    kept, notes = [], []
+    for one in poses:
+        values = one.values
+        if one.unit != "deg" or not (values.max() > _JUMP and values.min() < -_JUMP):
+            kept.append(one)
+            continue
+        order = np.sort(values % 360)
+        gaps = np.diff(np.append(order, order[0] + 360))
+        if gaps.max() >= _GAP:
+            start = order[(int(np.argmax(gaps)) + 1) % len(order)]
+            whole = (values - start) % 360 + start
+            note = f"Column {one.column} jumps at ±180° and is continued to {whole.min():.0f}..{whole.max():.0f}°."
+            kept.append(PoseColumn(one.column, one.axis, one.unit, whole, note))
+        elif one.column in learn or (not learn and one.axis in ("rx", "ry")):
+            raise PalpateError(
+                f"Column {one.column} jumps between -180 and 180°, which no estimator can learn.",
+                "Give poses relative to the surface, or --orientation and --frame.",
+                code="angle-jumps",
+            )
+        else:
+            notes.append(f"Column {one.column} is left out: it jumps between -180 and 180°.")
+    return kept, notes
 
 
 def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
@@ -392,7 +406,9 @@ def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseC
             unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"
         else:
-            return PoseColumn(name, _short(low), "1", values, f"Column {name} has no unit that is known; it is kept.")
+            return PoseColumn(
+                name, short_name(low), "1", values, f"Column {name} has no unit that is known; it is kept."
+            )
         if not unit:
             raise PalpateError(
                 f"Column {name} names no unit, and its values up to {most:.3g} may be {other}.",
@@ -404,10 +420,10 @@ def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseC
             "" if given else f"Column {name} names no unit; by its values, up to {most:.3g}, it is taken as {unit}."
         )
     target, factor = _FACTORS[unit]
-    return PoseColumn(name, _short(bare), target, values * factor, note)
+    return PoseColumn(name, short_name(bare), target, values * factor, note)
 
 
-def _short(name: str) -> str:
+def short_name(name: str) -> str:
     """Name of an axis without what tables write around it: ``pose_Rx`` is ``rx``."""
     short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"

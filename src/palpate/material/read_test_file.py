@@ -145,8 +145,8 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
             refuse_faults(table, pair.strain)
             number = _blocks(table, table.numbers(pair.strain))
             found += [(pair, number == at) for at in np.unique(number)]
-        for label, (pair, rows) in enumerate(found, start=1):
-            yield (f"sample {label}" if len(found) > 1 else ""), pair, rows
+        for at, (pair, rows) in enumerate(found, start=1):
+            yield (f"sample {at}" if len(found) > 1 else ""), pair, rows
         return
     ids = table.columns[columns.sample]
     empty = np.flatnonzero(np.isnan(ids) if table.is_numeric(columns.sample) else ids == "")
@@ -163,9 +163,9 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
             "Say by --sample which column numbers them.",
             code="sample-count-wrong",
         )
-    for number in found:
+    for label in found:
         for pair in columns.pairs:
-            yield f"sample {number:g}" if isinstance(number, float) else f"sample {number}", pair, ids == number
+            yield f"sample {label:g}" if isinstance(label, float) else f"sample {label}", pair, ids == label
 
 
 def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -25,6 +25,7 @@ from palpate.datasets import (
     find_press_column,
     find_quantities,
     read_table,
+    to_surface,
 )
 from palpate.design import TILT_SPACE
 
@@ -75,7 +76,7 @@ def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> Ground
     at_rest = np.char.lower(numbers) == REST
     if at_rest.all():
         raise PalpateError(f"{path.name} has no press.", _EXAMPLE, code="recording-no-press")
-    pressed = table.rows(~at_rest)
+    pressed = to_surface(table.rows(~at_rest), choice, (image, by))
     found = find_quantities(pressed, choice, (image, by), _AXES, ("force",))
     poses = np.stack([found[axis].values for axis in _AXES], axis=1)
     missing = np.flatnonzero(~np.isfinite(poses[:, :2]).all(axis=1))
