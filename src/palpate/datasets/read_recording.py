@@ -209,7 +209,14 @@ def _thin(press: IntArray, most: int, seed: int) -> IntArray:
 
 def _find_images(place: Path, table: RecordingTable, column: str) -> ImageSet:
     if not table.is_numeric(column):
-        return ImageFiles(find_files(place.parent, [str(text) for text in table.columns[column].tolist()]))
+        try:
+            return ImageFiles(find_files(place.parent, [str(text) for text in table.columns[column].tolist()]))
+        except OSError as error:  # a name that no file system takes
+            raise PalpateError(
+                f"An image of column {column} has a name that cannot be opened: {error.strerror}.",
+                "Check the column of image names.",
+                code="images-missing",
+            ) from error
     videos = [path for path in sorted(place.parent.iterdir()) if path.suffix.lower() in recording_suffixes()]
     if len(videos) != 1:
         raise PalpateError(

@@ -261,7 +261,7 @@ def _three_angles(table: RecordingTable, angles: dict[str, PoseColumn], choice: 
 
 def _guess(table: RecordingTable, chosen: list[PoseColumn], values: FloatArray) -> str:
     """Kind of three angles by names and size: a robot's rotation vector is in radians and at most pi long."""
-    names = tuple(short_name(one.column) for one in chosen)
+    names = tuple(short_name(split_unit(one.column.lower())[0]) for one in chosen)
     if names == _EULER[: len(names)]:
         return "xyz"
     longest = float(np.linalg.norm(values, axis=1).max())
