@@ -43,10 +43,11 @@ _NAME = "Name of the unit in the report."
 @Parameter(name="*")
 @dataclass(frozen=True)
 class EstimatorFlags:
-    """Estimator of the images, or readings of them."""
+    """Estimator of the images, or readings of them, and columns of the ground truth."""
 
     reads: ModelFlags = ModelFlags()
     readings: Annotated[Path | None, Parameter(help=_READINGS)] = None
+    columns: ColumnFlags = ColumnFlags()
 
 
 @Parameter(name="*")
@@ -65,7 +66,6 @@ def accept(
     built: UnitFlags = UnitFlags(),
     wanted: Annotated[AcceptanceSpec, flags_of(AcceptanceSpec, group="Tolerances")] = AcceptanceSpec(),
     report: ReportFlags = ReportFlags(),
-    columns: ColumnFlags = ColumnFlags(),
     output: Output = Output(),
 ) -> int:
     """Test a unit's pose errors on presses of known angles against the tolerances."""
@@ -85,7 +85,7 @@ def accept(
             code="options-exclusive",
         )
     check_folder(report.out)
-    known = read_ground_truth(truth, columns.mapping())
+    known = read_ground_truth(truth, estimator.columns.mapping())
     if estimator.readings is not None:
         estimates, flagged = read_readings(estimator.readings, known)
     else:

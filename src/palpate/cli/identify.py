@@ -50,11 +50,12 @@ class IdentificationFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class RobotFlags:
-    """Standard deviations of the robot's poses and of the load cell."""
+    """Columns and standard deviations of the robot's poses and of the load cell."""
 
     robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02
     robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
     robot_force: Annotated[float, Parameter(help=_FORCE)] = 0.005
+    columns: ColumnFlags = ColumnFlags()
 
     def spec(self) -> RobotUncertainty:
         """Return the robot uncertainty of these flags."""
@@ -80,7 +81,6 @@ def identify(
     files: IdentificationFlags = IdentificationFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
-    columns: ColumnFlags = ColumnFlags(),
     output: Output = Output(),
 ) -> None:
     """Estimate the deviations of a unit and its mounting on the robot from calibration presses."""
@@ -90,7 +90,7 @@ def identify(
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_ground_truth(truth, columns.mapping()), built.unit(reads.material)
+    known, unit = read_ground_truth(truth, robot.columns.mapping()), built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))

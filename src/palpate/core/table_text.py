@@ -85,8 +85,8 @@ class Block:
         Places of the lines above the rows that hold no number.
     rows
         Places of the rows.
-    header
-        Names of the columns; empty if none are written.
+    header, units
+        Names of the columns, and a row of units; empty if they are not written.
     width
         Cells of the rows, if there is no header.
     """

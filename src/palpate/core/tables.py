@@ -36,7 +36,7 @@ Column = NDArray[Any]
 
 @dataclass(frozen=True)
 class Fault:
-    """A cell that is no number in a column of numbers: line of the file, from 1, and text."""
+    """A cell of text in a column of numbers: line of the file, from 1, and text."""
 
     line: int
     text: str
@@ -59,7 +59,7 @@ class Table:
     columns
         One array (n,) a column: numbers, NaN where a cell is empty or no number, or text.
     faults
-        First cell that is no number, of each column of numbers that has one.
+        First cell of text, of each column of numbers that has one.
     lines
         (n,) line of each row in the file, from 1.
     block
@@ -179,7 +179,7 @@ def _named_delimiter(lines: list[Line]) -> tuple[str | None, list[Line]]:
 
 
 def _choose(path: Path, blocks: list[Block]) -> tuple[list[Block], tuple[str, ...]]:
-    """Blocks of the largest table, and notes on the others."""
+    """Blocks of the largest table, and notes on smaller ones."""
     groups: dict[Any, list[Block]] = {}
     for block in blocks:
         groups.setdefault((tuple(text.casefold() for text in block.header), block.width), []).append(block)
@@ -279,7 +279,7 @@ def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
         for number, found in objects():
             if not isinstance(found, dict):
                 raise PalpateError(
-                    f"{path.name} has a line that is no object (line {number}).",
+                    f"{path.name} has a line without an object (line {number}).",
                     "Write {...} on each line.",
                     code="table-line-not-object",
                 )

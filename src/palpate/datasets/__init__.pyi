@@ -5,6 +5,7 @@ from palpate.datasets.generate_dataset import generate_dataset
 from palpate.datasets.io import dataset_version, read_dataset, write_dataset
 from palpate.datasets.normalise import Normalisation, draw_jitter
 from palpate.datasets.poses import sample_poses
+from palpate.datasets.quantities import find_quantities
 from palpate.datasets.randomise import PerturbedPresses
 from palpate.datasets.read_recording import LEAST_PRESSES, Recording, read_recording
 from palpate.datasets.recording_columns import (
@@ -12,7 +13,6 @@ from palpate.datasets.recording_columns import (
     PoseColumn,
     find_image_column,
     find_press_column,
-    find_quantities,
 )
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.recording_reader import READERS, RecordingReader

@@ -91,7 +91,7 @@ def read_recording(
     choice
         What its columns are, where their names do not tell.
     rest
-        An image of the untouched sensor, where the table has none.
+        An image of the unloaded sensor, if the table names no such image.
     most, seed
         Most images; more are thinned out by whole presses, drawn by the seed.
 

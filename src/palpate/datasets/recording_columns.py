@@ -13,8 +13,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from palpate.camera import IMAGE_SUFFIXES
-from palpate.core import FloatArray, PalpateError
-from palpate.core.units import split_unit
+from palpate.core import FloatArray, PalpateError, split_unit
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
@@ -70,7 +69,7 @@ _FACTORS = {
     "lbf": ("N", 4.4482216152605),
 }
 """Unit that is written → unit of the program and factor."""
-_AXES = {
+AXES = {
     **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
     **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
     **dict.fromkeys(
@@ -145,7 +144,7 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     Raises
     ------
     PalpateError
-        If there is none, or several.
+        If the table has no such column, or several.
     """
     if choice.image:
         return _given(table, choice.image, "--image")
@@ -163,89 +162,17 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     if len(numbered) == 1:
         return numbered[0]
     raise PalpateError(
-        f"No column of {table.name} names images; it has {_list(table)}.",
+        f"No column of {table.name} names images; it has {list_columns(table)}.",
         "Name the column of image files by --image.",
         code="image-column-missing",
     )
 
 
 def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
-    """Name of the column that says to which press an image belongs; empty where there is none."""
+    """Name of the column that says to which press an image belongs; empty without one."""
     if choice.press:
         return _given(table, choice.press, "--press")
     return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
-
-
-def find_angles_and_lengths(
-    table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...], doubts: list[PalpateError] | None = None
-) -> dict[str, PoseColumn]:
-    """Columns of numbers by axis, constant ones included; of two of one axis the first.
-
-    Errors of columns whose unit is unknown are appended to `doubts`.
-    """
-    found = []
-    for name in table.columns:
-        if name in taken or not table.is_numeric(name):
-            continue
-        try:
-            found.append(_with_unit(table, name, choice))
-        except PalpateError as error:
-            if doubts is not None:
-                doubts.append(error)
-    return {one.axis: one for one in reversed(_name_axes(found))}
-
-
-def find_quantities(
-    table: RecordingTable,
-    choice: ColumnMapping,
-    taken: tuple[str, ...],
-    axes: tuple[str, ...],
-    optional: tuple[str, ...] = (),
-) -> dict[str, PoseColumn]:
-    """Columns of named axes, in deg, mm and N, with NaN in empty cells; by any name and unit of a recording.
-
-    Parameters
-    ----------
-    table, choice
-        The table, and the statements of the user on it.
-    taken
-        Columns that are something else.
-    axes, optional
-        Axes that must exist, and that may.
-
-    Raises
-    ------
-    PalpateError
-        If one is missing, its unit is unknown, or a cell is no number; the message names the line.
-    """
-    doubts: list[PalpateError] = []
-    named = find_angles_and_lengths(table, choice, taken, doubts)
-    missing = [axis for axis in axes if axis not in named]
-    texts = [name for name in table.columns if name not in taken and not table.is_numeric(name)]
-    for name in texts:
-        bare = _AXES.get(short_name(split_unit(name.lower())[0]), short_name(split_unit(name.lower())[0]))
-        if bare in missing:
-            raise PalpateError(
-                f"{table.name}, line {table.first_line}: {name} is '{table.columns[name][0]}', no number.",
-                "Write numbers.",
-                code="value-not-number",
-            )
-    if missing and doubts:
-        raise doubts[0]
-    if missing:
-        raise PalpateError(
-            f"{table.name} has no column for {', '.join(missing)}; it has {_list(table)}.",
-            f"Name columns {', '.join(axes)}, with a unit: rx_deg, depth_mm.",
-            code="column-missing",
-        )
-    chosen = {axis: named[axis] for axis in (*axes, *optional) if axis in named}
-    for axis in chosen:
-        fault = table.faults.get(named[axis].column)
-        if fault and "'nan'" not in fault.lower():
-            raise PalpateError(
-                f"{table.name}, column {named[axis].column}: {fault}.", "Write a number.", code="value-not-number"
-            )
-    return chosen
 
 
 def find_pose_columns(
@@ -288,7 +215,7 @@ def find_pose_columns(
             left_out.append(f"Column {name} is left out: {why}.")
             continue
         try:
-            poses.append(_with_unit(table, name, choice))
+            poses.append(with_unit(table, name, choice))
         except PalpateError as error:
             if learn and not wanted:
                 left_out.append(f"Column {name} is left out: {error.problem}")
@@ -296,12 +223,12 @@ def find_pose_columns(
                 doubts.append(error)
     if doubts:
         raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
-    poses, wraps = _unwrap(_name_axes(poses), learn)
+    poses, wraps = _unwrap(name_axes(poses), learn)
     left_out += wraps
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:
         raise PalpateError(
-            f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
+            f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {list_columns(table)}."),
             "Give columns of numbers that vary by --targets.",
             code="columns-none",
         )
@@ -312,7 +239,7 @@ def find_pose_columns(
 
 
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
-    """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
+    """The table with columns by the names that the user gives them, ``pose_4=rx_deg``; these names."""
     pairs = [text.partition("=") for text in learn]
     new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
     twice = [name for name in new.values() if not name or name in table.columns]
@@ -330,7 +257,7 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
 
 
 def _unwrap(poses: list[PoseColumn], learn: tuple[str, ...]) -> tuple[list[PoseColumn], list[str]]:
-    """Angles that jump at ±180° about their circular mean, and sentences on those that go round and are left out."""
+    """Angles without jumps at ±180°, and sentences on those that go round and are left out."""
     kept, notes = [], []
     for one in poses:
         values = one.values
@@ -362,12 +289,12 @@ def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
     return poses
 
 
-def _name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
+def name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
     """The same with the axes that the rest of the program knows, where that leaves no two alike."""
     axes = [one.axis for one in poses]
     renamed = []
     for one in poses:
-        other = _AXES.get(one.axis, one.axis)
+        other = AXES.get(one.axis, one.axis)
         axis = other if other not in axes else one.axis
         renamed.append(PoseColumn(one.column, axis, one.unit, one.values, one.note))
     return renamed
@@ -392,7 +319,14 @@ def _why_not(table: RecordingTable, name: str) -> str:
     return ""
 
 
-def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
+def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
+    """A column in the units of the program.
+
+    Raises
+    ------
+    PalpateError
+        If its name has no unit and its values leave two open.
+    """
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
     bare, unit = split_unit(low)
@@ -440,13 +374,14 @@ def _given(table: RecordingTable, name: str, flag: str) -> str:
     alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
     if not alike:
         raise PalpateError(
-            f"{table.name} has no column {name}; it has {_list(table)}.",
+            f"{table.name} has no column {name}; it has {list_columns(table)}.",
             f"Choose one of these by {flag}.",
             code="column-unknown",
         )
     return alike[0]
 
 
-def _list(table: RecordingTable) -> str:
+def list_columns(table: RecordingTable) -> str:
+    """Names of the first columns, for messages."""
     names = list(table.columns)
     return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

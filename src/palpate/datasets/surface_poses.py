@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.core import FloatArray, PalpateError
-from palpate.core.units import split_unit
-from palpate.datasets.recording_columns import ColumnMapping, PoseColumn, find_angles_and_lengths, short_name
+from palpate.core import FloatArray, PalpateError, split_unit
+from palpate.datasets.quantities import find_angles_and_lengths
+from palpate.datasets.recording_columns import ColumnMapping, PoseColumn, short_name
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _EULER = ("roll", "pitch", "yaw")
@@ -41,14 +41,14 @@ class _Found:
 
 
 def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
-    """The table with columns rx_deg and ry_deg of the tilt, and depth_mm, if its poses are those of a tool in a base.
+    """The table with rx_deg, ry_deg and depth_mm relative to the surface, if its poses are in a base frame.
 
     Parameters
     ----------
     table, choice
         The table, and the statements of the user on it.
     taken
-        Columns that are no pose.
+        Columns of images and presses.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def _quaternions(table: RecordingTable, choice: ColumnMapping) -> _Found | None:
 
 
 def _matrices(table: RecordingTable, choice: ColumnMapping) -> _Found | None:
-    """Nine columns of a rotation matrix, or those of a homogeneous one with the position in the last column."""
+    """Nine columns of a rotation matrix, or those of a homogeneous one with the position."""
     groups: dict[str, dict[tuple[int, int], str]] = {}
     for name in table.columns:
         match = _MATRIX.match(name.strip().lower())
@@ -260,7 +260,7 @@ def _three_angles(table: RecordingTable, angles: dict[str, PoseColumn], choice: 
 
 
 def _guess(table: RecordingTable, chosen: list[PoseColumn], values: FloatArray) -> str:
-    """Kind of three angles by names and size: a robot's rotation vector is in radians and at most pi long."""
+    """Kind of three angles by names and size: rotation vectors are in radians, at most pi long."""
     names = tuple(short_name(split_unit(one.column.lower())[0]) for one in chosen)
     if names == _EULER[: len(names)]:
         return "xyz"

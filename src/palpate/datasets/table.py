@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray
-from palpate.core.tables import Column as Column
-from palpate.core.tables import named_table
+from palpate.core import Column as Column
+from palpate.core import FloatArray, named_table
 
 REST = "rest"
 """Press, or stem of an image's name, of the unloaded sensor."""
@@ -29,7 +28,7 @@ class RecordingTable:
     columns
         Name → (n,) numbers, NaN where a cell is empty or no number, or text.
     faults
-        Name of a column of numbers → sentence on its cells that are no numbers.
+        Name of a column of numbers → sentence on its cells of text.
     notes
         Sentences on lines of the file that were passed over.
     first_line

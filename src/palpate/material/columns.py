@@ -8,9 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.core.tables import Fault, Table, read_table
-from palpate.core.units import split_unit
+from palpate.core import Fault, PalpateError, Table, read_table, split_unit
 from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
 _STRAIN = re.compile(
@@ -109,7 +107,7 @@ def read_columns(path: Path, spec: TestFileSpec) -> Table:
 
 
 def refuse_faults(table: Table, column: int) -> None:
-    """Refuse a column that holds a cell that is no number.
+    """Refuse a column of numbers that has a cell of text.
 
     Raises
     ------
@@ -166,12 +164,12 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
 
 
 def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int:
-    """Column, from 0, that is given by name or number, or else the only one whose name has the pattern.
+    """Column, from 0, by its name or number if given, else the only one whose name has the pattern.
 
     Raises
     ------
     PalpateError
-        If there is none or several; the message names the columns there are.
+        If no column or several match; the message names the columns there are.
     """
     found = seek_column(table, given, kind, pattern)
     if found is None:
@@ -300,7 +298,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
 
 
 def _is_ratio(table: Table, column: int) -> bool:
-    """Whether another column shows that a strain without a unit is no percentage: travel, or true strain."""
+    """Whether travel or true strain shows that a strain without a unit is no percentage."""
     strain = table.numbers(column)
     rows = np.abs(strain) > 0.1 * np.nanmax(np.abs(strain), initial=0.0)
     others = [at for at, name in enumerate(table.header) if at != column and name and table.is_numeric(at)]

@@ -76,7 +76,7 @@ def select_cycle(sample: Sample, cycle: int | None) -> tuple[Sample, ...]:
 
 
 def _loadings(away: FloatArray) -> list[IntArray]:
-    """Rows of each loading, if the file is one of cycles: sweeps out and back in turn, each of several rows."""
+    """Rows of each loading of a cyclic test: sweeps out and back in turn, each of several rows."""
     sweeps = find_sweeps(away)
     if len(sweeps) < 3 or min(map(len, sweeps[:-1])) < _MIN_ROWS:
         return []

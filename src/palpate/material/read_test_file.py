@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError
-from palpate.core.tables import Table
+from palpate.core import FloatArray, PalpateError, Table
 from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns, refuse_faults
 from palpate.material.cycles import select_cycle
 from palpate.material.sample import Loading, Sample
@@ -243,7 +242,7 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
 
 
 def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
-    """The test of a pair of columns: by the spec, else by the names of file and columns, else by the preamble."""
+    """Test of a pair of columns: by the spec, the names of file and columns, or the preamble."""
     if spec.loading is not None:
         return spec.loading
     used = f"{table.header[pair.strain]} {table.header[pair.stress]}".lower()

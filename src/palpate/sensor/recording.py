@@ -105,7 +105,7 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     Returns
     -------
     FloatArray, ndarray of bool
-        (n, 3) poses, NaN where there is none, and (n,) whether the reading is flagged.
+        (n, 3) poses, NaN without one, and (n,) whether the reading is flagged.
 
     Raises
     ------

@@ -44,9 +44,18 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     p = yeoh(1 + e)
     one = (np.stack([1 + e, p]),)
     stress = {
-        "MPa": 1, "kPa": 1e3, "Pa": 1e6, "N/mm²": 1, "N/mm2": 1, "N/mm^2": 1, "kgf/cm²": 1 / 0.0980665, "Kgf/cm2": 1 / 0.0980665,
-        "psi": 145.03773773, "bar": 10.0, "kgf/mm2": 1 / 9.80665,
-    }  # fmt: skip
+        "MPa": 1,
+        "kPa": 1e3,
+        "Pa": 1e6,
+        "N/mm²": 1,
+        "N/mm2": 1,
+        "N/mm^2": 1,
+        "kgf/cm²": 1 / 0.0980665,
+        "Kgf/cm2": 1 / 0.0980665,
+        "psi": 145.03773773,
+        "bar": 10.0,
+        "kgf/mm2": 1 / 9.80665,
+    }
     for unit, factor in stress.items():
         yield Case(f"stress in {unit}", text(f"Strain (mm/mm),Stress [{unit}]", e, factor * p).encode(), right=one)
     force = {"N": 1, "kN": 1e-3, "mN": 1e3, "lbf": 1 / 4.4482216152605, "kgf": 1 / 9.80665, "gf": 1e3 / 9.80665}
@@ -54,8 +63,12 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     for unit, factor in force.items():
         head = f"Extension in mm\tLoad in {unit}"
         yield Case(f"force in {unit}", text(head, 33 * e, 18 * factor * p, sep="\t").encode(), size, one)
-    yield Case("travel in inches", text("Extension (in),Load (lbf)", 33 * e / 25.4, 18 * p / 4.4482216152605).encode(),
-               size, one)  # fmt: skip
+    yield Case(
+        "travel in inches",
+        text("Extension (in),Load (lbf)", 33 * e / 25.4, 18 * p / 4.4482216152605).encode(),
+        size,
+        one,
+    )
     yield Case("strain_% and stress_kPa", text("strain_%,stress_kPa", 100 * e, 1e3 * p).encode(), right=one)
     yield Case("stretch", text("Stretch,Nominal stress (MPa)", 1 + e, p).encode(), right=one)
     yield Case(
@@ -80,8 +93,11 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     quoted = text('"Strain (%)","Stress (MPa)"', 100 * e, p, sep='","', dec=",").splitlines()
     quoted = [quoted[0], *(f'"{row}"' for row in quoted[1:])]
     yield Case("quoted decimal commas", "\n".join(quoted).encode(), right=one)
-    yield Case("comments", ("# test 3\n" + text("strain,stress (MPa)", e, p).replace("\n", "\n# pause\n", 3)).encode(),
-               right=one)  # fmt: skip
+    yield Case(
+        "comments",
+        ("# test 3\n" + text("strain,stress (MPa)", e, p).replace("\n", "\n# pause\n", 3)).encode(),
+        right=one,
+    )
     clock = "".join(f"00:00:{k:02d}.0,Test,{a:.9g},{b:.9g}\n" for k, (a, b) in enumerate(zip(e, p, strict=True)))
     yield Case("clock and words", ("Time,Status,Strain (mm/mm),Stress (MPa)\n" + clock).encode(), right=one)
     results = "Results Table 1\n,Maximum stress (MPa),Modulus\n1,0.11,0.12\n2,0.12,0.13\nMean,0.1,0.1\n\n"
@@ -94,15 +110,26 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     bare = [block.split("\n", 1)[1] for block in blocks]
     yield Case("stacked after a blank line", (blocks[0] + "\n" + bare[1]).encode(), right=two)
     yield Case("stacked without a mark", (blocks[0] + bare[1]).encode(), right=two)
-    yield Case("side by side", text("Probe 1,,Probe 2,\nDehnung,Spannung,Dehnung,Spannung\n%,MPa,%,MPa",
-               100 * e, p, 100 * e, 1.1 * p).encode(), right=two)  # fmt: skip
+    yield Case(
+        "side by side",
+        text(
+            "Probe 1,,Probe 2,\nDehnung,Spannung,Dehnung,Spannung\n%,MPa,%,MPa", 100 * e, p, 100 * e, 1.1 * p
+        ).encode(),
+        right=two,
+    )
     yield Case(
         "true columns only", text("True strain,True stress (MPa)", np.log1p(e), p * (1 + e)).encode(), right=one
     )
-    yield Case("true stress, strain in %", text("Engineering strain (%),True stress (MPa)", 100 * e, p * (1 + e)).encode(),
-               right=one)  # fmt: skip
-    yield Case("true beside engineering", text("True strain,True stress (MPa),Strain,Stress (MPa)", np.log1p(e),
-               p * (1 + e), e, p).encode(), right=one)  # fmt: skip
+    yield Case(
+        "true stress, strain in %",
+        text("Engineering strain (%),True stress (MPa)", 100 * e, p * (1 + e)).encode(),
+        right=one,
+    )
+    yield Case(
+        "true beside engineering",
+        text("True strain,True stress (MPa),Strain,Stress (MPa)", np.log1p(e), p * (1 + e), e, p).encode(),
+        right=one,
+    )
     records = "".join(json.dumps({"strain": a, "stress (MPa)": b}) + "\n" for a, b in zip(e, p, strict=True))
     yield Case("JSON lines", records.encode(), right=one, file="tension.jsonl")
     c = np.linspace(0.01, 0.4, 30)
@@ -116,13 +143,22 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     yield Case(
         "per cent without a unit, far", text("Strain,Stress (MPa)", 100 * e, p).encode(), code="column-unit-unknown"
     )
-    yield Case("stress in kPa called MPa", text("Strain (%),Stress (MPa)", 100 * e, 1e5 * p).encode(),
-               code="stress-implausible")  # fmt: skip
+    yield Case(
+        "stress in kPa called MPa",
+        text("Strain (%),Stress (MPa)", 100 * e, 1e5 * p).encode(),
+        code="stress-implausible",
+    )
     yield Case("no unit of stress", text("Strain,Stress", e, p).encode(), code="column-unit-unknown")
-    yield Case("two tables", (text("Strain,Stress (MPa)", e, p) + "\n" + text("Time (s),Force (N),Temperature (C)", e, p, p))
-               .encode(), code="table-several")  # fmt: skip
-    yield Case("comma for both marks", text("Strain,Stress (MPa)", e[1:], p[1:], dec=",", form="{:.5f}").encode(),
-               code="header-length-wrong")  # fmt: skip
+    yield Case(
+        "two tables",
+        (text("Strain,Stress (MPa)", e, p) + "\n" + text("Time (s),Force (N),Temperature (C)", e, p, p)).encode(),
+        code="table-several",
+    )
+    yield Case(
+        "comma for both marks",
+        text("Strain,Stress (MPa)", e[1:], p[1:], dec=",", form="{:.5f}").encode(),
+        code="header-length-wrong",
+    )
     yield Case("a spreadsheet", b"PK\x03\x04" + bytes(200), code="file-is-spreadsheet")
     yield Case("an unreadable Parquet file", b"PAR1 nothing", code="file-unreadable", file="tension.parquet")
 
@@ -148,8 +184,12 @@ def cyclic_cases() -> Iterator[Case]:
             stretch += [*(1 + up), *(1 + down)]
             nominal += [*curve, *(0.6 * yeoh(1 + down))]
         reached = level
-    data = text("Time (s),Strain (mm/mm),Stress (MPa)", 0.1 * np.arange(len(stretch)), np.array(stretch) - 1,
-                np.array(nominal)).encode()  # fmt: skip
+    data = text(
+        "Time (s),Strain (mm/mm),Stress (MPa)",
+        0.1 * np.arange(len(stretch)),
+        np.array(stretch) - 1,
+        np.array(nominal),
+    ).encode()
     yield Case("cyclic: first loading", data, right=(np.array(first).T,))
     yield Case("cyclic: third cycle", data, {"cycle": 3}, tuple(cycles[2]))
     yield Case("cyclic: a cycle too many", data, {"cycle": 9}, code="cycle-missing")
@@ -181,14 +221,23 @@ def pose_cases(seed: int = 0) -> Iterator[Case]:
             rows("Bild;rx [°];ry [°];Tiefe [mm]", plain, ";", ",").encode(encoding),
             right=right,
         )
-    yield Case("poses in rad and m", rows("filename,rx [rad],ry [rad],depth (m)", plain * [np.pi / 180, np.pi / 180, 1e-3])
-               .encode(), right=right)  # fmt: skip
+    yield Case(
+        "poses in rad and m",
+        rows("filename,rx [rad],ry [rad],depth (m)", plain * [np.pi / 180, np.pi / 180, 1e-3]).encode(),
+        right=right,
+    )
     yield Case("a row of units", rows("image,rx,ry,depth\n,deg,deg,mm", plain).encode(), right=right)
     yield Case("roll and pitch", rows("image,roll_deg,pitch_deg,z_mm", plain).encode(), right=right)
-    yield Case("units by flag", rows("image,rx,ry,depth", plain * [np.pi / 180, np.pi / 180, 1e-3]).encode(),
-               {"angles": "rad", "lengths": "m"}, right)  # fmt: skip
-    lines = [json.dumps({"image": n, "pose": {"rx_deg": a, "ry_deg": b, "depth_mm": d}}) for n, (a, b, d) in
-             zip(names, plain.tolist(), strict=True)]  # fmt: skip
+    yield Case(
+        "units by flag",
+        rows("image,rx,ry,depth", plain * [np.pi / 180, np.pi / 180, 1e-3]).encode(),
+        {"angles": "rad", "lengths": "m"},
+        right,
+    )
+    lines = [
+        json.dumps({"image": n, "pose": {"rx_deg": a, "ry_deg": b, "depth_mm": d}})
+        for n, (a, b, d) in zip(names, plain.tolist(), strict=True)
+    ]
     yield Case("poses as JSON lines", "\n".join(lines).encode(), right=right, file="poses.jsonl")
     yield Case("no units", rows("image,rx,ry,depth", plain / 100).encode(), code="column-unit-unknown")
     yield Case("column twice", rows("image,rx_deg,rx_deg,depth_mm", plain).encode(), code="column-twice")
@@ -228,20 +277,25 @@ def tool_cases(rows, right: tuple[np.ndarray, ...]) -> Iterator[Case]:
     matrix = np.column_stack([place, down.as_matrix().reshape(24, 9)])
     yield Case("rotation matrix", rows("image," + xyz + nine, matrix).encode(), right=right)
     for order in ("xyz", "ZYX", "zyx", "XYZ"):
-        angles = {
-            letter: values for letter, values in zip(order.lower(), down.as_euler(order, degrees=True).T, strict=True)
-        }
+        angles = dict(zip(order.lower(), down.as_euler(order, degrees=True).T, strict=True))
         cells = np.column_stack([place, *(angles[letter] for letter in "xyz")])
         head = "image," + xyz + "rx_deg,ry_deg,rz_deg"
         yield Case(f"Euler {order}", rows(head, cells).encode(), {"euler": order}, right)
         yield Case(f"Euler {order} unstated", rows(head, cells).encode(), code="orientation-unknown")
     angles = down.as_euler("xyz", degrees=True)
-    yield Case("roll, pitch, yaw", rows("image," + xyz + "roll_deg,pitch_deg,yaw_deg", np.column_stack([place, angles]))
-               .encode(), right=right)  # fmt: skip
+    yield Case(
+        "roll, pitch, yaw",
+        rows("image," + xyz + "roll_deg,pitch_deg,yaw_deg", np.column_stack([place, angles])).encode(),
+        right=right,
+    )
     aside = np.column_stack([wall.apply([0, 0, 1]) * depth[:, None] + [300, 20, 100], (wall * turn).as_quat()])
     normal = ",".join(f"{v:.9f}" for v in -wall.apply([0, 0, 1]))
-    yield Case("an oblique wall", rows("image,x_mm,y_mm,z_mm,qx,qy,qz,qw", aside).encode(),
-               {"frame": f"300,20,100,{normal}"}, right)  # fmt: skip
+    yield Case(
+        "an oblique wall",
+        rows("image,x_mm,y_mm,z_mm,qx,qy,qz,qw", aside).encode(),
+        {"frame": f"300,20,100,{normal}"},
+        right,
+    )
     yield Case("a bad frame", rows(said, vectors).encode(), {"frame": "1,2,3"}, code="frame-unreadable")
     wild = Rotation.random(24, random_state=0)
     yield Case(
