@@ -17,16 +17,12 @@ from palpate.core.renamed_keys import new_column, rename_columns
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe
 from palpate.core.store_maintenance import StoreContents, check_store, clean_store, list_store
-from palpate.core.tables import Column, Fault, Table, named_table, read_table
-from palpate.core.units import split_unit
 from palpate.core.version import __version__
 
 __all__ = [
     "PAPER",
     "ArtefactStore",
     "BoolArray",
-    "Column",
-    "Fault",
     "FloatArray",
     "IntArray",
     "MissingExtraError",
@@ -35,7 +31,6 @@ __all__ = [
     "Registry",
     "Spec",
     "StoreContents",
-    "Table",
     "TextArray",
     "__version__",
     "atomic_folder",
@@ -54,16 +49,13 @@ __all__ = [
     "list_store",
     "load_extra",
     "load_opencv",
-    "named_table",
     "new_column",
     "parameter",
     "parameters",
     "provenance",
-    "read_table",
     "reject_external_links",
     "rename_columns",
     "spec_from_data",
-    "split_unit",
     "stage_version",
     "wrap_write_errors",
 ]

@@ -1,4 +1,4 @@
-"""Tables of any origin as columns: text of every dialect, JSON lines and Parquet, with header, units and row numbers.
+"""Tables as columns: text of every dialect, JSON lines and Parquet, with units and row numbers.
 
 Every command that reads a table does so by `read_table`.
 """

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from palpate.core import PalpateError, split_unit
+from palpate.core import PalpateError
+from palpate.core.units import split_unit
 from palpate.datasets.recording_columns import (
     AXES,
     ColumnMapping,

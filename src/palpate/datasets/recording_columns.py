@@ -13,7 +13,8 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from palpate.camera import IMAGE_SUFFIXES
-from palpate.core import FloatArray, PalpateError, split_unit
+from palpate.core import FloatArray, PalpateError
+from palpate.core.units import split_unit
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
@@ -79,7 +80,7 @@ AXES = {
 """Other names of what the rest of the program calls so, where no column has the name itself."""
 _STILL = 1e-9
 _JUMP, _GAP = 150.0, 45.0
-"""Degrees beyond which angles of both signs jump at ±180°, and the gap by which their circle can be opened."""
+"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
 _TURN = 3.5
 """Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
 
@@ -190,7 +191,7 @@ def find_pose_columns(
     Returns
     -------
     tuple
-        What is to be learnt, the other numbers of the motion, and a sentence for each column that was left out.
+        Quantities to estimate, further numbers of the motion, and a sentence for each column left out.
 
     Raises
     ------

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.core import FloatArray, PalpateError, split_unit
+from palpate.core import FloatArray, PalpateError
+from palpate.core.units import split_unit
 from palpate.datasets.quantities import find_angles_and_lengths
 from palpate.datasets.recording_columns import ColumnMapping, PoseColumn, short_name
 from palpate.datasets.table import RecordingTable, as_numbers
@@ -21,10 +22,10 @@ _EULER = ("roll", "pitch", "yaw")
 _QUATERNION = re.compile(r"(?:^|[_. ])(?:q|quat|quaternion|orientation|rot|rotation|ori)[_. \[]*([wxyz]|\d)\]?$")
 _MATRIX = re.compile(r"^(.*?)[_. ]*\[?([0-4])[\]_, ]*\[?([0-4])\]?$")
 _NEAR_AXIS = 8.0
-"""Degrees between the mean tool axis and a base axis within which the surface is taken as normal to this axis:
+"""Degrees from the mean tool axis to a base axis up to which the surface is normal to this axis:
 the mean of 12 tilts of 10° strays by 3°, and a surface set up by hand by 2°."""
 _SPREAD = 75.0
-"""Degrees between a tool axis and their mean above which poses are not those of presses on one surface."""
+"""Degrees from a tool axis to their mean above which poses are not those of presses on one surface."""
 _TURNED = 90.0
 _UNIT_NORM = 0.02
 _FLAGS = "Give --orientation rotvec, xyzw, wxyz, matrix or an order of Euler angles such as xyz, and --frame."
@@ -41,7 +42,7 @@ class _Found:
 
 
 def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
-    """The table with rx_deg, ry_deg and depth_mm relative to the surface, if its poses are in a base frame.
+    """The table with rx_deg, ry_deg and depth_mm relative to the surface, if poses are in a base.
 
     Parameters
     ----------

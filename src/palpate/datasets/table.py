@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import Column as Column
-from palpate.core import FloatArray, named_table
+from palpate.core import FloatArray
+from palpate.core.tables import Column as Column
+from palpate.core.tables import named_table
 
 REST = "rest"
 """Press, or stem of an image's name, of the unloaded sensor."""

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, named_table, split_unit
+from palpate.core import FloatArray, PalpateError
+from palpate.core.tables import named_table
+from palpate.core.units import split_unit
 from palpate.design.skin import Skin
 
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}

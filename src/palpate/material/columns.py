@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import Fault, PalpateError, Table, read_table, split_unit
+from palpate.core import PalpateError
+from palpate.core.tables import Fault, Table, read_table
+from palpate.core.units import split_unit
 from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
 _STRAIN = re.compile(
@@ -54,7 +56,7 @@ _GAUGE_LENGTHS = (5.0, 250.0)
 _ALIKE = 0.02
 """Difference of a true strain from the logarithm of the stretch by which the two columns agree."""
 MAX_STRAIN = 12.0
-"""Strain at rupture above which a column without a unit may be in per cent: no elastomer of molds bears more."""
+"""Strain at rupture of the softest silicones; a larger one without a unit may be in per cent."""
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from palpate.material.loading import find_sweeps
 from palpate.material.sample import Loading, Sample
 
 _MIN_ROWS = 4
-"""Rows of a loading or unloading; a bench writes tens to thousands, a sudden return of the crosshead one or two."""
+"""Rows of a loading: test machines write tens or more, a sudden return of the crosshead one or two."""
 _SAME_LEVEL = 0.03
-"""Peaks nearer than this share of the range belong to one level; crossheads repeat a peak to about 1 %."""
+"""Peaks nearer than this share of the range are one level; crossheads repeat a peak to about 1 %."""
 
 
 def select_cycle(sample: Sample, cycle: int | None) -> tuple[Sample, ...]:

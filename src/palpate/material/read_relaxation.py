@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, Table
+from palpate.core import FloatArray, PalpateError
+from palpate.core.tables import Table
 from palpate.material.columns import STRETCH, find_column, read_columns, refuse_faults, seek_column
 from palpate.material.relaxation_test import RelaxationTest
 from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit

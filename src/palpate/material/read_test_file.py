@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, Table
+from palpate.core import FloatArray, PalpateError
+from palpate.core.tables import Table
 from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns, refuse_faults
 from palpate.material.cycles import select_cycle
 from palpate.material.sample import Loading, Sample
