@@ -231,7 +231,7 @@ class _Columns:
             names = self._words & {texts[at].casefold() for at in np.flatnonzero(bad)}
             whole = values[np.isfinite(values)]
             named = bool(names) and bool((whole == np.round(whole)).all())
-            self._numeric[column] = wrong <= 0.5 * filled.sum() and not named
+            self._numeric[column] = bool(wrong <= 0.5 * filled.sum() and not named)
             if not self._numeric[column]:
                 return np.array(texts)
         if bad.any() and column not in self.faults:

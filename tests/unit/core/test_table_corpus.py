@@ -9,7 +9,7 @@ from table_corpus import Case, material_cases, pose_cases
 
 from errors import refused
 from palpate.core import PalpateError
-from palpate.datasets import ColumnMapping, read_recording
+from palpate.datasets import ColumnMapping, read_recording, read_table
 from palpate.material import TestFileSpec as FileSpec
 from palpate.material import read_test_file
 from palpate.sensor import read_ground_truth
@@ -131,3 +131,16 @@ def mutate(data: bytes, rng: np.random.Generator) -> bytes:
                 del lines[int(rng.integers(len(lines)))]
                 changed = bytearray(b"\n".join(lines))
     return bytes(changed)
+
+
+def test_a_long_table_keeps_its_texts(tmp_path: Path) -> None:
+    rows = "".join(f"{k:05d}.png,{k % 7}.5\n" for k in range(45_000))
+    (tmp_path / "long.csv").write_text("image,rx_deg\n" + rows)
+    found = read_table(tmp_path / "long.csv")
+    assert found.columns["image"][[0, 19_999, 20_000, 44_999]].tolist() == [
+        "00000.png",
+        "19999.png",
+        "20000.png",
+        "44999.png",
+    ]
+    assert np.isfinite(found.columns["rx_deg"]).all()
