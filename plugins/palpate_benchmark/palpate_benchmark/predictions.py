@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError, wrap_write_errors
 from palpate.core.report import write_csv
+from palpate.datasets import ColumnMapping, find_image_column, find_quantities, read_table
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
 FORCE = "force_n"
@@ -25,6 +23,12 @@ def half_width_column(name: str) -> str:
 
 KNOWN = ("image", *POSE, FORCE, *(half_width_column(name) for name in (*POSE, FORCE)))
 """Columns that a table may have."""
+
+
+_AXES = ("rx", "ry", "depth")
+_COLUMN = dict(zip((*_AXES, "force"), (*POSE, FORCE), strict=True))
+_COLUMN |= {f"half_{axis}": half_width_column(name) for axis, name in _COLUMN.items()}
+_OPTIONAL = tuple(axis for axis in _COLUMN if axis not in _AXES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,19 +95,17 @@ def read_predictions(path: Path) -> Predictions:
     PalpateError
         If it cannot be read, lacks a column, has an unknown one, or a value is no number.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            head = [name.strip() for name in next(reader, [])]
-            _check_head(path, head)
-            rows = [_numbers(path, line, head, row) for line, row in enumerate(reader, start=2) if row]
-    except (OSError, ValueError, csv.Error) as error:
-        raise PalpateError(f"{path} is no table that can be read.", _HEAD, code="table-unreadable") from error
-    if not rows:
-        raise PalpateError(f"{path} has no row.", _HEAD, code="table-empty")
-    table = np.array(rows).T
-    values = dict(zip(head, table, strict=True))
-    return Predictions(values.pop("image").astype(int), values)
+    table = read_table(path)
+    image = find_image_column(table, ColumnMapping())
+    found = find_quantities(table, ColumnMapping(), (image,), _AXES, _OPTIONAL)
+    strange = [name for name in table.columns if name not in (image, *(one.column for one in found.values()))]
+    if strange:
+        raise PalpateError(f"{path} has a column '{strange[0]}', which is not known.", _HEAD, code="column-unknown")
+    numbers = table.columns[image]
+    values = {_COLUMN[axis]: one.values for axis, one in found.items()}
+    for name, cells in {"image": numbers, **values}.items():
+        _check(path, table.first_line, name, cells)
+    return Predictions(numbers.astype(int), values)
 
 
 def write_predictions(path: Path, predictions: Predictions) -> None:
@@ -120,47 +122,27 @@ def write_predictions(path: Path, predictions: Predictions) -> None:
         write_csv(path, zip(predictions.image.tolist(), *columns, strict=True), ("image", *names))
 
 
-def _check_head(path: Path, head: Sequence[str]) -> None:
-    missing = [name for name in ("image", *POSE) if name not in head]
-    if missing:
-        raise PalpateError(f"{path} has no column {missing[0]}.", _HEAD, code="column-missing")
-    strange = [name for name in head if name not in KNOWN]
-    if strange:
-        raise PalpateError(f"{path} has a column '{strange[0]}', which is not known.", _HEAD, code="column-unknown")
-    if len(set(head)) < len(head):
-        raise PalpateError(f"{path} has a column twice.", _HEAD, code="column-twice")
-
-
-def _numbers(path: Path, line: int, head: Sequence[str], row: Sequence[str]) -> list[float]:
-    if len(row) != len(head):
+def _check(path: Path, line: int, name: str, cells: FloatArray) -> None:
+    """Refuse a missing number, an image that is no number, and a half-width below 0."""
+    wrong = ~np.isfinite(cells) if cells.dtype.kind == "f" else np.ones(len(cells), bool)
+    if wrong.any():
+        at = int(np.argmax(wrong))
         raise PalpateError(
-            f"Line {line} of {path} has {len(row)} values under {len(head)} names.",
-            "Mend the line.",
-            code="row-length-wrong",
+            f"Line {line + at} of {path}: {name} is '{cells[at]}', no number.",
+            "Give every value.",
+            code="value-not-number",
         )
-    found = []
-    for name, text in zip(head, row, strict=True):
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise PalpateError(
-                f"Line {line} of {path}: {name} is '{text[:20]}', no number.",
-                "Give every value.",
-                code="value-not-number",
-            )
-        if name == "image" and (value != int(value) or not 0 <= value < 2**53):
-            raise PalpateError(
-                f"Line {line} of {path}: '{text[:20]}' is no image.",
-                "Take the numbers of test.csv.",
-                code="prediction-not-image",
-            )
-        if name.startswith("half_") and value < 0:
-            raise PalpateError(
-                f"Line {line} of {path}: {name} is {value:g}.",
-                "A half-width is not negative.",
-                code="half-width-negative",
-            )
-        found.append(value)
-    return found
+    if name == "image" and (bad := (cells != np.floor(cells)) | (cells < 0) | (cells >= 2**53)).any():
+        at = int(np.argmax(bad))
+        raise PalpateError(
+            f"Line {line + at} of {path}: '{cells[at]:g}' is no image.",
+            "Take the numbers of test.csv.",
+            code="prediction-not-image",
+        )
+    if name.startswith("half_") and (cells < 0).any():
+        at = int(np.argmax(cells < 0))
+        raise PalpateError(
+            f"Line {line + at} of {path}: {name} is {cells[at]:g}.",
+            "A half-width is not negative.",
+            code="half-width-negative",
+        )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.camera import read_image
+from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
@@ -31,7 +32,7 @@ OUTSIDE = 1
 """Exit code if a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = (
-    "CSV of the ground truth: columns image, press, rx_deg, ry_deg, depth_mm; in the folder of its images. "
+    "Table of the ground truth: columns image, press, rx_deg, ry_deg, depth_mm; in the folder of its images. "
     "Images of the unloaded skin have the press 'rest'."
 )
 _READINGS = "Readings of these images by `palpate sensor live --out`; the images are then not evaluated again."
@@ -42,10 +43,11 @@ _NAME = "Name of the unit in the report."
 @Parameter(name="*")
 @dataclass(frozen=True)
 class EstimatorFlags:
-    """Estimator of the images, or readings of them."""
+    """Estimator of the images, or readings of them, and columns of the ground truth."""
 
     reads: ModelFlags = ModelFlags()
     readings: Annotated[Path | None, Parameter(help=_READINGS)] = None
+    columns: ColumnFlags = ColumnFlags()
 
 
 @Parameter(name="*")
@@ -83,7 +85,7 @@ def accept(
             code="options-exclusive",
         )
     check_folder(report.out)
-    known = read_ground_truth(truth)
+    known = read_ground_truth(truth, estimator.columns.mapping())
     if estimator.readings is not None:
         estimates, flagged = read_readings(estimator.readings, known)
     else:

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from palpate.camera import read_image
+from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.output import Output, check_file, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import FloatArray, PalpateError
@@ -27,7 +28,7 @@ _COLUMNS = (
     Column("before", "prior standard deviation", form=".2g"),
 )
 _TRUTH = (
-    "CSV of the known poses: columns image, press, rx_deg, ry_deg, depth_mm and, with a load cell, force_n; in the "
+    "Table of the known poses: columns image, press, rx_deg, ry_deg, depth_mm and, with a load cell, force_n; in the "
     "folder of its images. Images of the unloaded skin have the press 'rest'."
 )
 _OUT = "Unit file (.json) for `palpate sensor live` and `palpate calibration accept`."
@@ -49,11 +50,12 @@ class IdentificationFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class RobotFlags:
-    """Standard deviations of the robot's poses and of the load cell."""
+    """Columns and standard deviations of the robot's poses and of the load cell."""
 
     robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02
     robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
     robot_force: Annotated[float, Parameter(help=_FORCE)] = 0.005
+    columns: ColumnFlags = ColumnFlags()
 
     def spec(self) -> RobotUncertainty:
         """Return the robot uncertainty of these flags."""
@@ -88,7 +90,7 @@ def identify(
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_ground_truth(truth), built.unit(reads.material)
+    known, unit = read_ground_truth(truth, robot.columns.mapping()), built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
     sensor = open_printing_scale([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))

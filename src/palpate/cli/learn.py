@@ -5,41 +5,30 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
+from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
 from palpate.cli.progress import show_progress
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
 from palpate.core.report import page_markdown, plain_page
-from palpate.datasets import ColumnMapping
 from palpate.learn import RecordingSpec
 
 if TYPE_CHECKING:
     from palpate.learn import RecordingResult
 
 _RECORDING = (
-    "Table of poses (.csv, .jsonl) in the folder of its images or video; an HDF5, NPZ or Zarr file; a folder with "
-    "one of these or with HDF5 episodes; or a LeRobot dataset."
+    "Table of poses (text, JSON lines, Parquet) in the folder of its images or video; an HDF5, NPZ or Zarr file; a "
+    "folder with one of these or with HDF5 episodes; or a LeRobot dataset."
 )
 _OUT = "Folder for the model (model.h5) and the report. The same command resumes an interrupted run."
 _LEARN = (
     "Columns to estimate, separated by commas; COLUMN=QUANTITY if the name does not state the quantity "
     "(pose_4=rx_deg,pose_3=depth_mm). By default rx, ry and depth if they exist, otherwise all columns."
-)
-_IMAGE = (
-    "Column of the image names or numbers, if it is not recognised by its name; the camera of a LeRobot dataset, the "
-    "array of an HDF5, NPZ or Zarr file, or the folder of images, if there are several."
-)
-_PRESS = "Column of the press that an image belongs to; without it, each image is a separate press."
-_ANGLES = "Unit of angles whose column has no unit in its name."
-_LENGTHS = "Unit of lengths whose column has no unit in its name."
-_EULER = (
-    "Order of the Euler angles rx, ry, rz: lower case about fixed axes, upper case about rotated axes (xyz, ZYX). "
-    "They are converted to the rotation vector of the tilt. Without it, angles are used unchanged."
 )
 _REST = "Image of the unloaded sensor, if the table has no row with the press or file name 'rest'."
 _START = "Model to start from: of another unit of the same design (model.h5), or of its simulation (.onnx)."
@@ -51,19 +40,8 @@ class TableFlags:
     """Meaning and units of the table's columns, and a rest image."""
 
     targets: Annotated[str | None, Parameter(help=_LEARN)] = None
-    image: Annotated[str | None, Parameter(help=_IMAGE)] = None
-    press: Annotated[str | None, Parameter(help=_PRESS)] = None
-    angles: Annotated[Literal["deg", "rad"] | None, Parameter(help=_ANGLES)] = None
-    lengths: Annotated[Literal["mm", "m"] | None, Parameter(help=_LENGTHS)] = None
-    euler: Annotated[str | None, Parameter(help=_EULER)] = None
+    columns: ColumnFlags = ColumnFlags()
     rest: Annotated[Path | None, Parameter(help=_REST)] = None
-
-    def choice(self) -> ColumnMapping:
-        """Return the column mapping of these flags, which the reader accepts."""
-        names = tuple(name.strip() for name in (self.targets or "").split(",") if name.strip())
-        return ColumnMapping(
-            names, self.image or "", self.press or "", self.angles or "", self.lengths or "", self.euler or ""
-        )
 
 
 def learn(
@@ -81,7 +59,7 @@ def learn(
 
     check_folder(out)
     begin = read_pretrained(start) if start is not None else None
-    found = read_recording(recording, table.choice(), table.rest, spec.max_images, spec.seed)
+    found = read_recording(recording, table.columns.mapping(table.targets), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _print_line(note)
     store, first = ArtefactStore(keep_results(out) / "store"), None

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import read_image, recording_suffixes
-from palpate.core import FloatArray, IntArray, PalpateError, generator
-from palpate.core.files import natural_key
+from palpate.core import FloatArray, IntArray, PalpateError, generator, natural_key
 from palpate.datasets.recording_columns import (
     ColumnMapping,
     PoseColumn,
@@ -27,6 +26,7 @@ from palpate.datasets.recording_images import (
     list_below,
 )
 from palpate.datasets.recording_reader import READERS, RecordingReader
+from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
 LEAST_IMAGES, LEAST_PRESSES = 12, 8
@@ -91,7 +91,7 @@ def read_recording(
     choice
         What its columns are, where their names do not tell.
     rest
-        An image of the untouched sensor, where the table has none.
+        An image of the unloaded sensor, if the table names no such image.
     most, seed
         Most images; more are thinned out by whole presses, drawn by the seed.
 
@@ -112,7 +112,7 @@ def read_recording(
         folder, choice = folder / choice.image, replace(choice, image="")
     column = find_image_column(table, choice) if images is None else ""
     by = find_press_column(table, choice)
-    notes: list[str] = []
+    notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
@@ -121,7 +121,9 @@ def read_recording(
             "--max-images for more."
         )
     chosen = chosen[kept]
-    poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))
+    posed = to_surface(table.rows(chosen), choice, (by, column))
+    notes += posed.notes[len(table.notes) :]
+    poses, others, left_out = find_pose_columns(posed, choice, (by, column))
     rows = np.concatenate([chosen, at_rest])
     if images is None:
         names = tuple(str(text) for text in table.columns[column][rows].tolist())
@@ -212,7 +214,14 @@ def _thin(press: IntArray, most: int, seed: int) -> IntArray:
 
 def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
     if not table.is_numeric(column):
-        return ImageFiles(find_files(folder, [str(text) for text in table.columns[column].tolist()]))
+        try:
+            return ImageFiles(find_files(folder, [str(text) for text in table.columns[column].tolist()]))
+        except OSError as error:  # a name that no file system takes
+            raise PalpateError(
+                f"An image of column {column} has a name that cannot be opened: {error.strerror}.",
+                "Check the column of image names.",
+                code="images-missing",
+            ) from error
     found = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
     videos = [path for path in found if path.suffix.lower() in recording_suffixes()]
     which = [0] * len(table) if len(videos) == 1 else _videos_of_rows(table, videos)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from palpate.camera import IMAGE_SUFFIXES
 from palpate.core import FloatArray, PalpateError
+from palpate.core.units import split_unit
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
@@ -29,28 +29,58 @@ _IMAGE = (
     "path",
     "sensor_image",
     "frame",
+    "bild",
+    "bilddatei",
+    "fichier",
+    "图像",
+    "画像",
 )
-_PRESS = ("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run")
+_PRESS = (
+    "press",
+    "contact",
+    "touch",
+    "tap",
+    "trial",
+    "episode",
+    "episode_index",
+    "demo",
+    "group",
+    "run",
+    "kontakt",
+    "appui",
+    "接触",
+)
 _INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
 _ANGLE = re.compile(
-    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|a|b|c)([_ \d]|$)|angle"
+    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)([_ \d]|$)|angle"
 )
 _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
+    r"|tiefe|profondeur|深"
 )
-_UNIT = re.compile(r"^(.*?)[_ ]*[\[(]?(?<![a-z])(deg|degree|degrees|rad|radian|radians|mm|cm|um|m)[\])]?$")
 _FACTORS = {
-    "deg": ("deg", 1.0),
-    "rad": ("deg", 180.0 / np.pi),
-    "mm": ("mm", 1.0),
+    **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
+    **dict.fromkeys(("rad", "radian", "radians", "弧度"), ("deg", 180.0 / np.pi)),
+    **dict.fromkeys(("mm", "毫米"), ("mm", 1.0)),
     "cm": ("mm", 10.0),
-    "um": ("mm", 1e-3),
+    **dict.fromkeys(("um", "µm", "μm"), ("mm", 1e-3)),
     "m": ("mm", 1e3),
+    **dict.fromkeys(("in", "inch", "inches"), ("mm", 25.4)),
+    **{"n": ("N", 1.0), "mn": ("N", 1e-3), "kn": ("N", 1e3), "gf": ("N", 9.80665e-3), "kgf": ("N", 9.80665)},
+    "lbf": ("N", 4.4482216152605),
 }
-_WORDS = {"degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad"}
-_AXES = {"roll": "rx", "pitch": "ry", "z": "depth", "penetration": "depth", "indentation": "depth"}
+"""Unit that is written → unit of the program and factor."""
+AXES = {
+    **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
+    **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
+    **dict.fromkeys(
+        ("z", "penetration", "indentation", "tiefe", "eindringtiefe", "profondeur", "深度", "深さ"), "depth"
+    ),
+}
 """Other names of what the rest of the program calls so, where no column has the name itself."""
 _STILL = 1e-9
+_JUMP, _GAP = 150.0, 45.0
+"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
 _TURN = 3.5
 """Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
 
@@ -64,7 +94,7 @@ class PoseColumn:
     column
         Name in the table.
     axis, unit
-        Short name, and unit of `values`: deg, mm, or 1 where nobody said.
+        Short name, and unit of `values`: deg, mm, N, or 1 where nobody said.
     values
         (n,) numbers in this unit.
     note
@@ -92,8 +122,12 @@ class ColumnMapping:
     angles, lengths
         Units of columns that do not name theirs, ``deg`` or ``rad``, ``mm`` or ``m``; empty where values tell.
     euler
-        Order of Euler angles, as scipy names it (``xyz`` about fixed axes, ``XYZ`` about turned ones); empty where
-        angles are learnt as they stand.
+        Orientation of three or more columns: order of Euler angles, as scipy names it (``xyz`` about fixed axes,
+        ``XYZ`` about rotated ones), ``rotvec``, ``xyzw`` or ``wxyz`` for quaternions, ``matrix``; empty if names and
+        values state it, or angles are a tilt as they stand.
+    frame
+        Point of the pressed surface in mm and its outward normal, in the frame of the poses: ``x,y,z,nx,ny,nz``,
+        empty if poses are relative to it, or it is estimated.
     """
 
     targets: tuple[str, ...] = ()
@@ -102,6 +136,7 @@ class ColumnMapping:
     angles: str = ""
     lengths: str = ""
     euler: str = ""
+    frame: str = ""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
@@ -110,7 +145,7 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     Raises
     ------
     PalpateError
-        If there is none, or several.
+        If the table has no such column, or several.
     """
     if choice.image:
         return _given(table, choice.image, "--image")
@@ -128,14 +163,14 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     if len(numbered) == 1:
         return numbered[0]
     raise PalpateError(
-        f"No column of {table.name} names images; it has {_list(table)}.",
+        f"No column of {table.name} names images; it has {list_columns(table)}.",
         "Name the column of image files by --image.",
         code="image-column-missing",
     )
 
 
 def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
-    """Name of the column that says to which press an image belongs; empty where there is none."""
+    """Name of the column that says to which press an image belongs; empty without one."""
     if choice.press:
         return _given(table, choice.press, "--press")
     return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
@@ -156,7 +191,7 @@ def find_pose_columns(
     Returns
     -------
     tuple
-        What is to be learnt, the other numbers of the motion, and a sentence for each column that was left out.
+        Quantities to estimate, further numbers of the motion, and a sentence for each column left out.
 
     Raises
     ------
@@ -181,7 +216,7 @@ def find_pose_columns(
             left_out.append(f"Column {name} is left out: {why}.")
             continue
         try:
-            poses.append(_with_unit(table, name, choice))
+            poses.append(with_unit(table, name, choice))
         except PalpateError as error:
             if learn and not wanted:
                 left_out.append(f"Column {name} is left out: {error.problem}")
@@ -189,11 +224,12 @@ def find_pose_columns(
                 doubts.append(error)
     if doubts:
         raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
-    poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
+    poses, wraps = _unwrap(name_axes(poses), learn)
+    left_out += wraps
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:
         raise PalpateError(
-            f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
+            f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {list_columns(table)}."),
             "Give columns of numbers that vary by --targets.",
             code="columns-none",
         )
@@ -204,7 +240,7 @@ def find_pose_columns(
 
 
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
-    """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
+    """The table with columns by the names that the user gives them, ``pose_4=rx_deg``; these names."""
     pairs = [text.partition("=") for text in learn]
     new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
     twice = [name for name in new.values() if not name or name in table.columns]
@@ -221,35 +257,30 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
     )
 
 
-def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
-    """The same with rx and ry as components of the tilt's rotation vector, from Euler angles in an order."""
-    if sorted(order.lower()) != ["x", "y", "z"] or order not in (order.lower(), order.upper()):
-        raise PalpateError(
-            f"'{order}' is no order of Euler angles.",
-            "Give xyz, zyx, ... or capitals: XYZ.",
-            code="euler-order-unknown",
-        )
-    letters = {"rx": "x", "ry": "y", "rz": "z", "yaw": "z"}
-    angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
-    if "x" not in angles or "y" not in angles:
-        raise PalpateError(
-            "Euler angles need columns rx and ry.",
-            "Name them so, or leave out --euler.",
-            code="euler-columns-missing",
-        )
-    count = len(angles["x"].values)
-    turns = np.stack([angles[k].values if k in angles else np.zeros(count) for k in order.lower()], axis=1)
-    normal = Rotation.from_euler(order, turns, degrees=True).as_matrix()[:, :, 2]
-    tilt = np.degrees(np.arctan2(np.hypot(normal[:, 0], normal[:, 1]), normal[:, 2]))
-    factor = tilt / np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)
-    new = {"rx": -normal[:, 1] * factor, "ry": normal[:, 0] * factor}
-    note = "Columns of rx and ry are Euler angles in the order " + order + "; learnt as the tilt's rotation vector."
-    return [
-        PoseColumn(one.column, one.axis, one.unit, new[one.axis], note if one.axis == "rx" else one.note)
-        if one.axis in new
-        else one
-        for one in poses
-    ]
+def _unwrap(poses: list[PoseColumn], learn: tuple[str, ...]) -> tuple[list[PoseColumn], list[str]]:
+    """Angles without jumps at ±180°, and sentences on those that go round and are left out."""
+    kept, notes = [], []
+    for one in poses:
+        values = one.values
+        if one.unit != "deg" or not (values.max() > _JUMP and values.min() < -_JUMP):
+            kept.append(one)
+            continue
+        order = np.sort(values % 360)
+        gaps = np.diff(np.append(order, order[0] + 360))
+        if gaps.max() >= _GAP:
+            start = order[(int(np.argmax(gaps)) + 1) % len(order)]
+            whole = (values - start) % 360 + start
+            note = f"Column {one.column} jumps at ±180° and is continued to {whole.min():.0f}..{whole.max():.0f}°."
+            kept.append(PoseColumn(one.column, one.axis, one.unit, whole, note))
+        elif one.column in learn or (not learn and one.axis in ("rx", "ry")):
+            raise PalpateError(
+                f"Column {one.column} jumps between -180 and 180°, which no estimator can learn.",
+                "Give poses relative to the surface, or --orientation and --frame.",
+                code="angle-jumps",
+            )
+        else:
+            notes.append(f"Column {one.column} is left out: it jumps between -180 and 180°.")
+    return kept, notes
 
 
 def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
@@ -259,12 +290,12 @@ def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
     return poses
 
 
-def _name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
+def name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
     """The same with the axes that the rest of the program knows, where that leaves no two alike."""
     axes = [one.axis for one in poses]
     renamed = []
     for one in poses:
-        other = _AXES.get(one.axis, one.axis)
+        other = AXES.get(one.axis, one.axis)
         axis = other if other not in axes else one.axis
         renamed.append(PoseColumn(one.column, axis, one.unit, one.values, one.note))
     return renamed
@@ -289,14 +320,19 @@ def _why_not(table: RecordingTable, name: str) -> str:
     return ""
 
 
-def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
+def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
+    """A column in the units of the program.
+
+    Raises
+    ------
+    PalpateError
+        If its name has no unit and its values leave two open.
+    """
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
-    matched = _UNIT.match(low)
-    most, note = float(np.abs(values).max()), ""
-    if matched and matched[1]:
-        bare, unit = matched[1], _WORDS.get(matched[2], matched[2])
-    else:
+    bare, unit = split_unit(low)
+    most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
+    if unit not in _FACTORS or not bare:
         bare = low
         if _ANGLE.search(low):
             unit = choice.angles or ("deg" if most > _TURN else "")
@@ -305,7 +341,9 @@ def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseC
             unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"
         else:
-            return PoseColumn(name, _short(low), "1", values, f"Column {name} has no unit that is known; it is kept.")
+            return PoseColumn(
+                name, short_name(low), "1", values, f"Column {name} has no unit that is known; it is kept."
+            )
         if not unit:
             raise PalpateError(
                 f"Column {name} names no unit, and its values up to {most:.3g} may be {other}.",
@@ -317,10 +355,10 @@ def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseC
             "" if given else f"Column {name} names no unit; by its values, up to {most:.3g}, it is taken as {unit}."
         )
     target, factor = _FACTORS[unit]
-    return PoseColumn(name, _short(bare), target, values * factor, note)
+    return PoseColumn(name, short_name(bare), target, values * factor, note)
 
 
-def _short(name: str) -> str:
+def short_name(name: str) -> str:
     """Name of an axis without what tables write around it: ``pose_Rx`` is ``rx``."""
     short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"
@@ -337,13 +375,14 @@ def _given(table: RecordingTable, name: str, flag: str) -> str:
     alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
     if not alike:
         raise PalpateError(
-            f"{table.name} has no column {name}; it has {_list(table)}.",
+            f"{table.name} has no column {name}; it has {list_columns(table)}.",
             f"Choose one of these by {flag}.",
             code="column-unknown",
         )
     return alike[0]
 
 
-def _list(table: RecordingTable) -> str:
+def list_columns(table: RecordingTable) -> str:
+    """Names of the first columns, for messages."""
     names = list(table.columns)
     return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -16,8 +16,7 @@ import h5py
 from numpy.typing import NDArray
 
 from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
-from palpate.core import PalpateError
-from palpate.core.files import natural_key
+from palpate.core import PalpateError, natural_key
 from palpate.datasets.stored_images import read_row
 
 Item = NDArray[Any] | PalpateError

@@ -69,9 +69,9 @@ class RecordingReader(ABC):
 
 @final
 class TableReader(RecordingReader):
-    """CSV and JSON lines beside image files or a video."""
+    """Text tables, JSON lines and Parquet next to image files or a video."""
 
-    formats = ".csv, .tsv, .txt, .jsonl"
+    formats = ".csv, .tsv, .txt, .dat, .jsonl, .ndjson, .parquet"
 
     @classmethod
     def accepts(cls, place: Path) -> bool:

@@ -1,26 +1,29 @@
-"""Free layouts and followed points: CSV files with the columns x_mm, y_mm and z_mm."""
+"""Free layouts and followed points: tables with the columns x, y and z and their unit."""
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
+from palpate.core.tables import named_table
+from palpate.core.units import split_unit
 from palpate.design.skin import Skin
 
+_MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
+"""mm a unit."""
 ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
 def read_points(path: Path, skin: Skin) -> FloatArray:
-    """Read points of the inner surface from a CSV file with a header.
+    """Read points of the inner surface from a table with a header.
 
     Parameters
     ----------
     path
-        File with the columns ``x_mm, y_mm`` and, if wished, ``z_mm``, in any order.
+        Table with the columns ``x_mm, y_mm`` and, if wished, ``z_mm``, in any order, unit and dialect.
     skin
         The dome that carries the points. Without ``z_mm`` a point is carried up along the axis.
 
@@ -51,36 +54,31 @@ def read_points(path: Path, skin: Skin) -> FloatArray:
 
 
 def _read_table(path: Path) -> FloatArray:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [(number, row) for number, row in enumerate(csv.reader(file), start=1) if any(row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text table"
+    """(n, 2) or (n, 3) x, y and, if the file has it, z, mm."""
+    table = named_table(path)
+    found: dict[str, FloatArray] = {}
+    for at, name in enumerate(table.header):
+        axis, unit = split_unit(name.lower())[0], table.unit(at).lower()
+        if axis not in ("x", "y", "z"):
+            continue
+        if unit not in _MM:
+            raise PalpateError(
+                f"{path}: column {name} has the unit '{unit}'." if unit else f"{path}: column {name} has no unit.",
+                f"Write x_mm,y_mm; units are {', '.join(_MM)}.",
+                code="columns-wrong",
+            )
+        numbers = table.numbers(at) if table.is_numeric(at) else np.full(len(table), np.nan)
+        if not np.isfinite(numbers).all():
+            row = int(np.argmax(~np.isfinite(numbers)))
+            text = table.faults[at].text if at in table.faults else str(table.columns[at][row])
+            raise PalpateError(
+                f"{path}:{table.lines[row]}: {name} is '{text}', no number.", "Write numbers.", code="row-not-numbers"
+            )
+        found[axis] = _MM[unit] * numbers
+    if not {"x", "y"} <= set(found):
         raise PalpateError(
-            f"{path} cannot be read: {reason}.", "Give a CSV file of points.", code="file-unreadable"
-        ) from error
-    header = [name.strip() for name in rows[0][1]] if rows else []
-    if sorted(header) not in (["x_mm", "y_mm"], ["x_mm", "y_mm", "z_mm"]):
-        raise PalpateError(
-            f"{path} has the columns {', '.join(header) or '(none)'}.",
-            "They must be x_mm,y_mm or x_mm,y_mm,z_mm.",
+            f"{path} has the columns {', '.join(table.header)}.",
+            "They must be x_mm, y_mm and, if wished, z_mm.",
             code="columns-wrong",
         )
-    if len(rows) == 1:
-        raise PalpateError(f"{path} has no points under its header.", "Give one point a line.", code="table-empty")
-    order = [header.index(name) for name in sorted(header)]
-    return np.array([_numbers(path, number, row, order) for number, row in rows[1:]])
-
-
-def _numbers(path: Path, line: int, row: list[str], order: list[int]) -> list[float]:
-    try:
-        numbers = [float(row[column]) for column in order]
-    except (ValueError, IndexError):
-        numbers = []
-    if len(row) != len(order) or not np.all(np.isfinite(numbers)) or not numbers:
-        raise PalpateError(
-            f"{path}:{line}: {','.join(row)} is not {len(order)} numbers.",
-            "Write them in mm.",
-            code="row-not-numbers",
-        )
-    return numbers
+    return np.stack([found[axis] for axis in sorted(found)], axis=1)

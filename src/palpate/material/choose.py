@@ -7,10 +7,13 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from palpate.core import PalpateError
 from palpate.material.io import read_material
+from palpate.material.law import Model
 from palpate.material.library import library_names, read_library
-from palpate.material.make_law import LAWS
+from palpate.material.make_law import LAWS, get_model, list_models
 from palpate.material.material import Material
 from palpate.material.relaxation import Relaxation
 
@@ -31,7 +34,7 @@ def get_material(text: str) -> Material:
     text
         ``zaid_2024_ecoflex_00_30``; or the path of a file, ``mine.yaml``; or ``yeoh:0.0141156,0.0001106,0.0000048``
         (MPa), also ``neo-hooke:C10``, ``mooney-rivlin:C10,C01``, ``gent:mu,Jm``, ``arruda-boyce:mu,lm`` and
-        ``ogden:mu1,alpha1,…``.
+        ``ogden:mu1,alpha1,…``, and every model of `list_models`, such as ``ogden-2:mu1,alpha1,mu2,alpha2``.
 
     Raises
     ------
@@ -44,7 +47,8 @@ def get_material(text: str) -> Material:
     if text.endswith(FILE_ENDINGS):
         return read_material(Path(text))
     law, colon, numbers = text.partition(":")
-    if not colon or law not in LAWS:
+    model = get_model(law) if colon and law not in LAWS and law in list_models() else None
+    if not colon or (law not in LAWS and model is None):
         near = get_close_matches(text if not colon else law, [*library_names(), *LAWS.names], n=1, cutoff=0.3)
         hint = f"Did you mean {near[0]}? " if near else ""
         laws = ", ".join(f"{name}:{form.constants_text()}" for name, form in LAWS.available())
@@ -53,15 +57,30 @@ def get_material(text: str) -> Material:
             f"{hint}Known: {', '.join(list_materials())}; or {laws} in MPa; or a material file (.yaml).",
             code="material-unknown",
         )
+    names = LAWS.get(law).constants_text() if model is None else ",".join(_constants(model))
     try:
         constants = [float(number) for number in numbers.split(",")]
     except ValueError:
         raise PalpateError(
-            f"'{numbers}' are not numbers.",
-            f"Write {law}:{LAWS.get(law).constants_text()} in MPa.",
-            code="constants-not-numbers",
+            f"'{numbers}' are not numbers.", f"Write {law}:{names} in MPa.", code="constants-not-numbers"
         ) from None
-    return Material(name=text, law=LAWS.get(law).from_numbers(constants))
+    if model is None:
+        return Material(name=text, law=LAWS.get(law).from_numbers(constants))
+    if len(constants) != len(_constants(model)):
+        raise PalpateError(
+            f"'{law}' has {len(_constants(model))} constants; got {len(constants)}.",
+            f"Write {law}:{names} in MPa.",
+            code="constants-count-wrong",
+        )
+    values = dict(zip(_constants(model), constants, strict=True))
+    linear, shapes = (np.array([values[name] for name in part]) for part in (model.linear, model.shapes))
+    return Material(name=text, law=model.law(linear, shapes))
+
+
+def _constants(model: Model) -> tuple[str, ...]:
+    """Names of a fitted model's constants in the order of its law: mu1, alpha1, mu2, … of Ogden."""
+    pairs = zip(model.linear, model.shapes, strict=True) if model.shapes else ((name,) for name in model.linear)
+    return tuple(name for pair in pairs for name in pair)
 
 
 def material_from_data(data: dict[str, Any]) -> Material:

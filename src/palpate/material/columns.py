@@ -4,40 +4,59 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
-from palpate.material.table import Table
+from palpate.core.tables import Fault, Table, read_table
+from palpate.core.units import split_unit
+from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
-_STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|déformation", re.I)
-_TRAVEL = re.compile(r"extension|displacement|crosshead|travel|weg\b|traverse|position", re.I)
-_STRESS = re.compile(r"stress|spannung|contrainte", re.I)
-_FORCE = re.compile(r"force|load|kraft|\blast\b", re.I)
-_NOT_STRAIN = re.compile(r"\btrue\b|rate|geschwindigkeit|lateral|transverse|quer|wahre", re.I)
-_SAMPLE = re.compile(r"sample|specimen|probe|éprouvette", re.I)
-STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
-_SHORT = re.compile(r"[ _-](?:ut|uc|et|ps)\d*$", re.I)
-"""Short name of a test at the end of a column's name."""
+_STRAIN = re.compile(
+    r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement|应变|伸长|拉伸比"
+    r"|ひずみ|歪|伸び",
+    re.I,
+)
+_TRAVEL = re.compile(
+    r"extension|displacement|crosshead|travel|weg\b|traverse|position|d[ée]placement|位移|变形|変位|ストローク", re.I
+)
+_STRESS = re.compile(r"stress|spannung|contrainte|应力|応力|σ", re.I)
+_FORCE = re.compile(r"force|load|kraft|\blast\b|\bcharge\b|载荷|荷重|力", re.I)
+_NOT_STRAIN = re.compile(
+    r"rate\b|geschwindigkeit|vitesse|lateral|transverse?al|\btransverse|quer|break|bruch|速|横|max", re.I
+)
+_TRUE = re.compile(r"\btrue\b|_true|true_|wahre|\bvraie?\b|真|cauchy|hencky|\blog(?:arithmi\w*)?\b|\bln\b", re.I)
+_SAMPLE = re.compile(r"sample|specimen|probe|éprouvette|试样|試験片", re.I)
+STRETCH = re.compile(r"stretch|lambda|λ|verstreckung|拉伸比", re.I)
 _STRAIN_UNITS = {
-    "mm/mm": StrainUnit.RATIO,
-    "m/m": StrainUnit.RATIO,
-    "-": StrainUnit.RATIO,
-    "1": StrainUnit.RATIO,
-    "%": StrainUnit.PERCENT,
-    "percent": StrainUnit.PERCENT,
-    "mm": StrainUnit.TRAVEL,
-    "stretch": StrainUnit.STRETCH,
-    "log": StrainUnit.LOGARITHMIC,
+    **dict.fromkeys(("mm/mm", "m/m", "in/in", "-", "–", "1"), (StrainUnit.RATIO, 1.0)),
+    **dict.fromkeys(("%", "percent", "pct", "百分比"), (StrainUnit.PERCENT, 1.0)),
+    **dict.fromkeys(("mm", "毫米"), (StrainUnit.TRAVEL, 1.0)),
+    **{unit: (StrainUnit.TRAVEL, factor) for unit, factor in (("cm", 10.0), ("m", 1e3), ("um", 1e-3))},
+    **dict.fromkeys(("in", "inch", "inches"), (StrainUnit.INCH, 1.0)),
+    "stretch": (StrainUnit.STRETCH, 1.0),
+    "log": (StrainUnit.LOGARITHMIC, 1.0),
 }
+"""Unit of strain as tables write it, and the factor to the unit named."""
 _STRESS_UNITS = {unit.lower(): unit for unit in StressUnit} | {
-    "n/mm2": StressUnit.MPA,
-    "n/mm²": StressUnit.MPA,
-    "n/mm^2": StressUnit.MPA,
+    **dict.fromkeys(("n/mm2", "兆帕"), StressUnit.MPA),
+    **dict.fromkeys(("n/m2",), StressUnit.PA),
+    **dict.fromkeys(("千帕",), StressUnit.KPA),
+    **dict.fromkeys(("kg/cm2", "kp/cm2"), StressUnit.KGF_PER_CM2),
+    **dict.fromkeys(("kg/mm2", "kp/mm2"), StressUnit.KGF_PER_MM2),
+    **dict.fromkeys(("lbf/in2", "lb/in2"), StressUnit.PSI),
+    **dict.fromkeys(("lb", "lbs"), StressUnit.POUND_FORCE),
+    **dict.fromkeys(("kg", "kp"), StressUnit.KILOGRAM_FORCE),
+    **dict.fromkeys(("g",), StressUnit.GRAM_FORCE),
+    **dict.fromkeys(("牛", "牛顿"), StressUnit.NEWTON),
 }
-_GREATEST_RATIO = 25.0
-"""No elastomer bears more; a greater strain without unit may be in per cent."""
+_GAUGE_LENGTHS = (5.0, 250.0)
+"""Gauge lengths of specimens, mm (ISO 37: 10 to 25; D412: 25 to 33; long strips and blocks)."""
+_ALIKE = 0.02
+"""Difference of a true strain from the logarithm of the stretch by which the two columns agree."""
+MAX_STRAIN = 12.0
+"""Strain at rupture of the softest silicones; a larger one without a unit may be in per cent."""
 
 
 @dataclass(frozen=True)
@@ -58,14 +77,64 @@ class Columns:
         Columns of strain and stress; several where the samples stand side by side.
     strain_unit, stress_unit
         Their units.
+    strain_factor
+        Numbers of the strain column to its unit.
+    strain_assumed
+        Whether the file does not state the unit of strain.
+    true_strain, true_stress
+        Whether the columns are called true.
     sample
-        Column that numbers the samples; none where there is none.
+        Column that numbers or names the samples; `None` without one.
     """
 
     pairs: tuple[Pair, ...]
     strain_unit: StrainUnit
     stress_unit: StressUnit
+    strain_factor: float
+    strain_assumed: bool
+    true_strain: bool
+    true_stress: bool
     sample: int | None
+
+
+MAX_ROWS = 50_000
+"""Rows beyond these are thinned evenly: no curve needs more."""
+
+
+def read_columns(path: Path, spec: TestFileSpec) -> Table:
+    """Read the table of a test file in the dialect that the spec states, or that is found."""
+    delimiter = DELIMITERS[spec.delimiter] if spec.delimiter else None
+    decimal = DECIMALS[spec.decimal] if spec.decimal else None
+    return read_table(path, delimiter=delimiter, decimal=decimal, max_rows=MAX_ROWS)
+
+
+def refuse_faults(table: Table, column: int) -> None:
+    """Refuse a column of numbers that has a cell of text.
+
+    Raises
+    ------
+    PalpateError
+        With row, column and text of the cell.
+    """
+    fault = table.faults.get(column)
+    if fault is None and not table.is_numeric(column):
+        fault = Fault(int(table.lines[0]), str(table.columns[column][0]))
+    if fault is not None:
+        label = f"column {column + 1}" + (f" ({table.header[column]})" if table.header[column] else "")
+        raise PalpateError(
+            f"{table.path}: row {fault.line}, {label}: '{fault.text[:40]}' is no number.",
+            _correct(fault.text, table.decimal),
+            code="value-not-number",
+        )
+
+
+def _correct(cell: str, decimal: str) -> str:
+    if re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", cell):
+        mark = "comma" if decimal == "," else "point"
+        return f"The decimal mark of this file is the {mark}: write one mark throughout, and none for thousands."
+    if re.match(r"[-+]?[\d.,]+\s*[A-Za-z%]", cell):
+        return "Write numbers only, and the unit in the header."
+    return "Correct or delete the row, or put # in front of it."
 
 
 def find_columns(table: Table, spec: TestFileSpec) -> Columns:
@@ -83,21 +152,26 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
         raise _several(table, kind, several)
     pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
     _check_apart(table, pairs)
+    strain_unit, factor, assumed = _strain_unit(table, pairs, spec)
     return Columns(
         pairs=pairs,
-        strain_unit=_strain_unit(table, pairs, spec),
+        strain_unit=strain_unit,
         stress_unit=_stress_unit(table, pairs, spec),
+        strain_factor=factor,
+        strain_assumed=assumed,
+        true_strain=spec.strain_unit is None and bool(_TRUE.search(table.header[strains[0]])),
+        true_stress=spec.true_stress or bool(_TRUE.search(table.header[stresses[0]])),
         sample=_sample_column(table, spec),
     )
 
 
 def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int:
-    """Column, from 0, that is given by name or number, or else the only one whose name has the pattern.
+    """Column, from 0, by its name or number if given, else the only one whose name has the pattern.
 
     Raises
     ------
     PalpateError
-        If there is none or several; the message names the columns there are.
+        If no column or several match; the message names the columns there are.
     """
     found = seek_column(table, given, kind, pattern)
     if found is None:
@@ -119,21 +193,12 @@ def seek_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[
     return found[0] if found else None
 
 
-def units_of_column(table: Table, column: int) -> set[str]:
-    """Texts that may be a column's unit: from the row of units, in brackets or at the end of its name."""
-    found = {table.units[column].strip("()[] ")} if table.units else set()
-    if table.header:
-        name = _SHORT.sub("", table.header[column])
-        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z%²/0-9^]+)$", name)
-        found |= {*re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name), *([tail[1]] if tail else [])}
-    return found - {""}
-
-
 def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern[str], ...]) -> list[int]:
     if given is not None:
         return _named(table, given, kind)
     for pattern in patterns:
-        if found := _matching(table, pattern):
+        found = _matching(table, pattern)
+        if found := [at for at in found if not _TRUE.search(table.header[at])] or found:
             return found
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
@@ -144,7 +209,8 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
 
 def _matching(table: Table, pattern: re.Pattern[str]) -> list[int]:
     """Columns whose names have the pattern, without rates and the like."""
-    return [at for at, name in enumerate(table.header) if pattern.search(name) and not _NOT_STRAIN.search(name)]
+    found = [at for at, name in enumerate(table.header) if pattern.search(name) and not _NOT_STRAIN.search(name)]
+    return [at for at in found if table.is_numeric(at)] or found
 
 
 def _several(table: Table, kind: str, columns: list[int]) -> PalpateError:
@@ -158,11 +224,11 @@ def _several(table: Table, kind: str, columns: list[int]) -> PalpateError:
 
 def _named(table: Table, given: str, kind: str) -> list[int]:
     names = [name.lower() for name in table.header]
-    bare = [_bare(name).lower() for name in table.header]
+    bare = [name.lower() for name in table.bare_names()]
     wanted = given.strip().lower()
     exact = [at for at, name in enumerate(names) if name == wanted]
     found = exact or [at for at, name in enumerate(bare) if name == wanted]
-    if not found and given.strip().isdigit() and 1 <= int(given) <= table.values.shape[1]:
+    if not found and given.strip().isdigit() and 1 <= int(given) <= len(table.columns):
         found = [int(given) - 1]
     if len(found) == 1:
         return found
@@ -175,9 +241,9 @@ def _named(table: Table, given: str, kind: str) -> list[int]:
 
 
 def _listed(table: Table) -> str:
-    count = table.values.shape[1]
-    names = table.header or ("without name",) * count
-    return ", ".join(f"{at} ({name})" for at, name in enumerate(names, start=1))
+    count = len(table.columns)
+    names = ", ".join(f"{at} ({name or 'without name'})" for at, name in enumerate(table.header[:20], start=1))
+    return names + (f" and {count - 20} more" if count > 20 else "")
 
 
 def _alternate(strains: list[int], stresses: list[int]) -> bool:
@@ -196,32 +262,36 @@ def _check_apart(table: Table, pairs: tuple[Pair, ...]) -> None:
             )
 
 
-def _bare(name: str) -> str:
-    """A column's name without its unit."""
-    return re.sub(r"\s*[\(\[].*?[\)\]]\s*$", "", name).strip()
+def _written(table: Table, columns: list[int]) -> set[str]:
+    """Units that are written for columns, in one form."""
+    texts = {table.unit(column).strip() for column in columns}
+    if table.units:
+        texts |= {split_unit(table.header[column])[1] for column in columns}
+    forms = str.maketrans({"²": "2", "^": "", "µ": "u", "μ": "u", " ": "", "·": ""})
+    return {text.translate(forms) for text in texts if text}
 
 
-def _written_units(table: Table, column: int) -> set[str]:
-    """Units of strain or stress written for a column."""
-    found = units_of_column(table, column)
-    return {text for text in found if text.lower() in _STRAIN_UNITS or text.lower() in _STRESS_UNITS}
-
-
-def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> StrainUnit:
+def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> tuple[StrainUnit, float, bool]:
+    """Unit of strain, its factor, and whether it is assumed."""
     if spec.strain_unit is not None:
-        return spec.strain_unit
+        return spec.strain_unit, 1.0, False
     column = pairs[0].strain
-    name = table.header[column] if table.header else ""
-    if STRETCH.search(name):
-        return StrainUnit.STRETCH
-    written = {text for pair in pairs for text in _written_units(table, pair.strain)}
+    name = table.header[column]
+    written = _written(table, [pair.strain for pair in pairs])
     units = {_STRAIN_UNITS[text.lower()] for text in written if text.lower() in _STRAIN_UNITS}
+    if STRETCH.search(name) and not _TRUE.search(name):
+        return StrainUnit.STRETCH, (0.01 if units == {(StrainUnit.PERCENT, 1.0)} else 1.0), False
     if len(units) == 1:
-        return units.pop()
-    greatest = np.nanmax(np.abs(table.values[:, column]), initial=0.0)
-    if not units and _STRAIN.search(name) and greatest <= _GREATEST_RATIO:
-        return StrainUnit.RATIO
-    said = f"in {' and in '.join(sorted(units))}" if units else f"up to {greatest:g} without a unit"
+        return (*units.pop(), False)
+    greatest = np.nanmax(np.abs(table.numbers(column)), initial=0.0)
+    if not units and _STRAIN.search(name):
+        if _is_ratio(table, column):
+            return StrainUnit.RATIO, 1.0, False
+        if greatest <= MAX_STRAIN:
+            return StrainUnit.RATIO, 1.0, True
+    said = (
+        f"in {' and in '.join(sorted(unit for unit, _ in units))}" if units else f"up to {greatest:g} without a unit"
+    )
     raise PalpateError(
         f"{table.path}: the strain (column {column + 1}) is {said}.",
         f"Give --strain-unit: {', '.join(StrainUnit)}.",
@@ -229,10 +299,26 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> S
     )
 
 
+def _is_ratio(table: Table, column: int) -> bool:
+    """Whether travel or true strain shows that a strain without a unit is no percentage."""
+    strain = table.numbers(column)
+    rows = np.abs(strain) > 0.1 * np.nanmax(np.abs(strain), initial=0.0)
+    others = [at for at, name in enumerate(table.header) if at != column and name and table.is_numeric(at)]
+    for at in others if rows.any() else []:
+        other = table.numbers(at)[rows]
+        if _TRAVEL.search(table.header[at]) and _written(table, [at]) & {"mm", "毫米"}:
+            gauge = float(np.median(np.abs(other / strain[rows])))
+            if _GAUGE_LENGTHS[0] <= gauge <= _GAUGE_LENGTHS[1]:
+                return True
+        if _STRAIN.search(table.header[at]) and _TRUE.search(table.header[at]):
+            return bool(np.nanmedian(np.abs(other - np.log1p(np.maximum(strain[rows], -0.99)))) < _ALIKE)
+    return False
+
+
 def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> StressUnit:
     if spec.stress_unit is not None:
         return spec.stress_unit
-    written = {text for pair in pairs for text in _written_units(table, pair.stress)}
+    written = _written(table, [pair.stress for pair in pairs])
     units = {_STRESS_UNITS[text.lower()] for text in written if text.lower() in _STRESS_UNITS}
     if len(units) == 1 and "mPa" not in written:
         return units.pop()

@@ -43,7 +43,7 @@ def loading_branch(sample: Sample) -> Sample:
         return sample.where(np.argsort(sample.stretch, kind="stable"))
     far = int(np.argmax(np.abs(sample.stretch - 1)))
     outward = -1 if sample.stretch[far] < 1 else 1
-    sweeps = _sweeps(sample.stretch)
+    sweeps = find_sweeps(sample.stretch)
     if len(sweeps) == 1 and far < len(sample.stretch) - 1 - far:
         sample = sample.where(np.arange(len(sample.stretch))[::-1])
         far = len(sample.stretch) - 1 - far
@@ -62,7 +62,7 @@ def _before_break(sample: Sample, outward: int) -> Sample:
     return sample.where(np.arange(peak + 1)) if broken else sample
 
 
-def _sweeps(stretch: FloatArray) -> list[IntArray]:
+def find_sweeps(stretch: FloatArray) -> list[IntArray]:
     """Rows of each sweep from one turning point to the next, in the order of the file."""
     least = _TURN * float(np.ptp(stretch))
     turns, low, high, rising = [0], 0, 0, 0

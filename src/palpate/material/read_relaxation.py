@@ -9,16 +9,26 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.material.columns import STRETCH, find_column, seek_column, units_of_column
+from palpate.core.tables import Table
+from palpate.material.columns import STRETCH, find_column, read_columns, refuse_faults, seek_column
 from palpate.material.relaxation_test import RelaxationTest
 from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit
-from palpate.material.table import Table, read_table
 
-_TIME = re.compile(r"time|zeit|temps|\bt\b|\bt[ _(\[]", re.I)
+_TIME = re.compile(r"time|zeit|temps|时间|時間|\bt\b|\bt[ _(\[]", re.I)
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
 _STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
-_UNITS = {"ms": "ms", "s": "s", "sec": "s", "sek": "s", "min": "min", "h": "h", "hour": "h"}
+_UNITS = {
+    "ms": "ms",
+    "s": "s",
+    "sec": "s",
+    "sek": "s",
+    "seconds": "s",
+    "秒": "s",
+    "min": "min",
+    "h": "h",
+    "hour": "h",
+}
 
 
 def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> RelaxationTest:
@@ -38,7 +48,7 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
         If the file is wrong or ambiguous, or holds no relaxation; the message names row and column, and what to do.
     """
     path, spec = Path(path), spec or TestFileSpec()
-    table = read_table(path, spec)
+    table = read_columns(path, spec)
     time_at = find_column(table, spec.time, "time", _TIME)
     stress_at = find_column(table, spec.stress, "stress", _STRESS)
     strain_at = seek_column(table, spec.strain, "strain", _STRAIN)
@@ -68,7 +78,9 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
 
 def _take(table: Table, columns: list[int]) -> FloatArray:
     """Columns (n, k) without the rows in which all of them are empty."""
-    values = table.values[:, columns]
+    for column in columns:
+        refuse_faults(table, column)
+    values = np.stack([table.numbers(column) for column in columns], axis=1)
     filled = ~np.isnan(values).all(axis=1)
     values, lines = values[filled], table.lines[filled]
     if not len(values):
@@ -89,9 +101,8 @@ def _take(table: Table, columns: list[int]) -> FloatArray:
 def _time_unit(table: Table, column: int, spec: TestFileSpec) -> TimeUnit:
     if spec.time_unit is not None:
         return spec.time_unit
-    written = {_UNITS[text.lower()] for text in units_of_column(table, column) if text.lower() in _UNITS}
-    if len(written) == 1:
-        return TimeUnit(written.pop())
+    if (written := table.unit(column).lower()) in _UNITS:
+        return TimeUnit(_UNITS[written])
     raise PalpateError(
         f"{table.path}: the time (column {column + 1}) is without a unit.",
         f"Give --time-unit: {', '.join(TimeUnit)}.",
@@ -106,7 +117,7 @@ def _signed(stress: FloatArray) -> FloatArray:
 
 def _strain(table: Table, strain: FloatArray, column: int, spec: TestFileSpec) -> FloatArray:
     """Strain that grows from zero, in the file's unit."""
-    name = table.header[column] if table.header else ""
+    name = table.header[column]
     if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and STRETCH.search(name)):
         strain = strain - 1.0
     strain = _signed(strain)

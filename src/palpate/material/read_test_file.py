@@ -9,19 +9,20 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.material.columns import Columns, Pair, find_columns
+from palpate.core.tables import Table
+from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns, refuse_faults
+from palpate.material.cycles import select_cycle
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
-from palpate.material.table import Table, read_table
 
 LEAST_ROWS = 5
 """Fewer rows are no curve."""
 _MOST_SAMPLES = 100
 _WORDS = {
-    Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull",
-    Loading.COMPRESSION: r"compress|druck|d395|d575|iso[ _-]?7743",
-    Loading.EQUIBIAXIAL: r"biaxial|bulge",
-    Loading.PLANAR: r"planar|pure[ _-]?shear",
+    Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull|单轴拉伸|拉伸|引張",
+    Loading.COMPRESSION: r"compress|druck|d395|d575|iso[ _-]?7743|stauchversuch|压缩|圧縮",
+    Loading.EQUIBIAXIAL: r"biaxial|bulge|双轴|二軸",
+    Loading.PLANAR: r"planar|pure[ _-]?shear|平面|純せん断",
     Loading.UNIAXIAL: r"(?<!equi)(?<!bi)uniaxial|einachsig",
 }
 _SHORT = {
@@ -36,12 +37,23 @@ _MPA = {
     StressUnit.KPA: 1e-3,
     StressUnit.MPA: 1.0,
     StressUnit.PSI: 6.894757293168e-3,
+    StressUnit.BAR: 0.1,
+    StressUnit.KGF_PER_CM2: 0.0980665,
+    StressUnit.KGF_PER_MM2: 9.80665,
     StressUnit.MILLINEWTON: 1e-3,
     StressUnit.NEWTON: 1.0,
     StressUnit.KILONEWTON: 1e3,
+    StressUnit.POUND_FORCE: 4.4482216152605,
+    StressUnit.KILOGRAM_FORCE: 9.80665,
+    StressUnit.GRAM_FORCE: 9.80665e-3,
 }
 """MPa a unit, or N a unit of force."""
-_FORCES = (StressUnit.MILLINEWTON, StressUnit.NEWTON, StressUnit.KILONEWTON)
+_FORCES = tuple(_MPA)[list(_MPA).index(StressUnit.MILLINEWTON) :]
+_INCH = 25.4
+_MODULI = (1e-3, 200.0)
+"""Young's moduli of elastomers in MPa: from gels of 1 kPa to polyurethanes of 200 MPa, with a margin."""
+_ASSUMED_MODULUS = 0.01
+"""MPa below which a strain without a unit is questioned: the softest silicone of molds has 15 kPa."""
 
 
 def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[Sample, ...]:
@@ -65,13 +77,14 @@ def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[
         If the file is wrong or ambiguous; the message names row and column, and what to do.
     """
     path, spec = Path(path), spec or TestFileSpec()
-    table = read_table(path, spec)
+    table = read_columns(path, spec)
     columns = find_columns(table, spec)
-    notes = (f"{table.skipped} of {table.skipped + len(table.values)} rows thinned away",) if table.skipped else ()
+    notes = tuple(_notes(table, columns))
     samples = []
     for label, pair, rows in _split(table, columns):
         loading = _find_loading(table, pair, spec)
         strain, stress, lines = _take(table, pair, rows)
+        strain = columns.strain_factor * strain
         name = path.name + (f" {label}" if label else "")
         stretch, nominal = _to_stretch(strain, columns, spec, path), _to_stress(stress, columns, spec, path)
         stretch, nominal = _signed(stretch, nominal, loading, path)
@@ -82,23 +95,61 @@ def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[
                 "A stretch is positive: check the unit of strain, and whether this is tension or compression.",
                 code="stretch-not-positive",
             )
-        if spec.true_stress:
+        if columns.true_stress:
             nominal = nominal / stretch
         samples.append(Sample(name, loading, stretch, nominal, notes))
     for sample in samples:
-        _check(sample, path)
-    return tuple(samples)
+        _check(sample, path, columns, spec)
+    return tuple(state for sample in samples for state in select_cycle(sample, spec.cycle))
+
+
+def _notes(table: Table, columns: Columns) -> Iterator[str]:
+    """Sentences on what the file holds in addition, and on assumptions."""
+    if table.skipped:
+        yield f"{table.skipped} of {table.skipped + len(table)} rows thinned away"
+    words = [name for at, name in enumerate(table.header) if name and not table.is_numeric(at)]
+    if words:
+        yield f"columns of words passed over: {', '.join(words[:6])}"
+    yield from table.notes
+    if columns.true_strain or columns.true_stress:
+        names = " and ".join(["strain"] * columns.true_strain + ["stress"] * columns.true_stress)
+        yield f"true {names} converted"
+
+
+def _blocks(table: Table, strain: FloatArray) -> FloatArray:
+    """(n,) number of the specimen, of those that stand below each other.
+
+    A specimen begins where the strain returns to its start: at a heading or blank line, or from one row to the next.
+    """
+    known = np.flatnonzero(np.isfinite(strain))
+    number = np.zeros(len(strain), int)
+    if len(known) < 2 * LEAST_ROWS:
+        return number
+    values = strain[known]
+    span = max(float(np.ptp(values)), 1e-300)
+    away = np.abs(values - values[0])
+    back = away[1:] < 0.1 * span
+    jump = (away[:-1] > 0.5 * span) & back
+    if np.any((np.abs(np.diff(values)) > 0.25 * span) & ~jump):  # rows in no order
+        jump[:] = False
+    heading = (np.diff(table.block[known]) > 0) & back
+    number[known[1:][jump | heading]] = 1
+    return np.cumsum(number)
 
 
 def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArray]]:
     """Label, columns and rows (mask) of each sample."""
-    everything = np.ones(len(table.values), bool)
     if columns.sample is None:
-        for number, pair in enumerate(columns.pairs, start=1):
-            yield (f"sample {number}" if len(columns.pairs) > 1 else ""), pair, everything
+        found = []
+        for pair in columns.pairs:
+            refuse_faults(table, pair.strain)
+            number = _blocks(table, table.numbers(pair.strain))
+            found += [(pair, number == at) for at in np.unique(number)]
+        for at, (pair, rows) in enumerate(found, start=1):
+            yield (f"sample {at}" if len(found) > 1 else ""), pair, rows
         return
-    ids = table.values[:, columns.sample]
-    empty = np.flatnonzero(np.isnan(ids))
+    ids = table.columns[columns.sample]
+    empty = np.flatnonzero(np.isnan(ids) if table.is_numeric(columns.sample) else ids == "")
     if len(empty):
         raise PalpateError(
             f"{table.path}: row {table.lines[empty[0]]} has no number of a sample (column {columns.sample + 1}).",
@@ -112,14 +163,16 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
             "Say by --sample which column numbers them.",
             code="sample-count-wrong",
         )
-    for number in found:
+    for label in found:
         for pair in columns.pairs:
-            yield f"sample {number:g}", pair, ids == number
+            yield f"sample {label:g}" if isinstance(label, float) else f"sample {label}", pair, ids == label
 
 
 def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Strain, stress and lines of a sample; rows at the end where both cells are empty are left out."""
-    strain, stress = table.values[rows, pair.strain], table.values[rows, pair.stress]
+    for column in (pair.strain, pair.stress):
+        refuse_faults(table, column)
+    strain, stress = table.numbers(pair.strain)[rows], table.numbers(pair.stress)[rows]
     lines = table.lines[rows]
     filled = np.flatnonzero(~(np.isnan(strain) & np.isnan(stress)))
     end = int(filled[-1]) + 1 if len(filled) else 0
@@ -127,7 +180,7 @@ def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, Float
     gaps = np.flatnonzero(np.isnan(strain) | np.isnan(stress))
     if len(gaps):
         column = pair.strain if np.isnan(strain[gaps[0]]) else pair.stress
-        name = f" ({table.header[column]})" if table.header else ""
+        name = f" ({table.header[column]})" if table.header[column] else ""
         raise PalpateError(
             f"{table.path}: row {lines[gaps[0]]}, column {column + 1}{name} is empty.",
             "Fill or delete the row.",
@@ -143,19 +196,21 @@ def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, Float
 
 
 def _to_stretch(strain: FloatArray, columns: Columns, spec: TestFileSpec, path: Path) -> FloatArray:
-    if columns.strain_unit is StrainUnit.TRAVEL:
+    unit = columns.strain_unit
+    if unit in (StrainUnit.TRAVEL, StrainUnit.INCH):
         if spec.gauge_length is None:
             raise PalpateError(
-                f"{path}: column {columns.pairs[0].strain + 1} is travel in mm.",
+                f"{path}: column {columns.pairs[0].strain + 1} is travel in {unit}.",
                 "Give the --gauge-length in mm.",
                 code="gauge-length-missing",
             )
-        return np.asarray(1 + strain / spec.gauge_length)
-    if columns.strain_unit is StrainUnit.STRETCH:
+        return np.asarray(1 + (_INCH if unit is StrainUnit.INCH else 1.0) * strain / spec.gauge_length)
+    if unit is StrainUnit.STRETCH:
         return strain
-    if columns.strain_unit is StrainUnit.LOGARITHMIC:
-        return np.asarray(np.exp(np.minimum(strain, 50.0)))
-    return np.asarray(1 + (0.01 if columns.strain_unit is StrainUnit.PERCENT else 1.0) * strain)
+    strain = (0.01 if unit is StrainUnit.PERCENT else 1.0) * strain
+    if unit is StrainUnit.LOGARITHMIC or columns.true_strain:
+        return np.asarray(np.exp(np.clip(strain, -50.0, 50.0)))
+    return np.asarray(1 + strain)
 
 
 def _to_stress(stress: FloatArray, columns: Columns, spec: TestFileSpec, path: Path) -> FloatArray:
@@ -188,10 +243,10 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
 
 
 def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
-    """The test of a pair of columns: by the spec, else by the names of file and columns, else by the preamble."""
+    """Test of a pair of columns: by the spec, the names of file and columns, or the preamble."""
     if spec.loading is not None:
         return spec.loading
-    used = f"{table.header[pair.strain]} {table.header[pair.stress]}".lower() if table.header else ""
+    used = f"{table.header[pair.strain]} {table.header[pair.stress]}".lower()
     name = table.path.stem.lower()
     places = ((_WORDS, name), (_SHORT, name), (_WORDS, used), (_SHORT, used))
     several: list[Loading] = []
@@ -199,6 +254,8 @@ def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
         if several and place not in (name, used):
             break
         found = [loading for loading, pattern in words.items() if re.search(pattern, place)]
+        if len(found) == 2 and Loading.UNIAXIAL in found and place in (name, used):  # uniaxial tension
+            found.remove(Loading.UNIAXIAL)
         if len(found) == 1:
             return found[0]
         several = several or found
@@ -209,7 +266,7 @@ def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
     )
 
 
-def _check(sample: Sample, path: Path) -> None:
+def _check(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> None:
     """Refuse what cannot be a curve."""
     if np.ptp(sample.stretch) < 1e-3:
         raise PalpateError(
@@ -223,10 +280,11 @@ def _check(sample: Sample, path: Path) -> None:
             "Check the column of stress.",
             code="stress-constant",
         )
-    if sample.stretch.max() > 1 + 25 or sample.stretch.min() < 0.01:
+    most = 1 + (MAX_STRAIN if columns.strain_assumed else 25)
+    if sample.stretch.max() > most or sample.stretch.min() < 0.01:
         raise PalpateError(
             f"{path}: the stretch goes from {sample.stretch.min():.3g} to {sample.stretch.max():.4g}.",
-            "No elastomer bears that: check the unit of strain (mm/mm or %) and the gauge length.",
+            "No elastomer bears that: check gauge length and unit of strain; --strain-unit states it.",
             code="stretch-implausible",
         )
     if np.abs(sample.nominal).max() > 1e3:
@@ -241,4 +299,24 @@ def _check(sample: Sample, path: Path) -> None:
             f"{path}: the stress has the sign against the strain.",
             "Check the columns, or give --compression.",
             code="stress-sign-wrong",
+        )
+    _question(sample, path, columns, spec)
+
+
+def _question(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> None:
+    """Refuse a modulus that no elastomer has, unless the user states the units."""
+    if spec.strain_unit is not None and spec.stress_unit is not None:
+        return
+    away = np.abs(sample.stretch - 1)
+    rows = (away > 0.05 * away.max()) & (np.abs(sample.nominal) > 0)
+    if not rows.any():
+        return
+    slope = sample.nominal[rows] / (sample.stretch[rows] - sample.stretch[rows] ** -2)
+    modulus = 3 * float(np.median(slope))
+    least = _ASSUMED_MODULUS if columns.strain_assumed else _MODULI[0]
+    if not least < modulus < _MODULI[1] and not (spec.strain_unit is not None and modulus < _MODULI[1]):
+        raise PalpateError(
+            f"{path}: Young's modulus would be {1e3 * modulus:.3g} kPa, with strains up to {away.max():.3g}.",
+            "No elastomer has that: state the units by --strain-unit (% or mm/mm) and --stress-unit.",
+            code="modulus-implausible",
         )

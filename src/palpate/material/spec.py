@@ -18,6 +18,7 @@ class StrainUnit(StrEnum):
     RATIO = "mm/mm"
     PERCENT = "%"
     TRAVEL = "mm"
+    INCH = "in"
     STRETCH = "stretch"
     LOGARITHMIC = "log"
 
@@ -29,9 +30,15 @@ class StressUnit(StrEnum):
     KPA = "kPa"
     MPA = "MPa"
     PSI = "psi"
+    BAR = "bar"
+    KGF_PER_CM2 = "kgf/cm2"
+    KGF_PER_MM2 = "kgf/mm2"
     MILLINEWTON = "mN"
     NEWTON = "N"
     KILONEWTON = "kN"
+    POUND_FORCE = "lbf"
+    KILOGRAM_FORCE = "kgf"
+    GRAM_FORCE = "gf"
 
 
 class TimeUnit(StrEnum):
@@ -69,6 +76,12 @@ class TestFileSpec(Spec):
         None, unit="", meaning=f"unit of the time column, {', '.join(TimeUnit)}; empty: as in the header"
     )
     sample: str | None = parameter(None, unit="", meaning="column of the sample number, by name or number")
+    cycle: int | None = parameter(
+        None,
+        unit="1",
+        meaning="cycle of a cyclic test that is fitted, at each level, with the set removed; empty: first loading",
+        ge=1,
+    )
     decimal: Literal["point", "comma"] | None = parameter(
         None, unit="", meaning="decimal mark, point or comma; empty: detected"
     )

@@ -11,22 +11,26 @@ knows it. A column ``force_n``, a load cell's reading along the wall's normal, m
 
 from __future__ import annotations
 
-import csv
-import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
+from palpate.datasets import (
+    REST,
+    ColumnMapping,
+    RecordingTable,
+    find_image_column,
+    find_press_column,
+    find_quantities,
+    read_table,
+    to_surface,
+)
 from palpate.design import TILT_SPACE
 
-REST = "rest"
-_ESTIMATE = TILT_SPACE.names
-_TRUTH = ("image", "press", *_ESTIMATE)
-_FORCE = "force_n"
+_TRUTH = ("image", "press", *TILT_SPACE.names)
+_AXES = ("rx", "ry", "depth")
 _EXAMPLE = f"Give a CSV with the columns {', '.join(_TRUTH)}."
 
 
@@ -55,7 +59,7 @@ class GroundTruth:
     forces: FloatArray
 
 
-def read_ground_truth(path: Path) -> GroundTruth:
+def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> GroundTruth:
     """Read the table of the truth.
 
     Raises
@@ -63,23 +67,36 @@ def read_ground_truth(path: Path) -> GroundTruth:
     PalpateError
         If it cannot be read, lacks a column, or a pose is not a number; the message names the line.
     """
-    rows = list(_read_rows(path))
-    rest = tuple(row["image"] for _, row in rows if row["press"].strip() == REST)
-    pressed = [(line, row) for line, row in rows if row["press"].strip() != REST]
-    if not pressed:
+    table, choice = read_table(path), choice or ColumnMapping()
+    image = find_image_column(table, choice)
+    by = find_press_column(table, choice)
+    if not by:
+        raise PalpateError(f"{path.name} has no column of presses.", _EXAMPLE, code="column-missing")
+    names, numbers = _texts(table, image), _texts(table, by)
+    at_rest = np.char.lower(numbers) == REST
+    if at_rest.all():
         raise PalpateError(f"{path.name} has no press.", _EXAMPLE, code="recording-no-press")
-    poses = np.array([[_number(path, line, row, name) for name in _ESTIMATE] for line, row in pressed])
-    for (line, _), pose in zip(pressed, poses, strict=True):
-        if not np.isfinite(pose[:2]).all():
-            raise PalpateError(
-                f"{path.name}, line {line}: an angle is missing.",
-                "Only the depth may be unknown.",
-                code="angle-missing",
-            )
-    names = list(dict.fromkeys(row["press"] for _, row in pressed))
-    press = np.array([names.index(row["press"]) for _, row in pressed])
-    forces = np.array([_number(path, line, row, _FORCE) for line, row in pressed])
-    return GroundTruth(rest, tuple(row["image"] for _, row in pressed), press, poses, forces)
+    pressed = to_surface(table.rows(~at_rest), choice, (image, by))
+    found = find_quantities(pressed, choice, (image, by), _AXES, ("force",))
+    poses = np.stack([found[axis].values for axis in _AXES], axis=1)
+    missing = np.flatnonzero(~np.isfinite(poses[:, :2]).all(axis=1))
+    if len(missing):
+        raise PalpateError(
+            f"{path.name}, line {table.first_line + int(np.flatnonzero(~at_rest)[missing[0]])}: an angle is missing.",
+            "Only the depth may be unknown.",
+            code="angle-missing",
+        )
+    order = list(dict.fromkeys(numbers[~at_rest].tolist()))
+    press = np.array([order.index(number) for number in numbers[~at_rest].tolist()])
+    rest, images = (tuple(names[rows].tolist()) for rows in (at_rest, ~at_rest))
+    forces = found["force"].values if "force" in found else np.full(len(images), np.nan)
+    return GroundTruth(rest, images, press, poses, forces)
+
+
+def _texts(table: RecordingTable, name: str) -> TextArray:
+    """Cells of a column as text; whole numbers without a decimal point."""
+    values = table.columns[name]
+    return np.array([f"{value:.15g}" for value in values] if table.is_numeric(name) else values.tolist(), str)
 
 
 def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray]:
@@ -88,14 +105,17 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     Returns
     -------
     FloatArray, ndarray of bool
-        (n, 3) poses, NaN where there is none, and (n,) whether the reading is flagged.
+        (n, 3) poses, NaN without one, and (n,) whether the reading is flagged.
 
     Raises
     ------
     PalpateError
         If the file cannot be read, or an image of the truth has no reading.
     """
-    rows = {str(row["image"]): row for row in _read_any(path)}
+    table = read_table(path)
+    image = find_image_column(table, ColumnMapping())
+    names = _texts(table, image)
+    rows = {name: at for at, name in enumerate(names.tolist())}
     missing = [name for name in truth.images if name not in rows]
     if missing:
         raise PalpateError(
@@ -103,51 +123,10 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
             "Number the images as palpate sensor live does: from 1, images at rest not counted.",
             code="readings-missing",
         )
-    chosen = [rows[name] for name in truth.images]
-    try:
-        poses = np.array([[_or_nan(row[name]) for name in _ESTIMATE] for row in chosen])
-    except (KeyError, ValueError, TypeError) as error:
-        raise PalpateError(
-            f"{path.name} holds no readings: {error}.",
-            "Give what palpate sensor live --out wrote.",
-            code="readings-unreadable",
-        ) from error
-    return poses, np.array([bool(row.get("flags")) for row in chosen])
-
-
-def _read_rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            table = csv.DictReader(file)
-            absent = [name for name in _TRUTH if name not in (table.fieldnames or ())]
-            if absent:
-                raise PalpateError(f"{path.name} has no column {', '.join(absent)}.", _EXAMPLE, code="column-missing")
-            for row in table:
-                yield table.line_num, {name: row.get(name) or "" for name in (*_TRUTH, _FORCE)}
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise PalpateError(f"{path} cannot be read: {error}.", _EXAMPLE, code="file-unreadable") from error
-
-
-def _number(path: Path, line: int, row: dict[str, str], name: str) -> float:
-    try:
-        return _or_nan(row[name])
-    except ValueError:
-        raise PalpateError(
-            f"{path.name}, line {line}: {name} is '{row[name]}'.", "Write a number.", code="value-not-number"
-        ) from None
-
-
-def _or_nan(value: Any) -> float:
-    return float("nan") if value in ("", None) else float(value)
-
-
-def _read_any(path: Path) -> list[dict[str, Any]]:
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            if path.suffix == ".jsonl":
-                return [json.loads(line) for line in file if line.strip()]
-            return list(csv.DictReader(file))
-    except (OSError, ValueError, csv.Error) as error:
-        raise PalpateError(
-            f"{path} cannot be read: {error}.", "Give what palpate sensor live --out wrote.", code="file-unreadable"
-        ) from error
+    chosen = table.rows(np.array([rows[name] for name in truth.images]))
+    found = find_quantities(chosen, ColumnMapping(), (image,), _AXES)
+    flags = [name for name in table.columns if name == "flags" or name.startswith("flags_")]
+    flagged = np.zeros(len(chosen), bool)
+    for name in flags:
+        flagged |= np.array([text not in ("", "[]", "nan", "None") for text in _texts(chosen, name)])
+    return np.stack([found[axis].values for axis in _AXES], axis=1), flagged

@@ -252,10 +252,10 @@ def test_a_table_of_a_million_rows_is_read_in_bounded_memory(tmp_path: Path) -> 
 
 def test_a_table_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
     for name, content, sentence in (
-        ("a.csv", b"\xff\xfe\x00garbage\x80\x81" * 20, ("table-unreadable",)),
+        ("a.csv", b"\xff\xfe\x00garbage\x80\x81" * 20, ("table-no-numbers",)),
         ("b.csv", b"image,rx\n", ("table-empty",)),
         ("c.csv", b"1.0,2.0,3.0\n1,2,3\n", ("header-missing",)),
-        ("d.csv", b"image,rx\n1.png,2,3,4\n", ("row-length-wrong",)),
+        ("d.csv", b"image,rx\n1.png,2,3,4\n", ("header-length-wrong",)),
         ("e.jsonl", b"[1, 2]\n", ("table-line-not-object",)),
     ):
         (tmp_path / name).write_bytes(content)

@@ -92,11 +92,11 @@ def test_a_free_layout_may_give_heights(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", ("columns-wrong",)),
+        ("", ("table-empty",)),
         ("x,y\n1,2\n", ("columns-wrong", "x_mm,y_mm")),
         ("x_mm,y_mm\n", ("table-empty",)),
-        ("x_mm,y_mm\n1,2\n3,four\n", ("row-not-numbers", "dots.csv:3", "3,four", "2")),
-        ("x_mm,y_mm\n1,2,3\n", ("row-not-numbers", "2")),
+        ("x_mm,y_mm\n1,2\n3,four\n", ("row-not-numbers", "dots.csv:3", "four")),
+        ("x_mm,y_mm\n1,2,3\n", ("header-length-wrong", "2", "3")),
         ("x_mm,y_mm\n1,nan\n", ("row-not-numbers", "2")),
         ("x_mm,y_mm,z_mm\n12,0,15\n", ("point-off-surface",)),
         ("x_mm,y_mm,z_mm\n12,0,-16\n", ("point-below-base",)),
@@ -111,7 +111,7 @@ def test_a_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:
     with refused("file-unreadable", "none.csv"):
         place_markers(DOME, MarkerSpec(file=tmp_path / "none.csv"))
     (tmp_path / "dots.csv").write_bytes(bytes(range(128, 256)))
-    with refused("file-unreadable", "dots.csv"):
+    with refused("table-no-numbers", "dots.csv"):
         place_markers(DOME, MarkerSpec(file=tmp_path / "dots.csv"))
 
 

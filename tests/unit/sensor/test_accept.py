@@ -112,7 +112,7 @@ def write_truth(path, rows, columns=COLUMNS):
     [
         ([["a.png", "1", "x", "0", "1"]], COLUMNS, ("value-not-number", "line 2", "rx_deg", "x")),
         ([["a.png", "1", "", "0", "1"]], COLUMNS, ("angle-missing", "line 2")),
-        ([["a.png", "1"]], COLUMNS[:2], ("column-missing", "rx_deg, ry_deg, depth_mm")),
+        ([["a.png", "1"]], COLUMNS[:2], ("column-missing", "rx, ry, depth")),
         ([["a.png", "rest", "", "", ""]], COLUMNS, ("recording-no-press",)),
     ],
 )
@@ -125,7 +125,7 @@ def test_a_truth_that_is_not_there_or_no_text_is_refused(tmp_path):
     with refused("file-unreadable", "none.csv"):
         read_ground_truth(tmp_path / "none.csv")
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00" * 40)
-    with refused("file-unreadable", "b.csv"):
+    with refused("table-no-numbers", "b.csv"):
         read_ground_truth(tmp_path / "b.csv")
 
 

@@ -1,0 +1,342 @@
+"""Tables as columns: text of every dialect, JSON lines and Parquet, with units and row numbers.
+
+Every command that reads a table does so by `read_table`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core.arrays import FloatArray, IntArray
+from palpate.core.errors import PalpateError
+from palpate.core.extra import load_extra
+from palpate.core.table_text import COMMENTS, Block, find_blocks, find_dialect, parse_number, read_head
+from palpate.core.text_lines import HEAD, Line, read_bytes, split_lines
+from palpate.core.units import split_unit
+
+_PART = 20_000
+"""Rows that are held as text at a time."""
+_LONGEST = 240
+"""Characters of a cell that are kept."""
+_MANY = 12
+"""Rows of a second table beside the largest one for which the choice is left to the user."""
+_JSON = (".jsonl", ".ndjson", ".json")
+
+Column = NDArray[Any]
+"""(n,) numbers, NaN where a cell is empty or no number, or (n,) texts."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A cell of text in a column of numbers: line of the file, from 1, and text."""
+
+    line: int
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of a file, and the text around them.
+
+    Attributes
+    ----------
+    path
+        The file.
+    header
+        Names of the columns; empty texts if the file has no header.
+    units
+        Texts of a row of units below the header; empty if there is no such row.
+    preamble
+        Lines above the header, and the comments.
+    columns
+        One array (n,) a column: numbers, NaN where a cell is empty or no number, or text.
+    faults
+        First cell of text, of each column of numbers that has one.
+    lines
+        (n,) line of each row in the file, from 1.
+    block
+        (n,) number of the group of rows between headings or blank lines.
+    decimal
+        Decimal mark.
+    skipped
+        Rows of the file that were thinned away.
+    notes
+        Sentences on lines that were passed over.
+    """
+
+    path: Path
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    preamble: tuple[str, ...]
+    columns: tuple[Column, ...]
+    faults: Mapping[int, Fault]
+    lines: IntArray
+    block: IntArray
+    decimal: str = "."
+    skipped: int = 0
+    notes: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    @property
+    def named(self) -> bool:
+        """Whether the file names its columns."""
+        return any(self.header)
+
+    def is_numeric(self, column: int) -> bool:
+        """Whether a column holds numbers."""
+        return self.columns[column].dtype.kind == "f"
+
+    def numbers(self, column: int) -> FloatArray:
+        """(n,) numbers of a column; NaN in an empty cell."""
+        return np.asarray(self.columns[column], float)
+
+    def unit(self, column: int) -> str:
+        """Unit of a column, from the row of units or its name; empty if none is written."""
+        row = self.units[column].strip("()[]{}<>（）【】 ") if self.units else ""
+        return row or split_unit(self.header[column])[1]
+
+    def bare_names(self) -> tuple[str, ...]:
+        """Names of the columns without their units."""
+        return tuple(split_unit(name)[0] for name in self.header)
+
+
+def read_table(
+    path: Path,
+    *,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+    max_rows: int | None = None,
+    words: Sequence[str] = (),
+) -> Table:
+    """Read the table of a file; of several, the one with the most rows.
+
+    Parameters
+    ----------
+    path
+        Text in any encoding and dialect, JSON lines, or Parquet.
+    delimiter, decimal
+        Between cells, and of numbers; `None` to find them.
+    max_rows
+        Rows of a longer text are thinned evenly; `None` to read all.
+    words
+        Cells that make a column of whole numbers one of names: ``rest`` among the numbers of presses.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be read, holds no table, or a row has more cells than there are columns.
+    """
+    if path.suffix.lower() in (".parquet", ".pq"):
+        return _read_parquet(path, words)
+    data = read_bytes(path)
+    if path.suffix.lower() in _JSON or data[:1] == b"{":
+        return _read_json(path, data, words)
+    lines, skipped = split_lines(data, max_rows)
+    mark, lines = _named_delimiter(lines)
+    kept = [line for line in lines if not line[1].lstrip().startswith(COMMENTS)]
+    comments = tuple(text.strip() for _, text in lines[:HEAD] if text.lstrip().startswith(COMMENTS))
+    if not any(text.strip() for _, text in kept):
+        raise PalpateError(f"{path} is empty.", "Export the table again.", code="table-empty")
+    dialect = find_dialect(path, kept, delimiter or mark, decimal)
+    blocks, notes = _choose(path, find_blocks(kept, dialect))
+    head = read_head(path, kept, blocks, dialect, comments)
+    columns = _Columns(len(head.names), dialect.decimal, words)
+    numbers = [kept[at][0] for block in blocks for at in block.rows]
+    rows = (dialect.split(kept[at][1]) for block in blocks for at in block.rows)
+    while part := list(islice(rows, _PART)):
+        columns.add(path, part, numbers)
+    return Table(
+        path=path,
+        header=head.names,
+        units=head.units,
+        preamble=(*head.above, *comments),
+        columns=columns.join(),
+        faults=columns.faults,
+        lines=np.array(numbers, np.int64),
+        block=np.repeat(np.arange(len(blocks)), [len(block.rows) for block in blocks]),
+        decimal=dialect.decimal,
+        skipped=skipped,
+        notes=notes,
+    )
+
+
+def _named_delimiter(lines: list[Line]) -> tuple[str | None, list[Line]]:
+    """Delimiter by a first line ``sep=;``, and the lines below it."""
+    first = lines[0][1].strip().strip('"') if lines else ""
+    if first.lower().startswith("sep=") and len(first) <= 5:
+        return first[4:] or "\t", lines[1:]
+    return None, lines
+
+
+def _choose(path: Path, blocks: list[Block]) -> tuple[list[Block], tuple[str, ...]]:
+    """Blocks of the largest table, and notes on smaller ones."""
+    groups: dict[Any, list[Block]] = {}
+    for block in blocks:
+        groups.setdefault((tuple(text.casefold() for text in block.header), block.width), []).append(block)
+    order = sorted(groups.values(), key=lambda group: -sum(len(block.rows) for block in group))
+    counts = [sum(len(block.rows) for block in group) for group in order]
+    if len(counts) > 1 and counts[1] >= max(_MANY, counts[0] // 2):
+        raise PalpateError(
+            f"{path} holds two tables with different columns, of {counts[0]} and {counts[1]} rows.",
+            "Save each of them in a file of its own.",
+            code="table-several",
+        )
+    others = [(block, len(block.rows)) for group in order[1:] for block in group if len(block.rows) > 1]
+    return order[0], tuple(f"another table of {count} rows passed over" for _, count in others[:3])
+
+
+class _Columns:
+    """Columns that grow by parts of rows."""
+
+    def __init__(self, width: int, decimal: str, words: Sequence[str]) -> None:
+        self._parts: list[list[Column]] = [[] for _ in range(width)]
+        self._decimal, self._words = decimal, {word.casefold() for word in words}
+        self._numeric: dict[int, bool] = {}
+        self._count = 0
+        self.faults: dict[int, Fault] = {}
+
+    def add(self, path: Path, rows: list[list[str]], lines: Sequence[int]) -> None:
+        width = len(self._parts)
+        for at, row in enumerate(rows):
+            if len(row) > width and any(row[width:]):
+                raise PalpateError(
+                    f"{path}: row {lines[self._count + at]} has {max(k + 1 for k, c in enumerate(row) if c)} cells "
+                    f"where {width} are usual.",
+                    "Correct the row; a decimal comma needs another delimiter.",
+                    code="row-length-wrong",
+                )
+        for column in range(width):
+            texts = [row[column][:_LONGEST] if column < len(row) else "" for row in rows]
+            self._parts[column].append(self._convert(column, texts, lines))
+        self._count += len(rows)
+
+    def _convert(self, column: int, texts: list[str], lines: Sequence[int]) -> Column:
+        filled = np.array([text != "" for text in texts], bool)
+        if self._numeric.get(column) is False:
+            return np.array(texts)
+        values = np.array([parse_number(text, self._decimal) for text in texts], float)
+        bad = filled & ~np.isfinite(values)
+        wrong = int(sum(texts[at].casefold() not in ("nan", "inf", "-inf") for at in np.flatnonzero(bad)))
+        if column not in self._numeric and filled.any():
+            names = self._words & {texts[at].casefold() for at in np.flatnonzero(bad)}
+            whole = values[np.isfinite(values)]
+            named = bool(names) and bool((whole == np.round(whole)).all())
+            self._numeric[column] = bool(wrong <= 0.5 * filled.sum() and not named)
+            if not self._numeric[column]:
+                return np.array(texts)
+        if bad.any() and column not in self.faults:
+            first = int(np.argmax(bad))
+            self.faults[column] = Fault(int(lines[self._count + first]), texts[first])
+        return values
+
+    def join(self) -> tuple[Column, ...]:
+        """Whole columns; a column is text if any part of it is."""
+        found = []
+        for parts in self._parts:
+            text = any(part.dtype.kind == "U" for part in parts)
+            whole = [
+                np.full(len(part), "") if text and part.dtype.kind == "f" and not np.isfinite(part).any() else part
+                for part in parts
+            ]
+            found.append(np.concatenate([part.astype(str) if text else part for part in whole] or [np.empty(0)]))
+        return tuple(found)
+
+
+def flatten(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A nested row as one of plain cells: ``{"pose": [1, 2]}`` gives ``pose_0`` and ``pose_1``."""
+    flat: dict[str, Any] = {}
+    for key, value in row.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{key}_{inner}": cell for inner, cell in flatten(value).items()}
+        elif isinstance(value, list):
+            flat |= flatten({f"{key}_{number}": cell for number, cell in enumerate(value)})
+        else:
+            flat[key] = value
+    return flat
+
+
+def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
+    def objects() -> Iterator[tuple[int, Any]]:
+        if data.lstrip()[:1] == b"[" and path.suffix.lower() == ".json":
+            yield from enumerate(json.loads(data), start=1)
+            return
+        for number, line in enumerate(data.splitlines(), start=1):
+            if line.strip():
+                yield number, json.loads(line)
+
+    numbers, rows = [], []
+    try:
+        for number, found in objects():
+            if not isinstance(found, dict):
+                raise PalpateError(
+                    f"{path.name} has a line without an object (line {number}).",
+                    "Write {...} on each line.",
+                    code="table-line-not-object",
+                )
+            numbers.append(number)
+            rows.append(flatten(found))
+    except (ValueError, RecursionError) as error:
+        reason = str(error).split(":")[0]
+        raise PalpateError(
+            f"{path.name} cannot be read as JSON lines: {reason}.",
+            "Write one object {...} on each line.",
+            code="table-unreadable",
+        ) from error
+    return _of_records(path, rows, numbers, words)
+
+
+def _read_parquet(path: Path, words: Sequence[str]) -> Table:
+    parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
+    try:
+        content = parquet.read_table(path).to_pylist()
+    except Exception as error:  # pyarrow raises errors of its own kinds for files that are damaged
+        raise PalpateError(
+            f"{path} cannot be read as Parquet: {str(error).splitlines()[0][:120]}.",
+            "Write the file again, or save it as CSV.",
+            code="file-unreadable",
+        ) from error
+    return _of_records(path, [flatten(row) for row in content], list(range(1, len(content) + 1)), words)
+
+
+def _of_records(path: Path, rows: list[dict[str, Any]], numbers: list[int], words: Sequence[str]) -> Table:
+    names = tuple(dict.fromkeys(str(name) for row in rows for name in row))
+    if not names:
+        raise PalpateError(f"{path.name} has no row.", "Write one object a row.", code="table-empty")
+    columns = _Columns(len(names), ".", words)
+    for start in range(0, len(rows), _PART):
+        part = [["" if row.get(name) is None else str(row[name]).strip() for name in names] for row in
+                rows[start : start + _PART]]  # fmt: skip
+        columns.add(path, part, numbers)
+    lines = np.array(numbers, np.int64)
+    return Table(path, names, (), (), columns.join(), columns.faults, lines, np.zeros(len(lines), np.int64))
+
+
+def named_table(path: Path, words: Sequence[str] = ()) -> Table:
+    """Read a table whose file names every column once.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be read, or its header is missing or has a name twice.
+    """
+    table = read_table(path, words=words)
+    if not table.named:
+        raise PalpateError(
+            f"{path.name} does not name its columns.", "Name the columns in the first line.", code="header-missing"
+        )
+    twice = sorted({name for name in table.header if name and table.header.count(name) > 1})
+    if twice:
+        raise PalpateError(
+            f"{path.name} has two columns named {', '.join(twice)}.", "Name each column once.", code="column-twice"
+        )
+    return replace(table, header=tuple(name or f"column {at}" for at, name in enumerate(table.header, start=1)))

@@ -1,0 +1,36 @@
+"""Units as tables write them: in brackets, at the end of a name, or in a row of their own."""
+
+from __future__ import annotations
+
+import re
+
+_ONE = (
+    r"(?:%|‰|°|[kMGmµμuc]?(?:Pa|N|m|g|s|V|A|Hz|rad|J|W)|in(?:ch(?:es)?)?|ft|psi|ksi|bar|kgf|gf|kp|lbf?|ozf?|sec|sek"
+    r"|min|h|hr|hours?|minutes?|seconds?|deg(?:rees?)?|radians?|°[CF]|[CKF]|stretch|log|percent|pct|px|mpa|kpa|PSI"
+    r"|MPA|KPA|pa|PA|n|kn|KN|kgf|Kgf|KGF|LBF|Lbf|MM|Mm|秒|毫米|兆帕|千帕|牛|牛顿|百分比|度|弧度)"
+)
+_WHOLE = re.compile(rf"{_ONE}(?:\^?[23²³])?(?:[/·*. ]{_ONE}(?:\^?[23²³])?)*|1/s|-|–|1")
+_BRACKETS = re.compile(r"\s*[\(\[<（【]\s*([^()\[\]<>（）【】]*?)\s*[\)\]>）】]")
+_TAIL = re.compile(r"^(.*?\S)(?:_|\s+in\s+|\s*/\s*|\s*,\s*|\s*:\s*|\s+)([^\s_,]+)$", re.I)
+_SHORT_TEST = re.compile(r"[ _-](?:ut|uc|et|ps)\d*$", re.I)
+"""Short name of a material test after the unit in a column's name."""
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit, without brackets or in them."""
+    return bool(_WHOLE.fullmatch(text.strip("()[]{}<>（）【】 ")))
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Bare name and unit of a column; the unit is empty if the name has none.
+
+    ``Stress [kPa]``, ``force (N)``, ``Kraft in N``, ``strain_%``, ``depth / mm`` and ``rx_deg`` are understood.
+    """
+    bare = _SHORT_TEST.sub("", name.strip())
+    for found in reversed(list(_BRACKETS.finditer(bare))):
+        if is_unit(found[1]) or not _WHOLE.search(bare[: found.start()]):
+            return (bare[: found.start()] + bare[found.end() :]).strip(), found[1]
+    tail = _TAIL.match(bare)
+    if tail and is_unit(tail[2]) and tail[2] not in ("-", "1"):
+        return tail[1].strip(), tail[2]
+    return bare, ""
