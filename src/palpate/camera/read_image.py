@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError, load_extra, load_opencv, natural_key
+from palpate.core import PalpateError, load_extra, load_opencv
+from palpate.core.files import natural_key
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0

@@ -5,14 +5,7 @@ from palpate.core.behaviour import stage_version
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.external_links import reject_external_links
 from palpate.core.extra import load_extra, load_opencv
-from palpate.core.files import (
-    atomic_folder,
-    atomic_write,
-    atomic_write_into,
-    create_hdf5,
-    natural_key,
-    wrap_write_errors,
-)
+from palpate.core.files import atomic_folder, atomic_write, atomic_write_into, create_hdf5, wrap_write_errors
 from palpate.core.kernel import kernel
 from palpate.core.kinds import data_from_text, spec_from_data
 from palpate.core.lazy_front import lazy_front
@@ -56,7 +49,6 @@ __all__ = [
     "list_store",
     "load_extra",
     "load_opencv",
-    "natural_key",
     "new_column",
     "parameter",
     "parameters",

@@ -92,4 +92,6 @@ class _Rows(ImageSet):
             except PalpateError as error:
                 yield error
             except (OSError, ValueError) as error:
-                yield PalpateError(f"Image {number} cannot be read: {error}.", code="image-unreadable")
+                yield PalpateError(
+                    f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
+                )

@@ -15,7 +15,8 @@ from typing import Any, final
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, natural_key, reject_external_links
+from palpate.core import PalpateError, reject_external_links
+from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.stored_images import holds_images, join_parts, name_columns

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import read_image, recording_suffixes
-from palpate.core import FloatArray, IntArray, PalpateError, generator, natural_key
+from palpate.core import FloatArray, IntArray, PalpateError, generator
+from palpate.core.files import natural_key
 from palpate.datasets.recording_columns import (
     ColumnMapping,
     PoseColumn,

@@ -16,7 +16,8 @@ import h5py
 from numpy.typing import NDArray
 
 from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
-from palpate.core import PalpateError, natural_key
+from palpate.core import PalpateError
+from palpate.core.files import natural_key
 from palpate.datasets.stored_images import read_row
 
 Item = NDArray[Any] | PalpateError
@@ -108,8 +109,11 @@ class ArrayImages(ImageSet):
                     except PalpateError as error:
                         yield error
                     except (OSError, ValueError) as error:
-                        problem = f"Image {row} of {name} cannot be read: {error}."
-                        yield PalpateError(problem, code="image-unreadable")
+                        yield PalpateError(
+                            f"Image {row} of {name} cannot be read: {error}.",
+                            "Repair or leave it out.",
+                            code="image-unreadable",
+                        )
 
 
 @final

@@ -50,7 +50,9 @@ def read_row(array: Any, row: int) -> NDArray[Any]:
     if image.ndim == 3 and image.shape[2] not in (1, 3, 4):
         image = np.moveaxis(image, 0, -1)
     if image.dtype.kind == "f" and not np.isfinite(image).all():
-        raise PalpateError(f"Image {row} holds values that are not numbers.", code="image-not-finite")
+        raise PalpateError(
+            f"Image {row} holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
+        )
     return np.ascontiguousarray(image)
 
 

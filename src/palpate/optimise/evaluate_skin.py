@@ -156,9 +156,9 @@ def plan_skin_evaluation(
         material=MaterialSpec(name=material),
         mesh=MeshSpec() if full else MeshSpec(cells=_COARSE_CELLS),
         tilts_deg=tuple(round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, tilts)),
-        built=AsBuiltSpec(inverted=False)
+        built=AsBuiltSpec(tilt_step_deg=0.0, inverted=False)
         if full
-        else AsBuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
+        else AsBuiltSpec(tilt_step_deg=0.0, contacts=_COARSE_CONTACTS, checks=0, inverted=False),
     )
     study = study.model_copy(
         update={"obstacle": study.obstacle.model_copy(update={"depth": spec.depth, "depth_step": step})}

@@ -30,8 +30,6 @@ from palpate.surrogate import (
 
 _PREDICTION_TILTS = 3
 """Tilts of the presses from which the accuracy of built units is predicted."""
-_TILT_STEP_DEG = 4.0
-"""Maximum step between the tilts of a twin (docs/design_notes/surrogate.md)."""
 _FEWEST_IMAGES = 5
 """Number of images of a press of a twin below which their step is halved."""
 _CHECK_SHARE, _INVERTED_SHARE = 0.5, 0.25
@@ -124,11 +122,11 @@ def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
     return tuple(PredictedAccuracy(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
 
 
-def predicted_presses(study: Study, skin: SkinSpec) -> tuple[PressTask, ...]:
-    """Presses with derivatives for the predicted accuracy of built units of a skin.
+def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
+    """The twin for the predicted accuracy of built units of a skin.
 
-    Three of the study's tilts under each contact law of `AsBuiltSpec.prediction_contacts`. Empty without a
-    prediction: if `built` is null, or left to its default and the skin is not of revolution, the obstacle is not a
+    If the study gives `built`, the twin for reading images. Otherwise a twin of three of the study's tilts under each
+    contact law of `AsBuiltSpec.prediction_contacts`; `None` if the skin is not of revolution, the obstacle is not a
     wall, or the study has fewer than three tilts from 0.
 
     Raises
@@ -138,9 +136,9 @@ def predicted_presses(study: Study, skin: SkinSpec) -> tuple[PressTask, ...]:
     """
     tilts = study.tilts_deg
     if study.built is None:
-        return ()
+        return None
     if "built" in study.model_fields_set:
-        _refuse_without_twin(study, skin)
+        return plan_twin(study, skin)
     if (
         skin.build().symmetry is not Symmetry.REVOLVED
         or skin.build().hole
@@ -148,16 +146,17 @@ def predicted_presses(study: Study, skin: SkinSpec) -> tuple[PressTask, ...]:
         or len(tilts) < _PREDICTION_TILTS
         or tilts[0] != 0.0
     ):
-        return ()
-    middle = min(_twin_tilts(tilts)[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
-    return tuple(_plan_presses(study, skin, (0.0, middle, tilts[-1]), study.built.prediction_contacts))
+        return None
+    middle = min(_twin_tilts(study)[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
+    return TwinTask(tuple(_plan_presses(study, skin, (0.0, middle, tilts[-1]), study.built.prediction_contacts)))
 
 
-def _twin_tilts(tilts: Sequence[float]) -> tuple[float, ...]:
-    """The tilts of a study that a twin needs: steps of at most 4 degrees, but four tilts or all."""
+def _twin_tilts(study: Study) -> tuple[float, ...]:
+    """The tilts of a study that a twin needs, at least four if it has as many."""
+    tilts, step_deg = study.tilts_deg, (study.built or AsBuiltSpec()).tilt_step_deg
     found = [tilts[0]]
     for tilt, following in pairwise(tilts):
-        if following - found[-1] > _TILT_STEP_DEG and tilt > found[-1]:
+        if following - found[-1] > step_deg and tilt > found[-1]:
             found.append(tilt)
     found.append(tilts[-1])
     return tuple(found) if len(found) > _PREDICTION_TILTS else tuple(tilts)
@@ -171,14 +170,6 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     PalpateError
         If the skin is no body of revolution, or the obstacle is no wall.
     """
-    _refuse_without_twin(study, skin)
-    asked = study.built or AsBuiltSpec()
-    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
-    presses = tuple(_plan_presses(study, skin, _twin_tilts(study.tilts_deg), asked.contacts))
-    return TwinTask(presses, inverted, tuple(_plan_checks(study, skin, asked)))
-
-
-def _refuse_without_twin(study: Study, skin: SkinSpec) -> None:
     skin.build().require_revolution(
         "a twin has one press a tilt for all azimuths",
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
@@ -190,6 +181,10 @@ def _refuse_without_twin(study: Study, skin: SkinSpec) -> None:
             "Leave the obstacle out, or train an estimator for it: `palpate run`.",
             code="twin-needs-wall",
         )
+    asked = study.built or AsBuiltSpec()
+    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
+    presses = tuple(_plan_presses(study, skin, _twin_tilts(study), asked.contacts))
+    return TwinTask(presses, inverted, tuple(_plan_checks(study, skin, asked)))
 
 
 def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
@@ -230,7 +225,7 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[P
     slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
     for number in range(asked.checks):
         share = (number + 0.5) / asked.checks
-        tilt, slip = (_between(values, share) for values in (_twin_tilts(study.tilts_deg), slips))
+        tilt, slip = (_between(values, share) for values in (_twin_tilts(study), slips))
         turn_deg, step = _TURN_DEG * (number + 1) % 360.0, _CHECK_SHARE * study.obstacle.depth_step
         changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": turn_deg, "depth_step": step}
         if study.obstacle.contact != "frictionless":
@@ -252,7 +247,7 @@ def _between(values: Sequence[float], share: float) -> float:
 def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
-    for tilt_deg in _twin_tilts(study.tilts_deg):
+    for tilt_deg in _twin_tilts(study):
         changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
         yield PressTask(
             design=study.design(skin),

@@ -17,7 +17,7 @@ from palpate.design import (
     raise_on_errors,
 )
 from palpate.fea import Branch
-from palpate.study.accuracy_task import AccuracyTask, TwinTask, plan_accuracy, plan_twin, predicted_presses
+from palpate.study.accuracy_task import AccuracyTask, plan_accuracy, plan_prediction, plan_twin
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, EvaluationTask, PressTask, Task
@@ -80,11 +80,10 @@ def plan_study(study: Study) -> Plan:
     designs, built = [], []
     for skin in study.designs.skins():
         _refuse_unfit(study, skin.build())
-        predicted = predicted_presses(study, skin)
-        shared = {press.obstacle: press for press in predicted}  # the same, with derivatives
+        twin = plan_prediction(study, skin)
+        shared = {press.obstacle: press for press in (twin.presses if twin else ())}  # the same, with derivatives
         presses = tuple(shared.get(press.obstacle, press) for press in _plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
-        twin = TwinTask(predicted) if predicted else None
         straight = min(presses, key=lambda press: press.obstacle.radial)
         # a filled skin has one state; of a barrel only the one pressed from rest is followed
         alone = study.material.gel or skin.build().hole

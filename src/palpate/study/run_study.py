@@ -15,6 +15,7 @@ from pathlib import Path
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, wrap_write_errors
 from palpate.core.run import LocalWorkers, Outcome, Progress, Status, WorkerPool
 from palpate.learn import find_device
+from palpate.study.accuracy_task import export_twins
 from palpate.study.available import default_workers
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_bounds, collect_designs
@@ -78,6 +79,9 @@ def run_study(
     run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
+    if study.built and "built" in study.model_fields_set:
+        made = {built.design.skin_spec: run.store.find(built.twin.recipe) for built in plan.built if built}
+        export_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
     names = {task.recipe.key: task.name for task in run.tasks}
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(

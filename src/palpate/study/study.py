@@ -147,6 +147,14 @@ class AsBuiltSpec(Spec):
         unit="1",
         meaning="contact laws of the presses of a twin that reads images, unless the study's wall is frictionless",
     )
+    tilt_step_deg: float = parameter(
+        4.0,
+        unit="deg",
+        meaning="maximum step between the tilts of a twin, which leaves out other tilts of the study; 0: all of them",
+        source="docs/design_notes/surrogate.md",
+        ge=0,
+        le=30,
+    )
     calibration_presses: int = parameter(
         5, unit="1", meaning="calibration presses of each unit in the second figures", ge=1, le=100
     )

@@ -9,16 +9,14 @@ from palpate.study import Study, evaluate_grid, ranking_column, run_tasks, run_t
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
 
-STUDY = Study.model_validate(
-    {
-        "name": "small",
-        "tilts_deg": [0, 4, 8, 12],
-        "designs": {"markers": [7, 37]},
-        "mesh": {"cells": 8},
-        "obstacle": {"contact": "frictionless", "depth": 3.2},
-        "built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}},
-    }
-)
+SMALL = {
+    "name": "small",
+    "tilts_deg": [0, 4, 8, 12],
+    "designs": {"markers": [7, 37]},
+    "mesh": {"cells": 8},
+    "obstacle": {"contact": "frictionless", "depth": 3.2},
+}
+STUDY = Study.model_validate(SMALL | {"built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}}})
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +33,15 @@ def test_built_units_are_foreseen_without_training(folder: Path) -> None:
     assert many.accuracies[0].rmse_deg < many.accuracies[0].p95_deg < 2.0
 
 
-def test_few_presses_predict_the_accuracy_in_the_first_columns_and_pictures_of_a_grid(folder: Path) -> None:
+def test_a_study_that_gives_built_is_predicted_by_the_twin_that_reads_images(folder: Path) -> None:
     found = run_twins(STUDY, folder, workers=1)
-    plan = plan_study(STUDY)
+    grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
+    assert [row["built_rmse_deg"] for row in grid.designs] == [design.accuracies[0].rmse_deg for design in found]
+
+
+def test_few_presses_predict_the_accuracy_in_the_first_columns_and_pictures_of_a_grid(folder: Path) -> None:
+    study = Study.model_validate(SMALL)
+    found, plan = run_twins(study, folder, workers=1), plan_study(study)
     assert run_tasks(folder, [task for task in plan.built if task], workers=1) == {}
     grid = evaluate_grid(collect_designs(plan, ArtefactStore(folder / "store"), {}, seed=0))
     assert len(plan.built[0].twin.presses) == 3  # without friction
