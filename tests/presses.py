@@ -45,6 +45,7 @@ tilts_deg: [0, 3, 6]
 obstacle: {depth: 4 mm}
 dataset: {n_presses: 60, max_tilt_deg: 6}
 learning: {preset: quick}
+built: null
 """
 """A study of minutes cut down to seconds: coarse mesh, three tilts, shallow presses, tiny training."""
 
