@@ -12,7 +12,9 @@ from importlinter.cli import lint_imports
 from source_files import FILES, SOURCE, name, nodes
 
 ROOT = Path(__file__).parents[2]
-OWN_DOORS = tuple(f"palpate.core.{name}" for name in ("files", "named_arrays", "report", "run", "state", "tables", "units"))
+OWN_DOORS = tuple(
+    f"palpate.core.{name}" for name in ("files", "named_arrays", "report", "run", "state", "tables", "units")
+)
 """Modules that are imported by their own path: `palpate.core` has no room for their names."""
 STAGES = {path.name for path in SOURCE.iterdir() if path.is_dir() and path.name != "__pycache__"}
 
