@@ -23,7 +23,7 @@ def heights(rows):
         ("not markers == 169", [10]),
         ("10 < height_mm <= 30", [20, 30]),
         ("height_mm != 20", [10, 30]),
-        ("height_mm > -1", [10, 20, 30]),
+        ("height_mm > -15", [10, 20, 30]),
         ("shape == 'spherical cap'", [30]),
         ("markers > 100 and (height_mm < 25 or shape == 'hemisphere')", [20]),
         ("max_error_deg >= 0", [10, 20]),
