@@ -128,7 +128,7 @@ def _find_views(
 
 @dataclass
 class _Candidate:
-    """A board that the images may show, and what was found of it."""
+    """A candidate board and its detections."""
 
     board: BoardSpec
     note: str = ""

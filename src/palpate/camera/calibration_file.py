@@ -122,7 +122,7 @@ def _find_lens(name: str, content: dict[str, Any]) -> Lens:
         known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.available())
         raise PalpateError(
             f"{name} has {len(values)} coefficients for the lens model {named}.",
-            f"{'; '.join(known)}: one is no stand-in for the other.",
+            f"Give the coefficients of one model: {'; '.join(known)}.",
             code="lens-coefficient-count",
         )
     return make_lens(kind.name, values.tolist())

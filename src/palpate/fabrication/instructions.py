@@ -142,7 +142,7 @@ def _cast(volume: float, mixed: float, mold: Mold) -> list[str]:
         "Draw air out under vacuum for 5 min.",
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
-        f"Pour the other {volume - first:.1f} mL through the hole until elastomer stands in every vent. Clamp.",
+        f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. Clamp.",
         "Cure for 4 h at 23 °C on a level table.",
         "Lift the core straight out with the part on it, then peel the part off from the flange. Cut the sprues.",
     ]

@@ -283,14 +283,14 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
         return StrainUnit.STRETCH, (0.01 if units == {(StrainUnit.PERCENT, 1.0)} else 1.0), False
     if len(units) == 1:
         return (*units.pop(), False)
-    greatest = np.nanmax(np.abs(table.numbers(column)), initial=0.0)
+    maximum = np.nanmax(np.abs(table.numbers(column)), initial=0.0)
     if not units and _STRAIN.search(name):
         if _is_ratio(table, column):
             return StrainUnit.RATIO, 1.0, False
-        if greatest <= MAX_STRAIN:
+        if maximum <= MAX_STRAIN:
             return StrainUnit.RATIO, 1.0, True
     said = (
-        f"in {' and in '.join(sorted(unit for unit, _ in units))}" if units else f"up to {greatest:g} without a unit"
+        f"in {' and in '.join(sorted(unit for unit, _ in units))}" if units else f"up to {maximum:g} without a unit"
     )
     raise PalpateError(
         f"{table.path}: the strain (column {column + 1}) is {said}.",

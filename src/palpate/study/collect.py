@@ -83,7 +83,7 @@ def _collect_design(
     dataset = task.dataset
     tally = _read_tally(known.store.find(task.recipe, task.suffix))
     limits = known.store.find(task.bound.recipe, task.bound.suffix)
-    foreseen = known.store.find(built.recipe, built.suffix) if built else None
+    predicted = known.store.find(built.recipe, built.suffix) if built else None
     keys = tuple(press.recipe.key for press in dataset.presses)
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
     parts: tuple[Task, ...] = (dataset, task.bound, task.estimator, task, *([forces] if forces else ()))
@@ -104,8 +104,8 @@ def _collect_design(
         coverage=Coverage(**tally["coverage"]) if tally and tally["coverage"] else None,
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
-        built=read_accuracy(foreseen) if foreseen else (),
-        failure=_unpredicted(built, foreseen, known)
+        built=read_accuracy(predicted) if predicted else (),
+        failure=_unpredicted(built, predicted, known)
         if tally
         else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )

@@ -50,7 +50,7 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     Returns
     -------
     Twin
-        Of the flat branch, and of the other where it exists under three tilts and at four depths.
+        Of the flat branch; of the inverted branch as well if it exists under three tilts and at four depths.
 
     Raises
     ------
