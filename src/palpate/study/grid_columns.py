@@ -48,7 +48,7 @@ failure | failure | Reason why figures are missing
 """Name, heading and meaning of each column, in the order of the tables."""
 _DECIDING = {
     *("height_mm", "thickness_mm", "markers", "built_rmse_deg", "built_p95_deg"),
-    *("calibrated_rmse_deg", "calibrated_p95_deg", "rmse_jitter_deg", "rmse_deg", "rmse_jitter_mm", "rmse_mm"),
+    *("calibrated_rmse_deg", "calibrated_p95_deg", "rmse_jitter_deg", "rmse_jitter_mm"),
 }
 _FORMS = {"peak_stress_mpa": ".4f", "peak_stress_straight_mpa": ".4f"}
 _COLUMNS = {
