@@ -17,8 +17,8 @@ from palpate.surrogate.twin import STRAIGHT_DEG, MarkerTwin, refuse_left_out
 
 Tensor = Any
 """A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
-_PIECE = 4096
-"""Poses at a time, which bounds the memory."""
+_PIECE = {"cpu": 1 << 12, "cuda": 1 << 17}
+"""Poses at a time by device: they bound the memory (3 GB on a GPU for 169 markers); few pieces cost few launches."""
 
 
 class BatchTwin:
@@ -77,36 +77,45 @@ class BatchTwin:
             code="lens-not-in-batch",
         )
 
-    def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
-        """Pixels (n, m, 2) of the dots.
+    def evaluate(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> tuple[Tensor, Tensor]:
+        """Compute pixels (n, m, 2) of the markers and forces (n, 3) N on the walls, in the frame of the skin.
 
         Parameters
         ----------
         poses
-            (n, 3) rx, ry (degrees) and depth (mm).
+            (n, 3) rx, ry (degrees) and depth (mm). A tensor on the twin's device is not copied.
         inverse_frictions
             (n,) 1/µ.
         """
-        return self._in_pieces(self._see, poses, inverse_frictions)
+        return self._in_pieces(poses, inverse_frictions, self._see, self._force)
+
+    def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Compute pixels (n, m, 2) of the markers; arguments as for `evaluate`."""
+        return self._in_pieces(poses, inverse_frictions, self._see)[0]
 
     def positions(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
-        """Positions (n, m, 3) mm of the dots; `poses` and `inverse_frictions` as for `pixels`."""
-        return self._in_pieces(self._move, poses, inverse_frictions)
+        """Compute positions (n, m, 3) mm of the markers; arguments as for `evaluate`."""
+        return self._in_pieces(poses, inverse_frictions, self._move)[0]
 
     def forces(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
-        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `inverse_frictions` as for `pixels`."""
-        return self._in_pieces(self._force, poses, inverse_frictions)
+        """Compute forces (n, 3) N on the walls, in the frame of the skin; arguments as for `evaluate`."""
+        return self._in_pieces(poses, inverse_frictions, self._force)[0]
 
-    def _see(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
-        points = self._move(poses, inverse_frictions)
+    def _see(self, found: Tensor, azimuth: Tensor) -> Tensor:
+        points = self._move(found, azimuth)
         if self._corners == 1:
             return self._camera.project(points)
         return project_markers(self._camera, points.reshape(len(points), -1, self._corners, 3)).centres
 
-    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, inverse_frictions: Any) -> Tensor:
+    def _in_pieces(self, poses: Any, inverse_frictions: Any, *results: Callable[[Tensor, Tensor], Tensor]) -> Any:
+        """Results (n, …) from the amplitudes and azimuths of the poses."""
         poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
-        pieces = zip(poses.split(_PIECE), inverse_frictions.split(_PIECE), strict=True)
-        return self._torch.cat([does(*piece) for piece in pieces])
+        size = _PIECE.get(self._kind["device"].split(":")[0], _PIECE["cpu"])
+        parts = []
+        for piece in zip(poses.split(size), inverse_frictions.split(size), strict=True):
+            state = self._amplitudes(*piece)
+            parts.append([result(*state) for result in results])
+        return tuple(self._torch.cat(one) if len(one) > 1 else one[0] for one in zip(*parts, strict=True))
 
     def _tensor(self, values: Any) -> Tensor:
         return self._torch.as_tensor(values, **self._kind)
@@ -142,14 +151,12 @@ class BatchTwin:
         steps = torch.arange(DEGREE + 1, device=span.device)
         return span[:, None] - DEGREE + steps, torch.stack(values, dim=1)
 
-    def _move(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, inverse_frictions)
+    def _move(self, found: Tensor, azimuth: Tensor) -> Tensor:
         modes, angle = found[:, : len(self._order)], azimuth[:, None] * self._order
         rows = self._torch.cat([modes * angle.cos(), modes * angle.sin()], dim=1)
-        return self._places + (rows @ self._waves).reshape(len(poses), -1, 3)
+        return self._places + (rows @ self._waves).reshape(len(found), -1, 3)
 
-    def _force(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, inverse_frictions)
+    def _force(self, found: Tensor, azimuth: Tensor) -> Tensor:
         slope, axial, axis = found[:, len(self._order) :].T
         c, s = azimuth.cos(), azimuth.sin()
         return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)

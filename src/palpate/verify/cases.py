@@ -1,4 +1,4 @@
-"""All cases of the suite, in the order of the page: material, solids, contact, shells, domes, properties."""
+"""Cases of `palpate verify`: materials, solids, contact, shells, domes, properties."""
 
 from __future__ import annotations
 
@@ -6,28 +6,19 @@ from functools import partial
 
 import palpate.verify.ball as ball
 import palpate.verify.bending as bending
-import palpate.verify.blocks as blocks
-import palpate.verify.caps as caps
 import palpate.verify.cook as cook
 import palpate.verify.domes as domes
-import palpate.verify.everted as everted
-import palpate.verify.filled as filled
 import palpate.verify.fits as fits
 import palpate.verify.inflation as inflation
 import palpate.verify.laws as laws
 import palpate.verify.material as material
-import palpate.verify.pads as pads
 import palpate.verify.properties as properties
-import palpate.verify.roofs as roofs
 import palpate.verify.sensitivity as sensitivity
 import palpate.verify.shells as shells
-import palpate.verify.spheres as spheres
-import palpate.verify.tubes as tubes
 from palpate.verify.case import Case
 
 _SHELL_CODE = "axisymmetric shell code"
 _SOLID_CODE = "axisymmetric solid code"
-_ROOFS = "Sabir & Lock 1972, Sze et al. 2004"
 _BRANCHES = {"flat": "flat", "dimple": "inverted"}
 """Branches of a shell between plates: the reference's word and ours."""
 
@@ -51,24 +42,6 @@ CASES: tuple[Case, ...] = (
     Case("elastica_moment", "exact, elastica", bending.cantilever_moment),
     Case("cook_membrane", "Q2/P1 code", cook.cook_membrane),
     Case("no_locking", "finer mesh", cook.no_locking),
-    Case("clamped_cap_ring", "Teng & Rotter 1989, Wood & Zienkiewicz 1977", partial(caps.loaded_cap, "ring")),
-    Case("clamped_cap_apex", "Teng & Rotter 1989, Wood & Zienkiewicz 1977", partial(caps.loaded_cap, "apex")),
-    Case("clamped_cap_snap", "Budiansky, Dumir & Nath, Teng & Rotter", caps.snapping_pressure),
-    Case("clamped_cap_buckling", "Huang, Teng & Rotter 1989", caps.buckling_pressure),
-    *(
-        Case(f"hinged_roof_{name}", _ROOFS, partial(roofs.hinged_roof, thickness))
-        for name, thickness in zip(("thick", "thin"), roofs.THICKNESSES, strict=True)
-    ),
-    Case("pulled_cylinder", "Sze, Liu & Lo 2004", tubes.pulled_cylinder, slow=True),
-    Case("bistable_cap", "Taffetani et al. 2018, shallow-shell theory", everted.bistable_cap, slow=True),
-    Case("sphere_buckling", "Zoelly 1915, Ubamanyu et al. 2024", spheres.sphere_buckling, slow=True),
-    Case("sphere_point", "Reissner 1946", spheres.sphere_point),
-    Case("bonded_disc", "Gent & Lindley 1959, Kelly 1997", blocks.bonded_disc),
-    Case("filled_hemisphere", "axisymmetric triangles", filled.filled_hemisphere, slow=True),
-    *(
-        Case(f"pressed_pad_{name}", "exact, Lebedev & Ufliand 1958", partial(pads.pressed_pad, name))
-        for name in ("ball", "bar")
-    ),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
     *(
         Case(f"hertz_sphere_{name}", "Hertz 1882", partial(ball.hertz_round, name), slow=True)
@@ -117,4 +90,4 @@ CASES: tuple[Case, ...] = (
     Case("mirror", "property", laws.mirror),
     Case("press_derivatives", "property", sensitivity.derivatives),
 )
-"""The suite."""
+"""Cases, in the order of the page. Published experiments and codes are in `tests/validation`."""

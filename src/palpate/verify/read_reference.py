@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from importlib import resources
+from importlib.resources.abc import Traversable
 
 import numpy as np
 
@@ -51,8 +52,8 @@ class Reference:
         return [", ".join(row[column] for column in columns) for row in self._rows]
 
 
-def read_reference(name: str) -> Reference:
-    """Read a reference file of the package by its name without ending."""
-    path = resources.files("palpate.verify") / "reference" / f"{name}.csv"
-    with path.open(encoding="utf-8") as file:
+def read_reference(name: str, folder: Traversable | None = None) -> Reference:
+    """Read a reference file by its name without ending, from a folder or from the package."""
+    folder = folder or resources.files("palpate.verify") / "reference"
+    with (folder / f"{name}.csv").open(encoding="utf-8") as file:
         return Reference(list(csv.DictReader(file)))

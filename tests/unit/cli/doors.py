@@ -253,7 +253,7 @@ ROWS = {
         ("--out",),
         ("--readings {truth}", "--markers 91"),
     ),
-    "verify": Row("--only cook", (), ("--markdown",), ("--only no-such-case",)),
+    "verify": Row("--only cook", (), (), ("--only no-such-case",)),
     "doctor": Row(),
 }
 

@@ -7,8 +7,8 @@ from scipy.interpolate import CubicSpline
 
 from errors import refused
 from palpate.mechanics import ArcLength
-from palpate.verify.caps import Cap
 from palpate.verify.equilibrium import follow_load
+from validation.caps import Cap
 
 RING = 0.38
 CAP = Cap(4.758, 0.01576, 0.9, 1e7, 0.3, (RING,), cells=18)

@@ -76,8 +76,16 @@ def test_pieces_join_without_a_seam(dots: MarkerTwin, monkeypatch: pytest.Monkey
     poses, slips = draw(25)
     batch = BatchTwin(dots, build_camera())
     whole = batch.pixels(poses, slips)
-    monkeypatch.setattr("palpate.surrogate.batch_twin._PIECE", 10)
+    monkeypatch.setattr("palpate.surrogate.batch_twin._PIECE", {"cpu": 10})
     assert batch.pixels(poses, slips).numpy() == pytest.approx(whole.numpy(), abs=1e-10)
+
+
+def test_pixels_and_forces_together_equal_each_alone(twin: Twin) -> None:
+    poses, inverse_frictions = draw(25)
+    batch = BatchTwin(twin.with_markers(LAYOUT.positions), build_camera())
+    pixels, forces = batch.evaluate(poses, inverse_frictions)
+    assert (pixels == batch.pixels(poses, inverse_frictions)).all()
+    assert (forces == batch.forces(poses, inverse_frictions)).all()
 
 
 def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:

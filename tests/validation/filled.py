@@ -1,6 +1,6 @@
 """A filled hemisphere on its rigid window under a plate, as the product presses it, against an axisymmetric program.
 
-Wall and gel are one silicone, so that it is a solid half ball bonded to the window (`palpate.verify.half_sphere`).
+Wall and gel are one silicone, so that it is a solid half ball bonded to the window (`validation.half_sphere`).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from palpate.design import DomeSpec
 from palpate.fea import WallSpec, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.case import Row, compare
-from palpate.verify.half_sphere import press_half_ball
 from palpate.verify.rubber import NEO_HOOKE
+from validation.half_sphere import press_half_ball
 
 _INNER, _WALL, _STEP = 15.0, 1.0, 0.8
 _CELLS = 8

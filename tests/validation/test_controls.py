@@ -5,15 +5,15 @@ from functools import partial
 
 import pytest
 
-from palpate.verify.blocks import bonded_disc
-from palpate.verify.caps import loaded_cap
 from palpate.verify.case import Row
-from palpate.verify.everted import bistable_cap
-from palpate.verify.filled import filled_hemisphere
-from palpate.verify.pads import pressed_pad
-from palpate.verify.roofs import hinged_roof
-from palpate.verify.spheres import sphere_buckling, sphere_point
-from palpate.verify.tubes import pulled_cylinder
+from validation.blocks import bonded_disc
+from validation.caps import loaded_cap
+from validation.everted import bistable_cap
+from validation.filled import filled_hemisphere
+from validation.pads import pressed_pad
+from validation.roofs import hinged_roof
+from validation.spheres import sphere_buckling, sphere_point
+from validation.tubes import pulled_cylinder
 
 SLOW = [pytest.mark.slow]
 

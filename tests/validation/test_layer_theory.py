@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.verify.layer_theory import ball_on_layer, bar_on_layer
+from validation.layer_theory import ball_on_layer, bar_on_layer
 
 RADIUS, MODULUS = 100.0, 0.3
 

@@ -16,7 +16,7 @@ from palpate.mechanics import ArcLength, Problem, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import follow_load, make_solid
 from palpate.verify.mapped import Turn, even, graded
-from palpate.verify.walls import elastic, load_top, press_round, round_wall
+from validation.walls import elastic, load_top, press_round, round_wall
 
 _POISSON = 0.3
 _SPHERES = {20.0: (16, 8), 40.0: (24, 12), 80.0: (30, 15)}

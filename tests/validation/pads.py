@@ -1,6 +1,6 @@
 """A ball and a bar pressed into a pad that is bonded to its window, thick and thin against the contact.
 
-Held to the integral equations of `palpate.verify.layer_theory`, which know an endless layer and small strain: the pad
+Held to the integral equations of `validation.layer_theory`, which know an endless layer and small strain: the pad
 is wide against its thickness, its edge free, and the obstacle's radius fifty times the contact's. A quarter of the
 pad is solved under the ball, half a strip in plane strain under the bar.
 """
@@ -16,10 +16,10 @@ from palpate.fea import Ball, Cylinder
 from palpate.mechanics import Obstacle
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.layer_theory import ball_on_layer, bar_on_layer
 from palpate.verify.mapped import Grid, Turn, even, graded, join, map_block, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import NEO_HOOKE
+from validation.layer_theory import ball_on_layer, bar_on_layer
 
 _CONTACT, _RADIUS = 1.0, 50.0
 """Radius or half width of the contact, and radius of the obstacle, mm."""

@@ -1,12 +1,17 @@
-"""Every case of the verification suite: each row within its tolerance."""
+"""Every case: each row within its tolerance."""
 
 import pytest
 
 from palpate.verify import CASES, Case
+from validation.cases import PUBLISHED_CASES
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.slow else []) for case in CASES]
+    "case",
+    [
+        pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.slow else [])
+        for case in (*CASES, *PUBLISHED_CASES)
+    ],
 )
 def test_every_row_is_within_its_tolerance(case: Case) -> None:
     rows = case.run()

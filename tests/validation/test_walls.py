@@ -3,7 +3,7 @@ import pytest
 
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Turn, even
-from palpate.verify.walls import elastic, load_top, middle_rim, press_round, round_wall, through, wall
+from validation.walls import elastic, load_top, middle_rim, press_round, round_wall, through, wall
 
 ANGLE, RADIUS, THICKNESS = 0.6, 20.0, 1.0
 

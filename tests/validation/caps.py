@@ -20,10 +20,11 @@ from palpate.core import FloatArray
 from palpate.material import Material, NeoHooke
 from palpate.mechanics import ArcLength, Problem, Solid, make_linear_solver
 from palpate.verify.case import Row, compare
-from palpate.verify.curves import away_from, highest, turns
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.read_reference import Reference, read_reference
+from validation import REFERENCE
+from validation.curves import away_from, highest, turns
 
 _CELLS, _AROUND = 28, 1
 _TOLERANCE = 1e-6
@@ -129,7 +130,7 @@ def loaded_cap(name: str, thicker: float = 1.0) -> list[Row]:
     """
     radius = {"ring": _RING * _LOADED.base, "apex": _NARROW * _LOADED.thickness}[name]
     cap = replace(_LOADED, rings=(radius,), thickness=thicker * _LOADED.thickness)
-    data = read_reference(f"clamped_cap_{name}")
+    data = read_reference(f"clamped_cap_{name}", REFERENCE)
     path = cap.path(cap.ring_load(radius), _FIRST, _LONGEST)
     while -path.points[-1].state.u[cap.apex, 2] < data["deflection_in"].max():
         path.advance()
@@ -151,7 +152,7 @@ def loaded_cap(name: str, thicker: float = 1.0) -> list[Row]:
 
 def snapping_pressure() -> list[Row]:
     """Greatest pressure of caps of rising height over the classical one of a sphere, nu = 0.3."""
-    data, found = read_reference("clamped_cap_snap"), []
+    data, found = read_reference("clamped_cap_snap", REFERENCE), []
     for rise in data["rise_parameter"]:
         cap = _shallow(float(rise), 0.3)
         path = cap.path(cap.pressure_load(), _FIRST, _LONGEST)
@@ -166,7 +167,7 @@ def snapping_pressure() -> list[Row]:
 
 def buckling_pressure() -> list[Row]:
     """Pressure at which caps leave their symmetry, and their waves around, nu = 1/3; even numbers of waves."""
-    data, found, waves = read_reference("clamped_cap_buckling"), [], []
+    data, found, waves = read_reference("clamped_cap_buckling", REFERENCE), [], []
     for rise in data["rise_parameter"]:
         cap = _shallow(float(rise), 1 / 3, around=3)
         path = cap.path(cap.pressure_load(), _FIRST, _LONGEST)

@@ -18,11 +18,11 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.mechanics import ArcLength, Problem, Solid, make_linear_solver
 from palpate.verify.case import Row, compare
-from palpate.verify.curves import highest
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even
-from palpate.verify.shallow import threshold
-from palpate.verify.walls import elastic, load_top, middle_rim, round_wall
+from validation.curves import highest
+from validation.shallow import threshold
+from validation.walls import elastic, load_top, middle_rim, round_wall
 
 _RADIUS, _CELLS = 100.0, 12
 _SHALLOW, _DEEP = 0.2, (0.5, 0.8, 1.1)

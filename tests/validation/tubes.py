@@ -14,7 +14,8 @@ from palpate.core import FloatArray
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import follow_load
 from palpate.verify.read_reference import read_reference
-from palpate.verify.walls import SHARES, elastic, through, wall
+from validation import REFERENCE
+from validation.walls import SHARES, elastic, through, wall
 
 _RADIUS, _HALF_LENGTH, _THICKNESS = 4.953, 5.175, 0.094
 _YOUNG, _POISSON, _GREATEST = 10.5e6, 0.3125, 40e3
@@ -26,7 +27,7 @@ _TOLERANCE = 2e-2
 
 def pulled_cylinder(thicker: float = 1.0) -> list[Row]:
     """Displacements of three places at ten loads; `thicker` is a factor on the thickness, for a control."""
-    data = read_reference("pulled_cylinder").at("load_over_greatest", _LOADS)
+    data = read_reference("pulled_cylinder", REFERENCE).at("load_over_greatest", _LOADS)
     found = pull(_THICKNESS * thicker, data["load_over_greatest"])
     at = [f"P/Pmax = {load:g}" for load in data["load_over_greatest"]]
     columns = ("outward_A", "inward_B", "inward_C")

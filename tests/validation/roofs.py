@@ -13,10 +13,11 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.mechanics import ArcLength, Problem, make_linear_solver
 from palpate.verify.case import Row, compare
-from palpate.verify.curves import away_from, turns
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.read_reference import read_reference
-from palpate.verify.walls import SHARES, elastic, through, wall
+from validation import REFERENCE
+from validation.curves import away_from, turns
+from validation.walls import SHARES, elastic, through, wall
 
 THICKNESSES = (12.7, 6.35)
 _RADIUS, _HALF_LENGTH, _HALF_ANGLE = 2540.0, 254.0, 0.1
@@ -39,7 +40,7 @@ def hinged_roof(thickness: float, thicker: float = 1.0) -> list[Row]:
     thicker
         Factor on the thickness of ours; 1 but for a control that must not pass.
     """
-    data = read_reference("hinged_roofs").where(thickness=f"{thickness:g}")
+    data = read_reference("hinged_roofs", REFERENCE).where(thickness=f"{thickness:g}")
     theirs = np.column_stack([data["deflection"], data["load_over_greatest"]])
     curve = follow_roof(thickness * thicker, float(theirs[:, 0].max()))
     away = away_from(curve, theirs)

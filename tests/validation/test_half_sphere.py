@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from palpate.verify.half_sphere import press_half_ball
 from palpate.verify.read_reference import read_reference
+from validation.half_sphere import press_half_ball
 
 C10 = 0.0141156
 
