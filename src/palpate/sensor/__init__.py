@@ -1,4 +1,4 @@
-"""Sensor: a built unit at work: readings of its images, its acceptance, robots that it guides, ROS messages."""
+"""Sensor runtime of a built unit: readings, acceptance, robot alignment and ROS messages."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""Acceptance of a built unit: recorded presses with known poses, the paper's figures, and a tolerance for each."""
+"""Acceptance test of a built unit by recorded presses of known pose, with the figures of the paper."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TABLE_3 = f"{PAPER}, Table 3"
 
 
 _DOUBT = 0.05
-"""How far a zero that was found may be off, mm: an image at the least depth is not lost for it."""
+"""Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count."""
 
 
 class AcceptanceSpec(Spec):
@@ -24,7 +24,7 @@ class AcceptanceSpec(Spec):
 
     rmse_deg: float = parameter(0.58, unit="deg", meaning="maximum RMSE of roll and of pitch", source=TABLE_3, gt=0)
     max_deg: float = parameter(
-        1.64, unit="deg", meaning="greatest error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
+        1.64, unit="deg", meaning="maximum error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
     )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="maximum RMSE of the depth", gt=0)
     min_depth: float = parameter(2.4, unit="mm", meaning="minimum depth of the evaluated images", ge=0)
@@ -38,18 +38,9 @@ class AcceptanceSpec(Spec):
 
 @dataclass(frozen=True)
 class AcceptanceCheck:
-    """One figure against its tolerance.
+    """Comparison of one figure, such as ``roll RMSE``, with its tolerance (`limit`).
 
-    Attributes
-    ----------
-    what, unit
-        Such as ``roll RMSE`` and ``deg``.
-    value, limit
-        The figure and its tolerance.
-    interval
-        Ends of its interval; `None` for a figure that has none.
-    passed
-        Whether it is within.
+    The `interval` is `None` for a figure without one; `passed` is whether the figure is within its tolerance.
     """
 
     what: str
@@ -62,24 +53,21 @@ class AcceptanceCheck:
 
 @dataclass(frozen=True, eq=False)
 class Acceptance:
-    """What was found.
+    """Result of an acceptance test.
 
     Attributes
     ----------
-    spec
-        What was asked.
-    checks
-        Every figure against its tolerance.
+    spec, checks
+        Tolerances and settings, and every figure with its tolerance.
     scores
-        Roll, pitch and, where it is known, depth.
+        Roll, pitch and, if it is known, depth.
     press, truth, estimates
-        (n,), (n, 3), (n, 3) of the images that count, depth on the robot's scale.
+        (n,), (n, 3), (n, 3) of the evaluated images, depth on the robot's scale.
     zero
-        The depth's zero, if it was looked for.
-    left_out
-        Images that are not as deep as those that count, or belong to the press that gave the zero's scale.
-    flagged
-        Images of those that count whose reading is flagged.
+        Zero of the depth, if it was determined.
+    left_out, flagged
+        Number of images below the minimum depth or of the press that gave the zero; number of evaluated images with a
+        flagged reading.
     """
 
     spec: AcceptanceSpec
@@ -116,16 +104,16 @@ class Acceptance:
 def accept_unit(
     truth: GroundTruth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptanceSpec | None = None
 ) -> Acceptance:
-    """Hold a unit's readings against the truth.
+    """Compare the readings of a unit with known poses.
 
-    Where the depth's zero is looked for, the first press gives it and does not count.
+    If the depth zero is determined, the first press gives it and is not evaluated.
 
     Parameters
     ----------
     truth
         Known poses.
     estimates
-        (n, 3) rx, ry (degrees) and depth (mm) of the same images; NaN where there is no pose.
+        (n, 3) rx, ry (degrees) and depth (mm) of the same images; NaN without a pose.
     flagged
         (n,) whether a reading is flagged.
     spec
@@ -134,7 +122,7 @@ def accept_unit(
     Raises
     ------
     PalpateError
-        If no image counts, or the first press does not give the zero.
+        If no image can be evaluated, or the first press does not give the zero.
     """
     spec = spec or AcceptanceSpec()
     flagged = np.zeros(len(estimates), bool) if flagged is None else flagged
@@ -181,7 +169,7 @@ def _check(scores: tuple[Score, ...], spec: AcceptanceSpec, without: float) -> l
         if unit == "deg":
             most = score.errors.max
             checks.append(
-                AcceptanceCheck(f"{name} greatest error", unit, most, spec.max_deg, None, most <= spec.max_deg)
+                AcceptanceCheck(f"{name} maximum error", unit, most, spec.max_deg, None, most <= spec.max_deg)
             )
     checks.append(
         AcceptanceCheck("images without a pose", "1", without, spec.without_pose, None, without <= spec.without_pose)

@@ -1,12 +1,12 @@
-"""Square a tool: touch, read, turn, touch again, until the interval of the angle lies inside the tolerance.
+"""Align a tool with a wall normal: press, read, rotate and repeat until the angle is within tolerance.
 
-A touch goes along the sensor's axis in steps until the dome is touched, then in two strides to the depth that force
-and twin allow. An image that cannot be read is looked at again; a place whose images all cannot be read is left by a
-step back, once, and the last depth that was read counts if it is deep enough. Nothing ever goes deeper unseen.
+A press advances along the sensor's axis in steps until contact, then in two strides to the depth that force limit and
+twin allow. An unreadable image is taken again. If all images at one depth are unreadable, the sensor steps back once,
+and the last depth that was read counts if it is deep enough. The depth never increases without a readable image.
 
-With e the angle between drill and normal as it was read, and C its covariance (reading, tool's offset, robot), the
-tool is square where |e| + q √λ(C) is inside the tolerance. Before that is asked, what is left is turned away if that
-makes it less: a turn adds the robot's own error anew, so it is worth while where |e|² > 2 σ².
+Let e be the measured angle between drill and normal, and C its covariance (reading, tool offset, robot). The tool is
+square if |e| + q √λ(C) is within the tolerance. Before this test, the residual angle is corrected if that reduces it:
+a rotation adds the robot's own error, so it is made only if |e|² > 2 σ².
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from palpate.sensor.tool import Tool
 from palpate.sensor.tool_offset import find_tool_offset
 
 NextImage = Callable[[], "NDArray[Any] | PalpateError"]
-"""Gives an image that was taken after it was asked for; an error in the place of one that could not be."""
+"""Return an image taken after the call, or an error if none could be taken."""
 _STRIDES = (0.5, 1.0)
 _ARRIVED_MM = 0.2
 _BACK_MM = 0.5
 _LIFT_MM, _MOST_LIFTS = 1.0, 4
 _LONGER = 1.5
-"""Of a step that follows a touch too light to be told from a motion of the camera."""
+"""Factor of the step that follows a press too light to be distinguished from a camera motion."""
 _BEFORE_MM = 1.0
-"""Distance from a wall that was touched before, from which it is looked for again."""
+"""Distance from the last known wall position at which the next search begins."""
 OFFSET_TURNS = tuple((60.0 * k, 3.0 * (-1) ** k) for k in range(6))
-"""Turns (degrees) about the drill's axis, and then about one across it, from which a tool's offset is told."""
+"""Default rotations (degrees) of `Aligner.find_offset`: about the drill's axis, and across it."""
 
 
 class _Failed(Exception):  # noqa: N818  it carries an ending through a touch, and never leaves this file
@@ -51,25 +51,25 @@ class _Failed(Exception):  # noqa: N818  it carries an ending through a touch, a
 
 
 class Aligner:
-    """Squares the tool of one robot against walls.
+    """Alignment of the tool of one robot with walls.
 
     Parameters
     ----------
     robot
-        The robot; it starts in front of the wall, the dome not touched.
+        The robot; it starts in front of the wall, without contact.
     sensor
         Opened with the twin of its design.
     next_image
-        Gives the next image.
+        Returns the next image.
     tool
-        Where sensor and drill are on the flange.
+        Poses of sensor and drill on the flange.
     spec
-        How to touch, and when to end.
+        Presses and stopping criteria.
 
     Raises
     ------
     PalpateError
-        If the sensor does not read by a twin, or a step of the search could pass the force limit.
+        If the sensor does not read by a twin, or a step of the search could exceed the force limit.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Aligner:
         fitter = sensor.estimator.twin_fit
         if fitter is None:
             raise PalpateError(
-                "A network tells no force for a limit.",
+                "The force limit is computed from a twin, and this sensor reads by a trained network.",
                 "Open the sensor with the design's twin.",
                 code="network-no-force",
             )
@@ -92,12 +92,12 @@ class Aligner:
         self._apex = skin.support_point(np.array([0.0, 0.0, 1.0]))
 
     def align(self) -> Alignment:
-        """Touch and turn until the tool is square; the flange ends clear of the wall.
+        """Press and rotate until the tool is square; the flange ends clear of the wall.
 
         Raises
         ------
         PalpateError
-            If the robot cannot move as asked.
+            If the robot cannot reach a pose.
         """
         log = _Log()
         self._images = 0
@@ -121,23 +121,24 @@ class Aligner:
         return log.end(AlignmentOutcome.TOO_MANY, left, half, self._images)
 
     def find_offset(self, turns: Sequence[tuple[float, float]] = OFFSET_TURNS) -> Tool:
-        """Tell the sensor's axes against the drill's by touching one wall with the flange turned.
+        """Identify the sensor's rotation relative to the drill by presses of one wall.
 
         Parameters
         ----------
         turns
-            Turns (degrees) from where the flange is, a touch each: about the drill's axis, best all around, and then
-            about an axis across it, both ways. Without the latter, the sensor's turn about the drill stays unknown.
+            Rotations (degrees) from the current flange pose, one press each: about the drill's axis, preferably all
+            around, then about an axis across it, in both directions. Without the latter, the sensor's rotation about
+            the drill stays unknown.
 
         Returns
         -------
         Tool
-            By which the aligner reads from now on.
+            The identified tool, which the aligner uses from now on.
 
         Raises
         ------
         PalpateError
-            If a touch fails, or they do not fit one wall.
+            If a press fails, or the presses do not fit one wall.
         """
         touches, start = [], self.robot.flange_pose()
         across = np.linalg.svd(self.tool.drill[None])[2][1]
@@ -151,7 +152,7 @@ class Aligner:
             except _Failed as failed:
                 raise PalpateError(
                     f"Touch {len(touches) + 1} of {len(turns)} failed: {failed.ending}.",
-                    "Check the wall's place, the light and the force limit.",
+                    "Check the position of the wall, the light and the force limit.",
                     code="alignment-touch-failed",
                 ) from None
         self._turn_to(start, start.rotation)
@@ -159,7 +160,7 @@ class Aligner:
         return self.tool
 
     def touch(self) -> Touch:
-        """Touch the wall ahead once, and leave it by `clear` mm."""
+        """Press the wall ahead once, and retract by `clear` mm."""
         start, before = self.robot.flange_pose(), self._images
         way = start.rotation @ self.tool.flange_from_sensor.rotation[:, 2]
         try:
@@ -173,7 +174,7 @@ class Aligner:
         return self._estimated(read, self._images - before)
 
     def _search(self, start: Placement, way: FloatArray) -> tuple[float, Reading]:
-        """Travel (mm) at the first image that shows a touch, and its reading."""
+        """Return the travel (mm) at the first image in contact, and its reading."""
         travel, lifts = max(self._gap - _BEFORE_MM, 0.0), 0
         self.robot.move(start.moved(travel * way))
         while travel <= self.spec.search:
@@ -191,13 +192,13 @@ class Aligner:
         raise _Failed(AlignmentOutcome.NO_WALL)
 
     def _lift(self, place: Placement, lifts: int) -> None:
-        """Leave the wall, and fail where the dots stay as if the camera had moved."""
+        """Retract, and fail if the markers stay displaced as by a camera motion."""
         self.robot.move(place)
         if self._look() is None or lifts > _MOST_LIFTS:
             raise _Failed(AlignmentOutcome.UNREADABLE)
 
     def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
-        """The deepest image that was read."""
+        """Press to the allowed depth and return the deepest image that was read."""
         best = _read_of(travel, reading, self.robot.flange_pose())
         for share in _STRIDES:
             goal = self._limit.max_depth(best.fit, self.spec.depth)
@@ -215,7 +216,7 @@ class Aligner:
         return best
 
     def _look(self, *accepted: Flag) -> Reading | None:
-        """A reading of this place with no flag but those accepted; `None` where no image of it gives one."""
+        """Return a reading at this depth without other flags than those accepted; `None` if all images fail."""
         for _ in range(self.spec.max_image_retries):
             self._images += 1
             reading = self.sensor.read(self._next_image())
@@ -238,7 +239,7 @@ class Aligner:
         )
 
     def _miss(self, touch: Touch) -> tuple[FloatArray, FloatArray]:
-        """Rotation vector (2,) that takes drill to normal, flange turned to the drill, and its covariance (2, 2)."""
+        """Return the rotation vector (2,) from drill to normal, z along the drill, and its covariance (2, 2)."""
         normal = wall_normal(*np.radians(touch.tilt_deg))
         drill = self.tool.drill_in_sensor
         to_drill = rotation_between(drill, np.array([0.0, 0.0, 1.0]))
@@ -248,20 +249,20 @@ class Aligner:
         return self._factor * float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
 
     def _turn(self, touch: Touch) -> None:
-        """Turn the drill to the wall's normal that a touch told."""
+        """Rotate the drill to the wall normal measured by a press."""
         flange = touch.base_from_flange.rotation
         normal = flange @ self.tool.flange_from_sensor.rotation @ wall_normal(*np.radians(touch.tilt_deg))
         here = self.robot.flange_pose()
         self._turn_to(here, rotation_between(flange @ self.tool.drill, normal) @ flange)
 
     def _turn_to(self, here: Placement, rotation: FloatArray) -> None:
-        """Turn the flange about the dome's apex."""
+        """Rotate the flange about the skin's apex."""
         apex = self.tool.flange_from_sensor.apply(self._apex)
         self.robot.move(Placement(rotation, here.apply(apex) - rotation @ apex))
 
 
 class _Read(NamedTuple):
-    """A reading that can be gone on from: its travel (mm), fit, where it was read, and whether outside the twin."""
+    """A usable reading: travel (mm), fit, flange pose, and whether it is outside the twin's range."""
 
     travel: float
     fit: PoseFit
@@ -275,19 +276,19 @@ def _read_of(travel: float, reading: Reading, where: Placement) -> _Read:
 
 
 class _Log:
-    """Touches of an alignment as they come."""
+    """Presses of an alignment so far."""
 
     def __init__(self) -> None:
         self.touches: list[Touch] = []
         self._rows: list[tuple[float, float, float]] = []
 
     def add(self, touch: Touch, angle: float, half: float, turns: bool) -> None:
-        """Keep a touch, the angle that it told, and whether it was turned away."""
+        """Append a press, its measured angle, and whether the angle was corrected."""
         self.touches.append(touch)
         self._rows.append((angle, half, angle if turns else 0.0))
 
     def end(self, ending: AlignmentOutcome, left: FloatArray, half: float, images: int) -> Alignment:
-        """The alignment, ended."""
+        """Return the completed alignment."""
         angles, halves, turned = (tuple(row[column] for row in self._rows) for column in range(3))
         known = float(np.hypot(*left)) if np.isfinite(half) else float("nan")
         return Alignment(ending, tuple(self.touches), angles, halves, turned, known, half, images)

@@ -1,4 +1,4 @@
-"""An alignment: the touches of a wall, how it ended, and how square the tool then is."""
+"""Result of an alignment: its presses, its outcome, and the residual angle of the tool."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from palpate.sensor.placement import Placement
 
 
 class AlignmentOutcome(StrEnum):
-    """Why an alignment ended."""
+    """Reason for the end of an alignment."""
 
     SQUARE = "the interval of the angle lies inside the tolerance"
-    NO_WALL = "no wall was touched within the search"
+    NO_WALL = "no wall was found within the search distance"
     UNREADABLE = "images could not be read"
-    TOO_SHALLOW = "the force that is allowed, or the twin's range, ends before an angle can be told"
-    TOO_MANY = "the angle stayed uncertain, or too large, in all touches"
+    TOO_SHALLOW = "the force limit or the twin's range is reached before an angle can be measured"
+    TOO_MANY = "the angle stayed uncertain, or too large, in all presses"
 
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """One touch at its deepest.
+    """One press of an alignment, at its maximum depth.
 
     Attributes
     ----------
     base_from_flange
-        Where the robot said that its flange was.
+        Flange pose reported by the robot.
     tilt_deg
         (2,) rx, ry of the wall in the sensor's frame.
     depth
-        Since first touch, mm.
+        Depth since first contact, mm.
     covariance
         (2, 2) deg² of the tilt.
     force_n, force_upper_n
-        Force along the wall's normal, and the greatest that its interval allows.
+        Force along the wall normal, and its upper limit.
     inverse_friction
         1/µ.
     images
-        Images that were looked at.
+        Number of images taken.
     outside
-        Whether the pose is beyond what the twin knows: good enough to turn by, not to end with.
+        Whether the pose is beyond the twin's range; such a press directs a rotation but does not end the alignment.
     """
 
     base_from_flange: Placement
@@ -58,25 +58,25 @@ class Touch:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """What came of squaring a tool.
+    """Result of aligning a tool.
 
     Attributes
     ----------
     outcome
-        Why it ended.
+        Reason for the end.
     touches
-        In order; without one that could not be read.
+        Successful presses in order.
     angles_deg
-        Angle between drill and wall's normal as each touch told it.
+        Angle between drill and wall normal measured by each press.
     half_widths_deg
-        Half-widths of their intervals.
+        Half-widths of the intervals of these angles.
     turned_deg
-        By how much the flange was turned after each.
+        Rotation of the flange after each press.
     residual_deg, residual_half_width_deg
-        Angle that is left after the last turn, as far as is known, and the half-width of its interval, with the
-        robot's own error of that turn.
+        Expected angle after the last rotation, NaN if unknown, and the half-width of its interval, which includes the
+        robot's error of that rotation.
     images
-        Images that were looked at in all.
+        Number of images taken in all.
     """
 
     outcome: AlignmentOutcome
@@ -110,7 +110,7 @@ TOUCH_COLUMNS = (
 
 
 def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
-    """A row a touch, by `TOUCH_COLUMNS`; friction is empty where nothing slips."""
+    """Return one row per press, by `TOUCH_COLUMNS`; friction is empty for 1/µ = 0 (no slip)."""
     columns = zip(
         alignment.touches, alignment.angles_deg, alignment.half_widths_deg, alignment.turned_deg, strict=True
     )
@@ -133,7 +133,7 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
 
 
 def describe_alignment(alignment: Alignment) -> dict[str, Any]:
-    """How an alignment ended, and what is left, as plain data."""
+    """Return outcome and residual angle of an alignment as plain data."""
     known = math.isfinite(alignment.residual_deg)
     return {
         "square": alignment.square,

@@ -1,7 +1,7 @@
-"""Readings for many clients: each has a short queue of its own, in which the oldest make way and are counted.
+"""Distribution of readings to many clients, each with a short queue.
 
-A client that stalls holds nobody up: its queue fills, loses its oldest readings, and the next reading that it gets
-says how many were lost. So memory is bounded by the clients times the queue.
+A stalled client delays no other client: its full queue drops the oldest readings, and the next reading that it takes
+contains their number. Memory is bounded by the number of clients times the queue length.
 """
 
 from __future__ import annotations
@@ -13,24 +13,13 @@ from contextlib import contextmanager
 from typing import Any
 
 Row = dict[str, Any]
-"""A reading as plain data, by `palpate.sensor.reading_columns`, with `camera`."""
+"""Reading as plain data, by `palpate.sensor.reading_columns`, with `camera`."""
 QUEUE = 120
-"""Readings that wait for one client at most: two seconds of 60 images a second."""
+"""Maximum number of readings queued for one client: two seconds at 60 images per second."""
 
 
 class Listener:
-    """What waits for one client.
-
-    Parameters
-    ----------
-    most
-        Readings that wait at most.
-
-    Attributes
-    ----------
-    lost
-        Readings that made way since the last `take`.
-    """
+    """Queue of at most `most` readings for one client; `lost` counts those dropped since the last `take`."""
 
     def __init__(self, most: int) -> None:
         self._waiting: deque[Row] = deque(maxlen=most)
@@ -38,13 +27,13 @@ class Listener:
         self.lost = 0
 
     def put(self, row: Row) -> None:
-        """Append a reading; where there is no room, the oldest makes way."""
+        """Append a reading; a full queue drops its oldest."""
         self.lost += len(self._waiting) == self._waiting.maxlen
         self._waiting.append(row)
         self._there.set()
 
     async def take(self) -> Row:
-        """The oldest reading that waits, with how many were lost before it as `lost`."""
+        """Return the oldest queued reading, with the number of readings dropped before it as `lost`."""
         while not self._waiting:
             self._there.clear()
             await self._there.wait()
@@ -54,17 +43,9 @@ class Listener:
 
 
 class Broadcast:
-    """Hands every reading to every listener; used from one event loop.
+    """Distributor of every reading to every listener; used from one event loop.
 
-    Parameters
-    ----------
-    most
-        Readings that wait for one client at most.
-
-    Attributes
-    ----------
-    last
-        The newest reading; empty before the first.
+    Each queue holds at most `most` readings; `last` is the newest reading, empty before the first.
     """
 
     def __init__(self, most: int = QUEUE) -> None:
@@ -76,14 +57,14 @@ class Broadcast:
         return len(self._listeners)
 
     def publish(self, row: Row) -> None:
-        """Hand a reading to all."""
+        """Queue a reading for all listeners."""
         self.last = row
         for listener in self._listeners:
             listener.put(row)
 
     @contextmanager
     def listen(self) -> Iterator[Listener]:
-        """A listener, until the block ends."""
+        """Register a listener until the block ends."""
         listener = Listener(self._most)
         self._listeners.add(listener)
         try:

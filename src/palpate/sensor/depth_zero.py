@@ -1,8 +1,8 @@
-"""The zero of the depth: where the dome was first touched, on the robot's scale.
+"""Depth zero: position of first contact on the robot's scale.
 
-The model tells the depth since first touch. A robot has a scale of its own, and where it believes to touch is off by
-tenths of a millimetre or more; in the paper, by 1 mm. One press shows the difference: the median over its images
-of the robot's depth less the sensor's.
+The model estimates the depth since first contact. A robot has its own scale, and its assumed position of first
+contact is wrong by some tenths of a millimetre or more (1 mm in the paper). One press determines the offset: the
+median over its images of the robot's depth minus the sensor's.
 """
 
 from __future__ import annotations
@@ -14,21 +14,20 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 
 LEAST_IMAGES = 3
-"""Images below which no zero is found."""
+"""Minimum number of images for a zero."""
 
 
 @dataclass(frozen=True)
 class DepthZero:
-    """Where the sensor's depth 0 lies on another scale.
+    """Offset of the sensor's depth zero on another scale.
 
     Attributes
     ----------
-    offset
-        Depth on the other scale at first touch, mm: add it to the sensor's depth.
-    spread
-        Median distance of single images from it, mm.
+    offset, spread
+        Depth on that scale at first contact, mm, to be added to the sensor's depth; median absolute deviation of
+        images.
     images
-        Number of images that it comes from.
+        Number of images used.
     """
 
     offset: float
@@ -37,21 +36,14 @@ class DepthZero:
 
 
 def find_depth_zero(estimated: FloatArray, other: FloatArray, min_depth: float = 2.4) -> DepthZero:
-    """Find the zero from one press.
+    """Determine the depth zero from depths (n,) mm by the sensor and by the robot, of one press.
 
-    Parameters
-    ----------
-    estimated
-        (n,) mm, depths by the sensor; those that are not numbers or below `min_depth` do not count.
-    other
-        (n,) mm, depths of the same images by the robot.
-    min_depth
-        Depth from which the model was trained, mm.
+    Estimates that are not finite or below `min_depth`, the minimum of the model's training data, are ignored.
 
     Raises
     ------
     PalpateError
-        If fewer than three images count.
+        If fewer than three images remain.
 
     Examples
     --------
@@ -62,7 +54,7 @@ def find_depth_zero(estimated: FloatArray, other: FloatArray, min_depth: float =
     counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= min_depth)
     if counts.sum() < LEAST_IMAGES:
         raise PalpateError(
-            f"{counts.sum()} images deeper than {min_depth:g} mm do not give the depth's zero.",
+            f"{counts.sum()} images deeper than {min_depth:g} mm do not determine the depth zero.",
             f"Press deeper and record at least {LEAST_IMAGES} images.",
             code="depth-zero-unknown",
         )

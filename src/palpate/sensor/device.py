@@ -1,9 +1,9 @@
-"""A sensor as a device: connect, ask for images, disconnect, in the manner of the DIGIT sensor's interface.
+"""Sensor as a device: connect, poll for images, disconnect, like the interface of the DIGIT sensor.
 
     with Device(open_source("0")) as device:
         image = device.get_image()
 
-A simulated sensor (`palpate.simulation.SimulatedSource`) stands behind the same class.
+A simulated sensor (`palpate.simulation.SimulatedSource`) works in the same way.
 """
 
 from __future__ import annotations
@@ -18,13 +18,7 @@ from palpate.core import PalpateError
 
 
 class Device:
-    """One sensor that is asked for its images.
-
-    Parameters
-    ----------
-    source
-        Camera, recording or simulation.
-    """
+    """One sensor (camera, recording or simulation), polled for its images."""
 
     def __init__(self, source: Source) -> None:
         self._source = source
@@ -32,16 +26,16 @@ class Device:
 
     @property
     def name(self) -> str:
-        """What a person reads."""
+        """Name of the source, for display."""
         return self._source.name
 
     def connect(self) -> None:
-        """Begin to take images; a device that is connected stays so."""
+        """Begin to take images; no effect if connected already."""
         if self._images is None:
             self._images = self._source.images()
 
     def get_image(self) -> NDArray[Any]:
-        """The next image, (h, w) or (h, w, 3).
+        """Return the next image, (h, w) or (h, w, 3).
 
         Raises
         ------
@@ -58,7 +52,7 @@ class Device:
         return image
 
     def disconnect(self) -> None:
-        """Give the camera or file back."""
+        """Close the camera or file."""
         self._images = None
         self._source.close()
 

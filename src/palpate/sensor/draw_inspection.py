@@ -1,4 +1,4 @@
-"""Picture of an inspection: every marker seen from the camera's side, with its print error as an arrow."""
+"""Figure of an inspection: all markers seen from the camera's side, with print errors as arrows."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from palpate.sensor.inspect_unit import Inspection
 from palpate.vision import PrintDistortion
 
 ENLARGED = 20.0
-"""Arrows are drawn this many times longer than the errors,"""
+"""Maximum magnification of the arrows relative to the errors,"""
 LONGEST_MM = 4.0
-"""or so that the longest has this length."""
+"""and length of the longest arrow, mm, that limits it further."""
 
 
 def _draw_rings(axis: Axes, law: PrintDistortion) -> None:
-    """The rings as they were printed."""
+    """Draw the rings as printed."""
     for number in range(1, len(law.rings) + 1):
         members = law.rings.members(number)
         ring = law.positions[np.append(members, members[0]), :2]
@@ -25,13 +25,7 @@ def _draw_rings(axis: Axes, law: PrintDistortion) -> None:
 
 
 def draw_inspection(inspection: Inspection) -> Figure:
-    """Draw places and print errors in the base plane.
-
-    Parameters
-    ----------
-    inspection
-        What was found.
-    """
+    """Draw marker positions and print errors of an inspection in the base plane."""
     figure = Figure(figsize=(6.4, 6.0), layout="constrained")
     axis = figure.add_subplot()
     x, y = inspection.unit.design.layout.positions[:, :2].T
@@ -47,7 +41,7 @@ def draw_inspection(inspection: Inspection) -> Figure:
     for chosen, marker, colour, words in (
         (kept, "o", "#00538c", f"within {inspection.tolerance:g} mm"),
         (outside, "s", "#d1622b", "outside"),
-        (missing, "x", "#000000", "no dot"),
+        (missing, "x", "#000000", "not found"),
     ):
         if len(chosen):
             axis.plot(x[chosen], y[chosen], marker, color=colour, ms=4, label=f"{words}: {len(chosen)}")

@@ -1,14 +1,14 @@
-"""How far a camera has crept, from what single images say of it: a Kalman filter for each way that it can move.
+"""Kalman filter of the camera drift, one for each independent mode of the camera's motion.
 
-What image t tells of one way, in px rms of the dots that it moves, is
+The measurement of one mode in image t, in px rms of the marker displacement, is
 
-    told(t) = crept(t) + first + noise(t),
+    measured(t) = drift(t) + first + noise(t),
 
-with the noise of the image at rest, from which all motion is counted, as `first`: it stays, and is no drift. Creeping
-begins at nothing and goes on at a pace that hardly changes (R. E. Kalman, J. Basic Eng. 82, 1960, 35-45). The pace is
-a random walk in time, so that a step of any length has the covariance of many short ones (Y. Bar-Shalom, X. R. Li,
-T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 6.2), and a drift is followed
-alike at every frame rate.
+where `first` is the constant noise of the rest image, relative to which all motion is measured; it is no drift. The
+drift begins at zero, and its rate changes slowly (R. E. Kalman, J. Basic Eng. 82, 1960, 35-45). The rate is a random
+walk in time, so that one long step has the covariance of many short ones (Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
+Estimation with Applications to Tracking and Navigation, 2001, section 6.2), and the result does not depend on the
+frame rate.
 """
 
 from __future__ import annotations
@@ -21,28 +21,25 @@ from scipy.linalg import eigh
 from palpate.core import FloatArray
 
 FRAME_S = 0.05
-"""Time from one image to the next where no clock tells it, s: 20 images a second."""
+"""Time between two images without a clock, s: 20 images per second."""
 LONGEST_S = 60.0
-"""Longest step, s: after a longer pause the camera is expected where it would be after this one, to within 0.06 px;
-after twice as long 0.15 px, which a knock may hide in."""
+"""Longest step, s; after a longer pause, the state is predicted for this step.
+
+The camera is then predicted within 0.06 px; after a pause twice as long within 0.15 px, which can hide a jump.
+"""
 _PACE_PX_S = 1e-4 / FRAME_S
-"""Standard deviation of the pace at the beginning, px rms/s; that of a rig in a warming room, 7 px an hour."""
+"""Initial standard deviation of the drift rate, px rms/s: 7 px per hour."""
 _CHANGE_PX_S = 2e-6 / FRAME_S**1.5
-"""The same of its change within a second, px rms/s^1.5: 2e-6 px an image from one to the next of `FRAME_S`."""
+"""Standard deviation of the rate's change in a second, px rms/s^1.5: 2e-6 px per image at `FRAME_S`."""
 _UNTOLD_PX = 0.05
-"""Noise of a way, px rms, above which it is not followed: images do not tell it from something else."""
+"""Noise of a mode, px rms, above which it is not tracked, because images do not determine it."""
 _MEASURED = np.array([1.0, 0.0, 1.0])
 
 
 class CameraDrift(NamedTuple):
-    """What is known after some images, way by way.
+    """State of the drift filter, by mode.
 
-    Attributes
-    ----------
-    mean
-        (k, 3): crept (px rms), pace (px rms/s), first (px rms).
-    covariance
-        (k, 3, 3) of these.
+    `mean` (k, 3) contains drift (px rms), rate (px rms/s) and first (px rms), and `covariance` (k, 3, 3) is theirs.
     """
 
     mean: FloatArray
@@ -50,14 +47,10 @@ class CameraDrift(NamedTuple):
 
 
 class DriftFilter:
-    """Follows the motion of a camera.
+    """Tracker of the slow motion of a camera.
 
-    Parameters
-    ----------
-    noise
-        (k, k) covariance of the motion that one image tells where nothing moves.
-    metric
-        (k, k) from a motion m to the mean squared distance by which it moves the dots, px²: mᵀ metric m.
+    `noise` (k, k) is the covariance of the motion measured in one image; mᵀ `metric` m is the mean squared marker
+    displacement of a motion m, px².
     """
 
     def __init__(self, noise: FloatArray, metric: FloatArray) -> None:
@@ -68,20 +61,21 @@ class DriftFilter:
         self._to_ways = self._ways.T @ metric
 
     def initial(self) -> CameraDrift:
-        """What is known before any image but that at rest."""
+        """Return the state before any image but the rest images."""
         covariance = np.zeros((len(self._variance), 3, 3))
         covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX_S**2, self._variance
         return CameraDrift(np.zeros((len(self._variance), 3)), covariance)
 
     def motion(self, drift: CameraDrift) -> FloatArray:
-        """By how much (k,) the camera has crept."""
+        """Return the estimated drift (k,) of the camera."""
         return np.asarray(self._ways @ drift.mean[:, 0], float)
 
     def is_jump(self, drift: CameraDrift, measured: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
-        """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no drift.
+        """Test whether a motion (k,) measured `step_s` after the last tracked image is a jump, not drift.
 
-        That is one by at least so many px rms from what was expected, of which noise alone does not tell: the sum of
-        squares of all ways over their variances is so many of its standard deviations beyond its mean.
+        It is a jump if it deviates from the prediction by more than `least_px` px rms and the deviation is
+        significant: the sum of squares of all modes over their variances exceeds its mean by more than `sure` of its
+        standard deviations.
         """
         mean, covariance = _ahead(drift, step_s)
         off = self._to_ways @ measured - mean @ _MEASURED
@@ -89,7 +83,7 @@ class DriftFilter:
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
     def update(self, drift: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
-        """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
+        """Return the state updated by a motion (k,) measured `step_s` after the last tracked image."""
         mean, covariance = _ahead(drift, step_s)
         shared = covariance @ _MEASURED
         gain = shared / (shared @ _MEASURED + self._variance)[:, None]
@@ -98,7 +92,7 @@ class DriftFilter:
 
 
 def _ahead(drift: CameraDrift, step_s: float) -> CameraDrift:
-    """What is known of the next image, a time in s later, before it is seen."""
+    """Predict the state after a time step, s."""
     step = np.eye(3)
     step[0, 1] = step_s
     covariance = step @ drift.covariance @ step.T

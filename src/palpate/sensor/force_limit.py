@@ -1,4 +1,4 @@
-"""How deep a wall may be pressed: until the twin's force reaches the limit, or the twin's range ends."""
+"""Maximum depth of a press, limited by the twin's force or the twin's range."""
 
 from __future__ import annotations
 
@@ -10,34 +10,27 @@ from palpate.core.state import State
 from palpate.design import TILT_SPACE, wall_normal
 
 _SIGMAS = 3.0
-"""Standard deviations of force and depth that are kept from the limit."""
+"""Safety margin of force and depth, in standard deviations."""
 _SHARE = 0.01
-"""What the twin's force is off of a unit whose stiffness is known, as in `palpate.calibration.force`."""
+"""Relative error of the twin's force for a unit of known stiffness, as in `palpate.calibration.force`."""
 _UNSEEN_MM = 0.5
-"""Depth at which dots may still be taken for untouched (`SensorSpec.touch_px`)."""
+"""Maximum depth at which a contact may be undetected (`SensorSpec.touch_px`)."""
 _BISECTIONS = 20
 _MARGIN_MM = 0.2
-"""Distance kept from the end of the twin's depths."""
+"""Margin to the end of the twin's depths."""
 
 
 class ForceLimit:
     """Depths at which a unit stays below a force.
 
-    Parameters
-    ----------
-    fitter
-        What reads the unit: its twin and stiffness.
-    most_n
-        Force along the normal that is never passed.
-    depth_sd
-        Standard deviation of a depth that is gone to, mm.
+    The force along the normal stays below `most_n`; `depth_sd` is the standard deviation of the robot's depth, mm.
     """
 
     def __init__(self, fitter: PoseFitter, most_n: float, depth_sd: float) -> None:
         self._fitter, self._most, self._beyond = fitter, most_n, _SIGMAS * depth_sd
 
     def max_force(self, contact: State, depth: float) -> float:
-        """Greatest force along the normal at a depth (mm), N, of a contact as in `PoseFit`."""
+        """Return the maximum normal force (N) at a depth (mm) of a contact as in `PoseFit`, with its margin."""
         scale = self._fitter.scale
         assert scale is not None
         pressed = contact.replace(depth_mm=max(depth, 0.0))
@@ -46,7 +39,7 @@ class ForceLimit:
         return pressing * (scale.mean + _SIGMAS * float(np.hypot(scale.sd, _SHARE * scale.mean)))
 
     def max_depth(self, fit: PoseFit, wanted: float) -> float:
-        """The depth nearest to a wanted one (mm) at which the limit is kept even where the robot goes too deep."""
+        """Return the depth (mm), at most `wanted`, that keeps the limit even if the robot goes too deep."""
         twin = self._fitter.model.dots.twin
         tilt = min(float(np.hypot(*fit.state[TILT_SPACE.names[:2]])), float(twin.tilts_deg[-1]))
         high, low = min(wanted, twin.max_depth(tilt, fit.state["inverse_friction"]) - _MARGIN_MM), 0.0
@@ -60,12 +53,12 @@ class ForceLimit:
         return low
 
     def check_step(self, step: float) -> None:
-        """Refuse a limit that a step (mm) from a touch too light to be seen could pass, with a `PalpateError`."""
+        """Raise a `PalpateError` if a step (mm) from an undetected contact could exceed the limit."""
         depth = step + _UNSEEN_MM
         force = self.max_force(State.zeros(CONTACT_STATE), depth + self._beyond)
         if force > self._most:
             raise PalpateError(
-                f"The search may go {depth:g} mm deep, which makes up to {force:.3f} N, above {self._most:g} N.",
-                "Make the steps of the search shorter, or the limit greater.",
+                f"The search may reach a depth of {depth:g} mm with up to {force:.3f} N, above {self._most:g} N.",
+                "Shorten the steps of the search, or increase the limit.",
                 code="force-limit-passed",
             )

@@ -1,7 +1,7 @@
-"""Force through time: silicone relaxes, so a touch is borne by more force at first than after half a minute.
+"""Contact force in time of a skin that relaxes.
 
-The twin tells the force of an elastic skin for a pose. Where its material relaxes, the force that is there depends on
-when the poses came; it is followed from reading to reading, whatever the rate, with one number a term and direction.
+The twin gives the force of an elastic skin for a pose. If the material relaxes, the force also depends on the times
+of earlier poses. It is tracked from reading to reading, at any rate, with one state per term and direction.
 """
 
 from __future__ import annotations
@@ -16,15 +16,10 @@ from palpate.sensor.reading import Reading
 
 
 class ForceRelaxation:
-    """Follows the force of one sensor.
+    """Tracker of the force of one sensor.
 
-    Readings without a pose are passed over: the force is taken to have run straight between its neighbours, and so
-    it is over a stall, where nobody knows when the touch came. Where the clock goes back, a new history begins.
-
-    Parameters
-    ----------
-    relaxation
-        Of the skin.
+    Readings without a pose are skipped: the force is interpolated linearly between their neighbours, also over a
+    pause of the images. If the clock goes back, a new history begins.
     """
 
     def __init__(self, relaxation: Relaxation) -> None:
@@ -32,7 +27,7 @@ class ForceRelaxation:
         self._history = StressHistory(relaxation)
 
     def update(self, reading: Reading, time_s: float) -> Reading:
-        """The reading of a time in s, with the force that is there then."""
+        """Return the reading at a time in s, with the relaxed force."""
         if reading.force is None or not np.isfinite(reading.force.vector).all():
             return reading
         if self._history.time is not None and time_s < self._history.time:
@@ -43,7 +38,7 @@ class ForceRelaxation:
 
 
 def _replaced(elastic: Force, there: np.ndarray) -> Force:
-    """A force with another vector (3,) N; a skin that is let go of faster than it recovers does not pull."""
+    """Replace the vector (3,) N of a force; a force that would pull becomes zero."""
     size = float(np.linalg.norm(elastic.vector))
     if there @ elastic.normal < 0:
         there = np.zeros(3)

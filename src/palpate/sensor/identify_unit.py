@@ -1,4 +1,4 @@
-"""Identify the unit of an open sensor by presses whose poses the robot says."""
+"""Identification of the unit of an open sensor by calibration presses."""
 
 from __future__ import annotations
 
@@ -25,12 +25,14 @@ from palpate.sensor.reading import Flag
 from palpate.sensor.sensor import Sensor
 
 KnownImages = tuple[FloatArray, Iterable[NDArray[Any]], FloatArray]
-"""Poses (n, 3) rx, ry (degrees) and depth (mm) that the robot says of one press, its images, and a load cell's
-readings (n,) N along the wall's normal; NaN where there is none."""
+"""Calibration press: robot poses, images, and load cell readings.
+
+Poses are (n, 3) rx, ry (degrees) and depth (mm); readings are (n,) N along the wall normal, NaN without one.
+"""
 
 
 class _Seen(NamedTuple):
-    """Dots of the images of a press that touch, and the load cell's readings (n,) N."""
+    """Marker positions of the images in contact, and readings (n,) N of the load cell."""
 
     press: CalibrationPress
     forces: FloatArray
@@ -39,31 +41,31 @@ class _Seen(NamedTuple):
 def identify_unit(
     sensor: Sensor, presses: Iterable[KnownImages], robot: RobotUncertainty | None = None, *, on_robot: bool = True
 ) -> IdentificationResult:
-    """Learn the sensor's unit, mounting and stiffness from known presses; it reads by them from then on.
+    """Identify unit, mounting and stiffness by calibration presses, and use them in later readings.
 
-    Images with few dots or no touch are left out, and so are those that no press of the unit looks like.
+    Images without contact, with few markers or with a misfit are left out.
 
     Parameters
     ----------
     sensor
         Opened with the design's twin.
     presses
-        Poses and images of each press, and the load cell's readings of those that have any.
+        Poses and images of each press, and its load cell readings if it has any.
     robot
-        How well it knows its poses and forces.
+        Uncertainty of poses and forces.
     on_robot
-        Whether poses are on the robot's scale from then on; otherwise they stay in the dome's frame, as for a unit
-        that is taken off it.
+        Whether later poses are on the robot's scale; otherwise they are in the skin's frame, as for a unit that is
+        removed from the robot.
 
     Raises
     ------
     PalpateError
-        If the sensor reads by a network, an image has no pose, or where `palpate.calibration.identify` fails.
+        If the sensor reads by a network, an image has no pose, or `palpate.calibration.identify` fails.
     """
     reader, noise, robot = sensor.estimator, sensor.spec.noise_px, robot or RobotUncertainty()
     if not isinstance(reader, TwinEstimator):
         raise PalpateError(
-            "A network cannot learn its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
+            "A network cannot identify its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
         )
     model = reader.fitter.model
     seen = [_see(sensor, press) for press in presses]
@@ -75,7 +77,7 @@ def identify_unit(
 
 
 def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> StiffnessScale:
-    """The unit's stiffness over the design's, from the images that have a load cell's reading."""
+    """Estimate the unit's relative stiffness from the images with a load cell reading."""
     expected, measured = [], []
     for press, forces in seen:
         for pixels, force in zip(press.pixels, forces, strict=True):
@@ -86,12 +88,14 @@ def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> StiffnessSc
 
 
 def _see(sensor: Sensor, known: KnownImages) -> _Seen:
-    """The dots of a press."""
+    """Read the markers of a press."""
     poses, images, forces = known
     readings = [sensor.read(image) for image in images]
     if len(readings) != len(poses):
         raise PalpateError(
-            f"{len(readings)} images have {len(poses)} poses.", "Give each image its pose.", code="pose-count-differs"
+            f"{len(readings)} images have {len(poses)} poses.",
+            "Give each image its pose.",
+            code="pose-count-differs",
         )
     kept = [
         (pose, seen.sighting, force)
@@ -100,8 +104,8 @@ def _see(sensor: Sensor, known: KnownImages) -> _Seen:
     ]
     if not kept:
         raise PalpateError(
-            "No image of a known press shows a touch that this unit could show.",
-            "Press deeper, check the light, and that design and recording belong together.",
+            "No image of the calibration press shows a contact that the twin can explain.",
+            "Press deeper, and check the light and that design and recording belong together.",
             code="calibration-press-no-touch",
         )
     pixels = [np.where(seen.found[:, None], seen.positions_px, np.nan) for _, seen, _ in kept]

@@ -1,9 +1,9 @@
-"""Inspect a built dome: where each dot was printed, from images of it at rest.
+"""Inspection of a built skin: print error of each marker, from rest images.
 
-Each dot, its ellipse's bias taken off, is carried along its ray to the inner surface of the nominal dome and compared
-with its marker there. The camera's pose is fitted to the same dots: a shift, a turn or a tilt of the whole print is
-taken for the camera's, and most of a growth for its distance. What is left is how the dots lie to each other. Where
-the whole print is bent, the law of its rings is fitted with the pose (`palpate.vision.print_distortion`).
+Each blob centre, corrected for the bias of its ellipse, is projected along its ray onto the inner surface of the
+nominal skin and compared with its marker. The camera pose is fitted to the same blobs: it absorbs a shift, a rotation
+or a tilt of the whole print, and most of a change of scale. The errors are therefore relative to each other.
+If the whole print is distorted, its ring model is fitted with the pose (`palpate.vision.print_distortion`).
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ class InspectionSpec(Spec):
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
-    """Where the dots of a built dome are.
+    """Marker positions of a built skin.
 
     Attributes
     ----------
     unit, registration
-        What was inspected, and the camera's pose that fits best.
+        The inspected unit, and its fitted camera pose.
     error
-        (m, 2) distance of each dot from its marker on the inner surface, mm: along the meridian away from the apex,
-        and along the ring counter-clockwise seen from outside; at the apex along x and y. NaN without a dot.
+        (m, 2) print error of each marker on the inner surface, mm: along the meridian away from the apex, and along
+        the ring, counter-clockwise seen from outside; at the apex along x and y. NaN without a blob.
     mm_per_px
-        (m,) how far on the surface a dot moves with a pixel, at most: what an error of the image costs.
+        (m,) maximum motion on the surface per pixel, the effect of an image error.
     tolerance
-        Greatest distance allowed, mm.
+        Maximum print error, mm.
     """
 
     unit: Unit
@@ -54,48 +54,41 @@ class Inspection:
 
     @property
     def distortion(self) -> PrintDistortion | None:
-        """How the print is bent as a whole; `None` where the dots lie as designed, but for each one's own error."""
+        """Distortion of the whole print; `None` if only single markers deviate."""
         return self.registration.distortion
 
     @property
     def distance(self) -> FloatArray:
-        """(m,) distance of each dot from its marker, mm; NaN without a dot."""
+        """Magnitude (m,) of each print error, mm; NaN without a blob."""
         return np.asarray(np.linalg.norm(self.error, axis=1))
 
     @property
     def missing(self) -> NDArray[np.intp]:
-        """Numbers of the markers without a dot."""
+        """Indices of the markers without a blob."""
         return np.flatnonzero(np.isnan(self.distance))
 
     @property
     def outside(self) -> NDArray[np.intp]:
-        """Numbers of the markers farther from their place than the tolerance."""
+        """Indices of the markers whose print error exceeds the tolerance."""
         return np.flatnonzero(self.distance > self.tolerance)
 
     @property
     def passed(self) -> bool:
-        """Whether every dot is there and in its place."""
+        """Whether every marker was found and is within the tolerance."""
         return not len(self.missing) and not len(self.outside)
 
 
 def inspect_unit(
     images: Iterable[NDArray[Any]], unit: Unit, spec: InspectionSpec | None = None, detect: DetectSpec | None = None
 ) -> Inspection:
-    """Find the print error of every marker.
+    """Measure the print error of every marker, from one or more rest images of one size.
 
-    Parameters
-    ----------
-    images
-        One or more images at rest, of one size.
-    unit
-        The design, and the lens of its camera.
-    spec, detect
-        What must be kept, and how to find dots.
+    `unit` is the design, with the lens of its camera.
 
     Raises
     ------
     PalpateError
-        If the dots are not those of the design, or their names are ambiguous.
+        If the blobs do not match the design, or their assignment is ambiguous.
     """
     registration = analyse_rest(images, unit, detect).registration
     camera, points = registration.camera, unit.design.layout.positions
@@ -120,12 +113,12 @@ def inspect_unit(
 
 
 def _on_dome(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
-    """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
+    """Return the points (m, 3), mm, at which rays of pixels hit the inner surface; NaN if they miss it."""
     return skin.hit(*camera.sight_lines(pixels))
 
 
 def _scale(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
-    """(m,) greatest motion on the surface that a pixel stands for, mm."""
+    """Return the maximum motion (m,) on the surface per pixel, mm."""
     half = 0.5
     steps = [
         (_on_dome(camera, skin, pixels + step) - _on_dome(camera, skin, pixels - step)) / (2.0 * half)

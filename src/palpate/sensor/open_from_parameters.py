@@ -1,4 +1,4 @@
-"""Open a sensor by what a program of another world hands over: paths, numbers and truths by name."""
+"""Opening of a sensor from named paths, numbers and switches, as another program passes them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from palpate.surrogate import read_twin
 
 
 class SensorLaunchSpec(Spec):
-    """A sensor that reads by a twin, and where its images come from."""
+    """Sensor with a twin, and the source of its images."""
 
     twin: Path = parameter(Path(), unit="", meaning="file of the design's twin, of palpate calibration predict")
     source: str = parameter("0", unit="", meaning="number of a camera, a video, or a folder of images")
@@ -28,8 +28,10 @@ class SensorLaunchSpec(Spec):
     layout: Path | None = parameter(None, unit="", meaning="CSV of a free layout, in the place of markers")
     mark: bool = parameter(True, unit="", meaning="whether the orientation mark is printed")
     lens: Path | None = parameter(None, unit="", meaning="YAML file of palpate calibration camera")
-    unit: Path | None = parameter(None, unit="", meaning="what palpate calibration identify wrote about this unit")
-    rest_images: int = parameter(1, unit="1", meaning="images of the untouched dome at the start", ge=1, le=1000)
+    unit: Path | None = parameter(
+        None, unit="", meaning="file of the identified unit, of palpate calibration identify"
+    )
+    rest_images: int = parameter(1, unit="1", meaning="number of rest images at the start", ge=1, le=1000)
 
     @field_validator("markers")
     @classmethod
@@ -45,12 +47,12 @@ S = TypeVar("S", bound=SensorLaunchSpec)
 
 
 def parse_launch_spec(kind: type[S], values: dict[str, Any]) -> S:
-    """A spec of its values by name; an empty text is none.
+    """Build a spec from values by name.
 
     Raises
     ------
     PalpateError
-        If one is unknown or out of bounds.
+        If a name is unknown or a value out of bounds.
     """
     try:
         return kind.model_validate(values)
@@ -58,19 +60,19 @@ def parse_launch_spec(kind: type[S], values: dict[str, Any]) -> S:
         first = error.errors()[0]
         name = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
-            f"The parameter {name}: {first['msg'].rstrip('.')}.",
-            f"Known are {', '.join(kind.model_fields)}.",
+            f"Invalid parameter {name}: {first['msg'].rstrip('.')}.",
+            f"The parameters are {', '.join(kind.model_fields)}.",
             code=first["type"],
         ) from None
 
 
 def open_from_parameters(spec: SensorLaunchSpec) -> Sensor:
-    """Open a sensor by a twin and the first images of a source, which show the untouched dome.
+    """Open a sensor by a twin and the first images of a source, which are rest images.
 
     Raises
     ------
     PalpateError
-        If a file cannot be read, the source not be opened, or its first images do not show this design at rest.
+        If a file or the source cannot be opened, or its first images do not show the unloaded skin of this design.
     """
     twin = read_twin(spec.twin)
     markers = MarkerSpec(file=spec.layout) if spec.layout else MarkerSpec(count=spec.markers)
@@ -82,8 +84,8 @@ def open_from_parameters(spec: SensorLaunchSpec) -> Sensor:
     images = [image for image in first if not isinstance(image, PalpateError)]
     if len(images) < spec.rest_images:
         raise PalpateError(
-            f"{spec.rest_images} images at rest were asked for, {len(images)} can be read.",
-            "Look at the camera, or ask for fewer.",
+            f"{spec.rest_images} rest images are needed at the start of the source; {len(images)} can be read.",
+            "Check the camera, or reduce `rest_images`.",
             code="rest-images-few",
         )
     sensor = open_sensor(images, unit, twin, SensorSpec(rest_images=spec.rest_images))

@@ -1,4 +1,4 @@
-"""Where one frame stands in another, and the tilt of a wall from its normal."""
+"""Pose of one frame in another, and tilt of a wall from its normal."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _unmoved() -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where a frame stands in another: ``base_from_flange @ flange_from_sensor`` is ``base_from_sensor``.
+    """Pose of a frame in another: ``base_from_flange @ flange_from_sensor`` is ``base_from_sensor``.
 
     Attributes
     ----------
@@ -43,25 +43,25 @@ class Placement:
         return Placement(self.rotation @ other.rotation, self.apply(other.position))
 
     def apply(self, point: FloatArray) -> FloatArray:
-        """A point (3,) mm of this frame in the other."""
+        """Transform a point (3,) mm of this frame to the outer frame."""
         return self.rotation @ point + self.position
 
     def inverse(self) -> Placement:
-        """Where the other frame stands in this one."""
+        """Return the pose of the outer frame in this one."""
         return Placement(self.rotation.T, -self.rotation.T @ self.position)
 
     def moved(self, by: FloatArray) -> Placement:
-        """The same frame, its origin moved by (3,) mm along the axes of the other."""
+        """Return the pose with its origin moved by (3,) mm along the axes of the outer frame."""
         return Placement(self.rotation, self.position + by)
 
 
 def rotation_from_vector(vector_deg: FloatArray) -> FloatArray:
-    """Rotation (3, 3) by a rotation vector (3,) in degrees."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,) in degrees."""
     return Rotation.from_rotvec(vector_deg, degrees=True).as_matrix()
 
 
 def rotation_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """The shortest rotation (3, 3) that takes one unit vector (3,) to another; they are not opposite.
+    """Return the shortest rotation (3, 3) from one unit vector (3,) to another, not opposite one.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def rotation_between(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def tilt_from_normal(normal: FloatArray) -> FloatArray:
-    """Rotation vector (rx, ry), degrees, of a wall with this unit normal (3,): the inverse of `wall_normal`.
+    """Return the tilt (rx, ry), degrees, of a wall with a unit normal (3,); inverse of `wall_normal`.
 
     Examples
     --------

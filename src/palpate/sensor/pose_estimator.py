@@ -1,12 +1,13 @@
-"""What reads markers: a network that was trained, or a fit of the unit's twin.
+"""Pose estimators of a sensor: a trained network, or a fit of the unit's twin.
 
-A network was trained for the nominal camera. A dot seen by the real one is carried over the ray to the height of its
-marker at rest, or to the wall where that is lower, and projected by the nominal camera; the same is done with the
-rest image, and the network reads its own rest plus the difference. So roll, tilt, focal length and distortion of the
-real camera are taken out exactly, print and seating errors at rest vanish, and an offset is taken out as far as the
-dome follows the wall. The wall is that of a first estimate; of another obstacle only the heights at rest are used.
+A network was trained for the nominal camera. A blob in the real image is projected along its ray to the height of its
+marker at rest, or to the wall if that is lower, and from there into the nominal camera. The rest image is converted
+in the same way, and the network reads its own rest positions plus the difference. This removes roll, tilt, focal
+length and distortion of the real camera exactly, print and seating errors at rest, and an offset of the camera as far
+as the skin follows the wall. The wall is that of a first estimate; for other obstacles only the heights at rest are
+used.
 
-A twin is fitted to the dots as the real camera sees them (`palpate.calibration.fit_pose`).
+A twin is fitted to the marker positions in the real camera (`palpate.calibration.fit_pose`).
 """
 
 from __future__ import annotations
@@ -33,17 +34,17 @@ from palpate.surrogate import Twin, read_twin, twin_path, twin_relaxation
 from palpate.vision import MarkerAssignment, PrintDistortion, Registration, TrackedMarkers
 
 _SAME_MM = 0.1
-"""Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
+"""Camera offset below which the height of a marker does not matter: below 0.1 px at full depth."""
 
 _NEAR = np.array([2.0, 2.0, 0.5])
-"""Change of rx, ry (degrees) and depth (mm) within which a drift of the camera shows alike."""
+"""Change of rx, ry (degrees) and depth (mm) within which the image shift by drift is constant."""
 
 PoseModel = Predictor | Twin
-"""What a sensor reads with."""
+"""Trained network or twin, by which a sensor reads."""
 
 
 class PoseEstimate(NamedTuple):
-    """What a reader says about one image: pose, half-widths, motion (px rms), flags, force, fit and rest."""
+    """Estimate of one image: pose, half-widths, displacement (px rms), flags, force, fit and rest drift."""
 
     pose: FloatArray
     half_width: FloatArray
@@ -56,16 +57,14 @@ class PoseEstimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ReaderState:
-    """What a reader carries from one image to the next; a network carries nothing.
+    """State carried from one image to the next; a network carries none.
 
     Attributes
     ----------
-    rest
-        How far the untouched dots have drifted.
-    fit
-        From where the next image is fitted.
+    rest, fit
+        Drift of the markers since the rest images, and start of the next fit.
     contact
-        `palpate.calibration.CONTACT_STATE` of the last image, if it was explained.
+        `palpate.calibration.CONTACT_STATE` of the last image, if the fit explained it.
     """
 
     rest: RestState | None = None
@@ -74,28 +73,28 @@ class ReaderState:
 
 
 class PoseEstimator(ABC):
-    """Reads the named markers of one unit.
+    """Estimator of the pose from the assigned markers of one unit.
 
     Attributes
     ----------
     space
-        What it estimates.
+        Components of the pose.
     """
 
     space: PoseSpace
 
     @property
     def twin_fit(self) -> PoseFitter | None:
-        """What fits the unit's twin; `None` where a network reads."""
+        """Fit of the unit's twin; `None` for a network."""
         return None
 
     @property
     def relaxation(self) -> Relaxation | None:
-        """How the force fades under a touch that stays; `None` where nothing says so."""
+        """Relaxation of the force; `None` if unknown."""
         return None
 
     def begin(self) -> ReaderState:
-        """The state before any image but those at rest."""
+        """Return the state before any image but the rest images."""
         return ReaderState()
 
     @abstractmethod
@@ -106,19 +105,19 @@ class PoseEstimator(ABC):
         near: PoseEstimate | None = None,
         time_s: float | None = None,
     ) -> tuple[PoseEstimate, ReaderState]:
-        """Estimate the pose from where markers are in the image after a state; the estimate, and the next state.
+        """Estimate the pose from the tracked markers of the next image, and return it with the next state.
 
-        `near` is an estimate of the same image by other markers, from which this one may begin, and `time_s` when the
-        image was taken, where a clock says so.
+        `near` is an estimate of the same image by another assignment, a possible start; `time_s` is the time of the
+        image, if known.
         """
 
     def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
-        """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
+        """Return the positions (m, 2) px that an estimate predicts, NaN if hidden; `None` if not available."""
         return None
 
 
 class NetworkEstimator(PoseEstimator):
-    """Reads by a trained network."""
+    """Pose estimator by a trained network."""
 
     def __init__(
         self, predictor: Predictor, unit: Unit, naming: MarkerAssignment, registration: Registration
@@ -150,14 +149,14 @@ class NetworkEstimator(PoseEstimator):
         return PoseEstimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
 
     def _force(self, prediction: Prediction) -> Force | None:
-        """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
+        """Return the force on the wall, for a unit of the design's stiffness within its tolerance."""
         if prediction.forces is None or prediction.forces_half_width is None:
             return None
         turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
         return predict_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
-        """Dots on sights of the real camera as the nominal camera would show them, for a wall of about this pose."""
+        """Project blobs on rays of the real camera into the nominal camera, for a wall near this pose."""
         starts, rays = sight
         reach = (self.unit.design.layout.positions[:, 2] - starts[:, 2]) / rays[:, 2]
         if pose is not None:
@@ -168,12 +167,12 @@ class NetworkEstimator(PoseEstimator):
 
 
 def _as_printed(layout: MarkerLayout, law: PrintDistortion | None) -> MarkerLayout:
-    """A layout as designed, or where the law of its rings has it printed."""
+    """Return a layout with the positions of a print distortion, if there is one."""
     return layout if law is None else replace(layout, positions=law.positions)
 
 
 class TwinEstimator(PoseEstimator):
-    """Reads by fitting the unit's twin."""
+    """Pose estimator by a fit of the unit's twin."""
 
     def __init__(
         self, twin: Twin, unit: Unit, naming: MarkerAssignment, spec: SensorSpec, law: PrintDistortion | None = None
@@ -234,9 +233,9 @@ class TwinEstimator(PoseEstimator):
     def _fit(
         self, seen: FloatArray, rest: RestState, state: ReaderState, near: PoseFit | None
     ) -> tuple[FloatArray, PoseFit, FitState]:
-        """Dots as they were without drift, their fit, and the state after it.
+        """Remove the drift from marker positions, fit them, and return both with the next state.
 
-        Where the contact is far from the last image's, drift is taken out once more, as it shows there.
+        If the contact is far from that of the last image, the drift is removed again, with the shift at this contact.
         """
         last = state.contact
         still = self.watch.remove_drift(rest, seen, last)
@@ -248,12 +247,12 @@ class TwinEstimator(PoseEstimator):
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
-    """Refuse a rest image that is not the one by which a unit is known: its camera has moved, or it is another."""
+    """Raise an error if rest markers differ from those at identification: another unit, or a moved camera."""
     moved = float(np.nanmedian(np.linalg.norm(now - before, axis=1)))
     if not moved <= most:
         raise PalpateError(
-            f"The untouched dots are {moved:.2f} px from where they were when the unit was identified.",
-            "Identify it again: its camera has moved, or this is another unit.",
+            f"The rest markers are {moved:.2f} px from their positions at the identification of the unit.",
+            "Identify the unit again: its camera has moved, or this is another unit.",
             code="rest-markers-moved",
         )
 
@@ -261,21 +260,21 @@ def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
 def make_estimator(
     model: PoseModel, unit: Unit, naming: MarkerAssignment, registration: Registration, spec: SensorSpec
 ) -> PoseEstimator:
-    """The reader of a unit whose rest image was named and registered."""
+    """Build the pose estimator of a unit from the assignment and registration of its rest image."""
     if isinstance(model, Twin):
         return TwinEstimator(model, unit, naming, spec, registration.distortion)
     return NetworkEstimator(model, unit, naming, registration)
 
 
 def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
-    """Open what reads a sensor of a known design: a twin (``.h5``), a network (``.onnx``), or a twin of a folder.
+    """Open a pose model: a twin (``.h5``), a network (``.onnx``), or the twin in a result folder.
 
     Parameters
     ----------
     path
-        The file, or a result folder.
+        The file or folder.
     skin
-        Whose twin is looked for in a folder.
+        Skin whose twin is searched in a folder.
 
     Raises
     ------
@@ -290,8 +289,8 @@ def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
         return open_predictor(path)
     if is_recorded_model(path):
         raise PalpateError(
-            f"{path.name} was learnt from a recording and knows no design.",
-            "Use it by palpate sensor live or palpate calibration accept.",
+            f"{path.name} was trained on a recording and has no design.",
+            "Use it with palpate sensor live or palpate calibration accept.",
             code="model-no-design",
         )
     return read_twin(path)
@@ -302,19 +301,19 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
     if not found.is_file():
         raise PalpateError(
             f"{folder} has no twin of {skin.name}.",
-            "Make it: palpate calibration predict STUDY --out FOLDER, or give a file.",
+            "Compute it by palpate calibration predict STUDY --out FOLDER, or give a file.",
             code="twin-missing",
         )
     return found
 
 
 def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) -> None:
-    """Refuse a model of another design, or of another pose, with a `PalpateError`."""
+    """Raise a `PalpateError` if a model is of another design or estimates another pose."""
     if isinstance(model, Twin):
         if model.skin.spec_data != unit.design.skin.spec_data:
             raise PalpateError(
-                f"The twin is of {model.skin.name}, the design is {unit.design.skin.name}.",
-                "Use its own twin.",
+                f"The twin is of {model.skin.name}, but the design is {unit.design.skin.name}.",
+                "Use the twin of this design.",
                 code="twin-design-differs",
             )
         if unit.identified is not None:
@@ -323,14 +322,14 @@ def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) ->
     else:
         if unit.identified is not None:
             raise PalpateError(
-                "A network cannot use what presses told about a unit.",
-                "Read by the design's twin.",
+                "A trained network cannot use an identified unit.",
+                "Use the twin of the design (.h5) instead.",
                 code="network-no-unit",
             )
         if model.markers != len(unit.design.layout):
             raise PalpateError(
-                f"The model reads {model.markers} markers, the design has {len(unit.design.layout)}.",
-                "Use the model of this design.",
+                f"The model reads {model.markers} markers, but the design has {len(unit.design.layout)}.",
+                "Use a model of this design.",
                 code="model-marker-count",
             )
         estimates = model.space
@@ -343,7 +342,7 @@ def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) ->
 
 
 def _wall(skin: Skin, pose: FloatArray) -> tuple[FloatArray, float]:
-    """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
+    """Return the wall normal n and the maximum n·x (mm) of the inner surface, at full skin thickness."""
     normal = wall_normal(*np.radians(pose[:2]))
     limit = skin.support_point(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
     return normal, float(limit)

@@ -1,4 +1,4 @@
-"""Read a source in a thread of its own, through unplugging: a camera that is gone is said, and opened again."""
+"""Reading of an image source in its own thread; a lost camera is reported and reopened."""
 
 from __future__ import annotations
 
@@ -17,26 +17,21 @@ from palpate.sensor.reading import Reading
 from palpate.sensor.write_readings import describe_reading
 
 THERE, GONE = "there", "gone"
-"""What `camera` of a row says: images come; the source has ended or cannot be opened."""
+"""Values of `camera` in a row: images arrive; the source has ended or cannot be opened."""
 _ENDED = "The source has ended."
 
 
 class ReadsImages(Protocol):
-    """A sensor, or what stands before one."""
+    """A sensor or a wrapper of one."""
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """Reading of the next image, or of what came in its place."""
+        """Return the reading of the next image, or of an error in its place."""
 
 
 class SourceReader:
-    """Reads images one by one, whoever gives them.
+    """Reader of images one by one, from any thread.
 
-    Parameters
-    ----------
-    sensor
-        Opened already; one image at a time is read.
-    publish
-        Gets every reading as plain data, from the thread that read it.
+    Every reading is published as plain data, in the thread that read it; one image at a time is read.
     """
 
     def __init__(self, sensor: ReadsImages, publish: Callable[[Row], None]) -> None:
@@ -45,7 +40,7 @@ class SourceReader:
         self._stop = threading.Event()
 
     def read(self, image: NDArray[Any] | PalpateError) -> Row:
-        """Read one image, publish its reading and give it back."""
+        """Read one image, publish its reading and return it."""
         with self._lock:
             taken = time.time()
             row = _row(self._sensor.read(image), THERE, taken)
@@ -57,19 +52,10 @@ class SourceReader:
         return row
 
     def run(self, open_again: Callable[[], Source], retry_s: float = 1.0, again: bool = True) -> None:
-        """Read a source until `stop`; where it ends or cannot be opened, say so once, and try again.
+        """Read a source until `stop`; if it ends or cannot be opened, report this once and try again.
 
-        Any error of a source counts as its end. Where reading cannot go on at all, a last reading says so: nobody
-        is left with an old one.
-
-        Parameters
-        ----------
-        open_again
-            Opens it.
-        retry_s
-            Time between two tries.
-        again
-            Whether it is tried again: cameras are, files are not.
+        Any error of a source counts as its end. An error that stops reading altogether is published as a last
+        reading. A try follows the last one after `retry_s`; `again` is `False` for files.
         """
         try:
             self._follow(open_again, retry_s, again)
@@ -101,12 +87,14 @@ class SourceReader:
                 return
 
     def stop(self) -> None:
-        """End `run` after the image at hand."""
+        """End `run` after the current image."""
         self._stop.set()
 
     def _gone(self, reason: str) -> None:
         with self._lock:
-            row = _row(self._sensor.read(PalpateError(reason, "Plug it in.", code="source-gone")), GONE, time.time())
+            row = _row(
+                self._sensor.read(PalpateError(reason, "Connect the camera.", code="source-gone")), GONE, time.time()
+            )
             self._publish(row)
 
 

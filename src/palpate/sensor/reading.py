@@ -1,4 +1,4 @@
-"""A reading: what the sensor says about one image."""
+"""Reading: the output of the sensor for one image."""
 
 from __future__ import annotations
 
@@ -13,50 +13,49 @@ from palpate.vision import TrackedMarkers
 
 
 class Flag(StrEnum):
-    """Why a reading is not to be trusted like others."""
+    """Reason to distrust a reading."""
 
     UNREADABLE = "the image could not be read"
     FEW_MARKERS = "too few markers were found"
     JUMPED = "the markers jumped"
-    OUT_OF_DISTRIBUTION = "the markers moved as in no image of the training"
-    CAMERA_MOVED = "the camera has moved since the images at rest"
+    OUT_OF_DISTRIBUTION = "the markers moved unlike in any training image"
+    CAMERA_MOVED = "the camera has moved since the rest images"
     MISFIT = "no press of this unit looks like the image"
-    IMAGE_ONLY = "the dots could not be numbered; the pose is read from the picture"
+    IMAGE_ONLY = "the markers could not be assigned; the pose is estimated from the image"
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Pose of the obstacle from one image; ``reading["rx_deg"]`` is one number of it.
+    """Pose of the obstacle from one image; ``reading["rx_deg"]`` returns one component.
 
     Attributes
     ----------
     image
         Number of the image since the rest image.
     pose
-        Estimate by the names and units of `space`; NaN where there is none.
+        Estimate by the names and units of `space`; NaN without a pose.
     half_width
-        Half-widths of their intervals; infinite where nothing is promised.
+        Half-widths of the intervals; infinite if unknown.
     touching
-        Whether the dome is touched.
+        Whether the skin is in contact.
     found
-        Number of markers with a dot; the others were estimated.
+        Number of markers with a blob; the positions of the remaining markers were estimated.
     flags
-        What is wrong; empty for a good reading.
+        Reasons to distrust the reading; empty for a good one.
     latency_ms
         Time from the image to the pose.
     reason
-        What went wrong with an unreadable image.
+        Error of an unreadable image.
     sighting
-        Where the markers were seen that the pose comes from; `None` without one.
+        Marker positions from which the pose was estimated; `None` without a pose.
     space
-        What the numbers of the pose are: those that the model was trained for.
+        Components of the pose.
     force
-        On the wall; `None` where what reads tells none.
+        Force on the wall; `None` if it is not estimated.
     fit
-        Covariance and friction, where the unit's twin was fitted.
+        Covariance and friction, if the unit's twin was fitted.
     rest
-        How far the untouched dots have drifted, and were followed, since the images at rest; `None` where nothing
-        looks.
+        Tracked drift of the markers since the rest images; `None` if the estimator does not track it.
     """
 
     image: int
@@ -78,12 +77,12 @@ class Reading:
 
     @property
     def depth_mm(self) -> float:
-        """Depth since first touch."""
+        """Depth since first contact."""
         return self.pose[2] if self.space.is_line else self.pose[-1]
 
     @property
     def line(self) -> tuple[float, float]:
-        """Offset (mm) and angle (degrees) of an obstacle that lies level; NaN of one that does not."""
+        """Offset (mm) and angle (degrees) of a line obstacle; NaN for other obstacles."""
         offset, angle = self.space.line(self.pose).tolist() if self.space.is_line else (math.nan, math.nan)
         return offset, angle
 

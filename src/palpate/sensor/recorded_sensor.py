@@ -1,4 +1,4 @@
-"""A sensor that was learnt from a recording, at work: readings of its images, one by one, without a design."""
+"""Sensor with a model that was trained on a recording, without a design."""
 
 from __future__ import annotations
 
@@ -16,13 +16,7 @@ from palpate.vision import TrackedMarkers
 
 
 class RecordedSensor:
-    """Reads images by a model of `palpate recording train`; each by itself, in any order.
-
-    Attributes
-    ----------
-    model, spec
-        What it reads with, and when it flags.
-    """
+    """Sensor with a model of `palpate recording train`; it reads each image on its own, in any order."""
 
     def __init__(self, model: RecordedModel, spec: SensorSpec | None = None) -> None:
         self.model, self.spec = model, spec or SensorSpec()
@@ -72,7 +66,7 @@ class RecordedSensor:
         )
 
     def _sighting(self, found: PoseReading) -> TrackedMarkers | None:
-        """Where numbered dots were seen; `None` where they were not believed."""
+        """Return the positions of the assigned markers; `None` if the assignment was not accepted."""
         seen, layout = found.correspondence, self.model.layout
         if seen is None or layout is None or not seen.accepted:
             return None

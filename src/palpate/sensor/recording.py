@@ -1,12 +1,12 @@
-"""Recorded presses with known poses: a table of the truth, beside images or readings of them.
+"""Recorded presses of known pose: a table of ground truth for images or their readings.
 
     image,press,rx_deg,ry_deg,depth_mm
     000.png,rest,,,
     001.png,1,5.0,0.0,0.8
 
-`image` is a file's name, or the number that `palpate sensor live` gave to the image; rows whose press is ``rest``
-show the untouched dome. The depth may be on any scale (see `palpate.sensor.depth_zero`), or left empty where nobody
-knows it. A column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
+`image` is a file name, or the number that `palpate sensor live` gave to the image; rows whose press is ``rest`` are
+rest images. The depth may be on any scale (see `palpate.sensor.depth_zero`), or empty if unknown. An optional column
+``force_n`` holds a load cell's reading along the wall normal; it may have gaps.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ class GroundTruth:
     Attributes
     ----------
     rest
-        Images of the untouched dome.
+        Rest images.
     images
         (n,) images of presses, in order.
     press
-        (n,) number of the press, from 0 in the order in which they come.
+        (n,) index of the press, in order of occurrence.
     poses
-        (n, 3) rx, ry (degrees) and depth (mm; NaN where it is not known).
+        (n, 3) rx, ry (degrees) and depth (mm; NaN if unknown).
     forces
-        (n,) N on the wall along its normal; NaN where it was not measured.
+        (n,) force on the wall along its normal, N; NaN if not measured.
     """
 
     rest: tuple[str, ...]
@@ -60,18 +60,18 @@ class GroundTruth:
 
 
 def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> GroundTruth:
-    """Read the table of the truth.
+    """Read a table of ground truth.
 
     Raises
     ------
     PalpateError
-        If it cannot be read, lacks a column, or a pose is not a number; the message names the line.
+        If it cannot be read, lacks a column, or a pose is not a number; the message contains the line.
     """
     table, choice = read_table(path), choice or ColumnMapping()
     image = find_image_column(table, choice)
     by = find_press_column(table, choice)
     if not by:
-        raise PalpateError(f"{path.name} has no column of presses.", _EXAMPLE, code="column-missing")
+        raise PalpateError(f"{path.name} has no press column.", _EXAMPLE, code="column-missing")
     names, numbers = _texts(table, image), _texts(table, by)
     at_rest = np.char.lower(numbers) == REST
     if at_rest.all():
@@ -83,7 +83,7 @@ def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> Ground
     if len(missing):
         raise PalpateError(
             f"{path.name}, line {table.first_line + int(np.flatnonzero(~at_rest)[missing[0]])}: an angle is missing.",
-            "Only the depth may be unknown.",
+            "Give both angles of every image; only the depth may be missing.",
             code="angle-missing",
         )
     order = list(dict.fromkeys(numbers[~at_rest].tolist()))
@@ -94,13 +94,13 @@ def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> Ground
 
 
 def _texts(table: RecordingTable, name: str) -> TextArray:
-    """Cells of a column as text; whole numbers without a decimal point."""
+    """Return the cells of a column as text, whole numbers without a decimal point."""
     values = table.columns[name]
     return np.array([f"{value:.15g}" for value in values] if table.is_numeric(name) else values.tolist(), str)
 
 
 def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray]:
-    """Read what `palpate sensor live --out` wrote about the images of a truth.
+    """Read the output of `palpate sensor live --out` for the images of a ground truth.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     Raises
     ------
     PalpateError
-        If the file cannot be read, or an image of the truth has no reading.
+        If the file cannot be read, or an image of the ground truth has no reading.
     """
     table = read_table(path)
     image = find_image_column(table, ColumnMapping())
@@ -119,8 +119,8 @@ def read_readings(path: Path, truth: GroundTruth) -> tuple[FloatArray, BoolArray
     missing = [name for name in truth.images if name not in rows]
     if missing:
         raise PalpateError(
-            f"{len(missing)} images of the truth have no reading in {path.name}, the first is {missing[0]}.",
-            "Number the images as palpate sensor live does: from 1, images at rest not counted.",
+            f"{len(missing)} images of the ground truth have no reading in {path.name}, the first is {missing[0]}.",
+            "Number the images as palpate sensor live does: from 1, without the rest images.",
             code="readings-missing",
         )
     chosen = table.rows(np.array([rows[name] for name in truth.images]))

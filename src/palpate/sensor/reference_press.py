@@ -1,4 +1,4 @@
-"""A press whose pose is known: what tells the markers of a dome without an orientation mark."""
+"""Reference press: a press of known pose that resolves the symmetry of a layout without a mark."""
 
 from __future__ import annotations
 
@@ -18,20 +18,15 @@ from palpate.sensor.unit import Unit
 from palpate.vision import MarkerAssignment, PressFit, disambiguate_by_press, register_dome
 
 _CELLS = 10
-"""A coarse mesh is solved in seconds; friction costs more than it does."""
+"""Cells of a coarse mesh, solved in seconds; its error is below that of the unknown friction."""
 _IMAGE_STEP = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class ReferencePress:
-    """An image of a press, and where its markers should be.
+    """Image (h, w) or (h, w, 3) of a press of known pose, and positions (m, 3) mm of its markers.
 
-    Attributes
-    ----------
-    image
-        (h, w) or (h, w, 3), by the camera of the rest image, unmoved.
-    positions
-        (m, 3) mm, the layout's markers in that press, by simulation.
+    The camera is that of the rest image, unmoved; the positions are simulated.
     """
 
     image: NDArray[Any]
@@ -46,20 +41,20 @@ class ReferencePress:
         image
             The image of the press.
         pose
-            rx, ry (degrees) and depth (mm) of the wall, as a robot or a wedge gives them; 1 mm of depth does no harm.
+            rx, ry (degrees) and depth (mm) of the wall, by a robot or a wedge; a depth error of 1 mm is harmless.
         design
             The design.
 
         Raises
         ------
         PalpateError
-            If the depth is not positive, or the press ends before it is reached.
+            If the depth is not positive, or the simulated press ends before it.
         """
         rx, ry, depth = pose
         if not depth > 0.0:
             raise PalpateError(
-                f"A press {depth:g} mm deep is none.",
-                "Give a positive depth, 4 mm say.",
+                f"The press depth is {depth:g} mm; it must be positive.",
+                "Give a depth such as 4 mm.",
                 code="press-depth-not-positive",
             )
         wall = WallSpec(
@@ -73,21 +68,21 @@ class ReferencePress:
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",
-                "Press less deep.",
+                "Use a smaller depth.",
                 code="press-ends-early",
             )
         return cls(image, press.positions(design.layout.positions)[-1])
 
 
 def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: FloatArray, unit: Unit) -> PressFit:
-    """Choose among the numberings of a rest image by the dots (n, 2) of a known press.
+    """Choose among the assignments of a rest image by the blobs (n, 2) of a reference press.
 
-    Each numbering gives the camera another pose; the markers at `positions` (m, 3) are seen from there.
+    Each assignment implies another camera pose, from which the markers at `positions` (m, 3) are predicted.
 
     Raises
     ------
     PalpateError
-        If a numbering cannot be registered, or where `palpate.vision.disambiguate_by_press` fails.
+        If an assignment cannot be registered, or `palpate.vision.disambiguate_by_press` fails.
     """
     nominal = unit.camera_spec
     choices = (naming, *naming.alternatives)
@@ -98,7 +93,7 @@ def disambiguate(naming: MarkerAssignment, pressed_px: FloatArray, positions: Fl
 
 
 def _motion(choice: MarkerAssignment, positions: FloatArray, unit: Unit, nominal: CameraSpec) -> FloatArray:
-    """(m, 2) motion of the markers in the image under one numbering; a mirrored image is flipped for it and back."""
+    """Return the motion (m, 2) px of the markers under one assignment; a mirrored image is flipped first."""
     flip = np.array([-1.0 if choice.mirrored else 1.0, 1.0])
     if choice.mirrored:
         width = nominal.width_px - 1.0

@@ -1,4 +1,4 @@
-"""Reports as files: a page in Markdown, strict JSON, CSV."""
+"""Report files: a page in Markdown, strict JSON, CSV."""
 
 from __future__ import annotations
 
@@ -13,18 +13,10 @@ Rows = Sequence[Sequence[str]]
 
 
 def write_report(folder: Path, name: str, content: Any, page: Iterable[str | Report], table: Rows = ()) -> None:
-    """Write ``name.json``, ``name.md`` and, if there is a table, ``name.csv`` into a folder, which is made.
+    """Write ``name.json``, ``name.md`` and, with a table, ``name.csv`` into a folder, which is created.
 
-    Parameters
-    ----------
-    folder, name
-        Folder, and beginning of the files' names.
-    content
-        JSON data; numbers that are not finite become null.
-    page
-        Paragraphs in Markdown, and tables.
-    table
-        Rows, the first of them the columns.
+    `content` is JSON data, in which numbers that are not finite become null; `page` has paragraphs in Markdown, and
+    tables; the first row of `table` holds the columns.
 
     Raises
     ------
@@ -40,5 +32,5 @@ def write_report(folder: Path, name: str, content: Any, page: Iterable[str | Rep
 
 
 def provenance_line() -> str:
-    """The sentence that names the versions a report was made with."""
+    """Return a sentence with the versions that made a report."""
     return "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + "."

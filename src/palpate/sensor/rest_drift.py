@@ -1,16 +1,16 @@
-"""Where the untouched dots are now: a camera creeps, silicone warms, and all dots move with them.
+"""Tracking of the unloaded markers: camera drift and thermal expansion move all of them.
 
-How far the dots have moved since the images at rest is split, image by image, into a motion of the camera (its place,
-its turn, and its focal length, which is what swelling looks like) and what light touches do to this unit (the main
-directions of its twin's touches, `_TOUCHES`):
+In each image, the displacement of the markers since the rest images is split into a motion of the camera (position,
+rotation, and focal length, which has the effect of swelling) and the effect of light contacts on this unit (principal
+directions of its twin, `_TOUCHES`):
 
     moved = C c + T t + noise
 
-Only c is ever followed, so a light touch, held for however long, goes to t and is not learnt as rest. An image counts
-as untouched where t explains nothing beyond the noise, and nothing else is left over. Then the rest follows a small
-difference of c, each combination of the camera's numbers as far as the dots know it (`DriftFilter`); a large one that
-is no noise is a knock. Few dots tell some motions of the camera from touches badly: 37 dots show one of 0.09 px rms
-where nothing moved.
+Only c is tracked, so that a light contact of any duration contributes to t and not to the rest. An image counts as
+unloaded if t is not significant and the residual is no more than noise. Then the rest follows a small change of c, in
+each combination of the camera parameters that the markers determine (`DriftFilter`); a large, significant change is a
+jump. Few markers distinguish some camera motions from contacts badly: 37 markers show a motion of 0.09 px rms of a
+still camera.
 """
 
 from __future__ import annotations
@@ -38,42 +38,38 @@ _MOVES = {
     "centre_x_px": 0.5,
     "centre_y_px": 0.5,
 }
-"""Numbers of the camera that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
+"""Camera parameters that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
 _LENGTHS = ("offset_x", "offset_y", "distance")
-"""Those that are mm, for a skin of the size in `palpate.calibration.scale`, as the depths of the touches are."""
+"""Parameters in mm, for a skin of the size in `palpate.calibration.scale`, as are the depths below."""
 _TOUCHES = ((0.05, 0.15, 0.35, 0.7), (0.0, 5.0, 10.0), 8)
-"""Depths (mm), tilts (degrees) and number of directions of the touches that are kept apart from drift."""
+"""Depths (mm), tilts (degrees) and number of azimuths of contacts distinguished from drift."""
 _MOST_STEPS = 10.0
-"""How many of these steps a camera is moved at most, about: 1 mm or 2°. More would explain a touch by a camera."""
+"""Approximate maximum camera motion in steps of `_MOVES`: 1 mm or 2°; larger ones mimic contacts."""
 _LOST_PX = 0.01
-"""What is left out of any touch, px rms."""
+"""Maximum part of a contact that its principal directions may omit, px rms."""
 _SEEN_PX = 0.002
-"""Motion that a step of a combination of the camera's numbers must make at rest to be kept, px rms."""
+"""Minimum motion at rest per step of a combination of camera parameters that is tracked, px rms."""
 _KNOCK_PX = 0.15
-"""Difference of the rest from what was followed above which it is a knock, px rms."""
+"""Deviation from the tracked rest above which the camera has jumped, px rms."""
 _SURE = 5.0
-"""Standard deviations above which a touch or a knock is seen."""
+"""Standard deviations above which a contact or a jump is significant."""
 _NOISY_PX = 0.1
-"""What may be left over of an untouched image at least, px rms of a coordinate."""
+"""Residual of an unloaded image that is accepted in any case, px rms of a coordinate."""
 _LOUDER = 1.5
-"""Variance of the dots' noise over the least that any image had: that of an image of a deep touch is no noise."""
+"""Factor on the minimum noise variance of all images: residuals of deep contacts are not noise."""
 _NOTHING_PX = 0.01
-"""Motion of the rest below which dots are taken as they are, px rms."""
+"""Drift below which it is not removed from marker positions, px rms."""
 
 
 class RestDrift(NamedTuple):
-    """How the untouched dots have moved as a whole since the images at rest.
+    """Common motion of the unloaded markers since the rest images.
 
     Attributes
     ----------
-    rms_px
-        Root mean square distance of the dots from where they were.
-    shift_px
-        Column and row by which their middle moved.
-    turn_deg
-        Turn about it, from columns to rows.
-    scale
-        By which they spread, 1 where they did not.
+    rms_px, shift_px
+        Root mean square displacement of the markers, and shift of their centre (column, row).
+    turn_deg, scale
+        Rotation about the centre, from columns to rows, and scale factor, 1 if unchanged.
     """
 
     rms_px: float
@@ -82,11 +78,11 @@ class RestDrift(NamedTuple):
     scale: float
 
     def summary(self) -> str:
-        """What a person reads."""
+        """Return a sentence for display."""
         across, down = self.shift_px
         return (
-            f"The untouched dots drifted by {self.rms_px:.2f} px rms: {across:+.2f}, {down:+.2f} px, turned by "
-            f"{self.turn_deg:+.3f}°, spread by {100 * (self.scale - 1):+.2f} %. Poses are as if they had not."
+            f"The unloaded markers drifted by {self.rms_px:.2f} px rms: {across:+.2f}, {down:+.2f} px, rotated by "
+            f"{self.turn_deg:+.3f}°, scaled by {100 * (self.scale - 1):+.2f} %. Poses are corrected for it."
         )
 
 
@@ -95,20 +91,18 @@ _STILL = RestDrift(0.0, (0.0, 0.0), 0.0, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class RestState:
-    """What is known of one unit's rest after some images.
+    """State of the drift tracking of one unit.
 
     Attributes
     ----------
-    drift
-        How far the camera has drifted.
+    drift, motion
+        State of the drift filter, and the tracked drift.
     quiet
-        Least variance of the dots' noise of any image, px².
+        Minimum noise variance of a marker coordinate over all images, px².
     displaced
-        Whether the last untouched image was elsewhere.
-    motion
-        What is followed so far.
+        Whether the last unloaded image contradicted the tracked rest.
     time_s
-        When the last image was taken that was followed; `None` where no clock told it, or none was followed.
+        Time of the last tracked image; `None` without a clock or a tracked image.
     """
 
     drift: CameraDrift
@@ -118,7 +112,7 @@ class RestState:
     time_s: float | None = None
 
     def step_s(self, time_s: float | None) -> float:
-        """Time from the last image that was followed to another, s; without a clock that of the nominal rate."""
+        """Return the time since the last tracked image, s; without a clock, that of the nominal rate."""
         if time_s is None or self.time_s is None or time_s < self.time_s:
             return FRAME_S
         return min(time_s - self.time_s, LONGEST_S)
@@ -126,18 +120,15 @@ class RestState:
 
 @dataclass(eq=False)
 class DriftTracker:
-    """Follows the rest of one unit.
+    """Tracker of the rest of one unit.
 
     Attributes
     ----------
-    model
-        The unit.
-    rest_px
-        (m, 2) dots in the images at rest; NaN where none was seen.
-    noise_px
-        Standard deviation of a dot's coordinate in one image.
-    max_drift_px
-        How far the rest is followed, px rms; 0 follows nothing.
+    model, rest_px
+        The unit, and (m, 2) marker positions in the rest images; NaN if not found.
+    noise_px, max_drift_px
+        Standard deviation of a marker coordinate in one image; maximum drift that is tracked, px rms (0 tracks
+        nothing).
     """
 
     model: UnitModel
@@ -162,18 +153,18 @@ class DriftTracker:
         self._filter = self._make_filter()
 
     def begin(self) -> RestState:
-        """What is known before any image but those at rest."""
+        """Return the state before any image but the rest images."""
         return RestState(self._filter.initial())
 
     def _make_filter(self) -> DriftFilter:
-        """Follows motions of the camera as far as the dots of one image tell them from touches."""
+        """Build the filter of camera motions, with the accuracy of one image that may show a contact."""
         ways = self._whole[0]
         camera = ways[:, : self._free]
         unknown = self.noise_px**2 * np.linalg.inv(self._normal(ways))[: self._free, : self._free]
         return DriftFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
 
     def _describe(self, followed: FloatArray) -> RestDrift:
-        """What a motion (k,) of the camera is to the dots."""
+        """Describe the effect of a camera motion (k,) on the markers."""
         moved = (self._ways[..., : self._free] @ followed)[self._known]
         rest = self.rest_px[self._known] - self.rest_px[self._known].mean(axis=0)
         shift, size = moved.mean(axis=0), float(np.sum(rest**2))
@@ -186,9 +177,9 @@ class DriftTracker:
         )
 
     def remove_drift(self, state: RestState, seen_px: FloatArray, contact: State | None = None) -> FloatArray:
-        """Dots (m, 2) px where they would be had the rest not moved.
+        """Remove the drift from marker positions (m, 2) px.
 
-        The shift of a dot by a drift of the camera depends on its place: that of the contact of the last image
+        The shift of a marker by a camera drift depends on its position: that at the given contact
         (`palpate.calibration.CONTACT_STATE`), or that at rest.
         """
         if state.motion.rms_px < _NOTHING_PX:
@@ -202,9 +193,9 @@ class DriftTracker:
         return np.asarray(seen_px - self.model.shifted.jacobian(points) @ (self._mix @ followed))
 
     def update(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:
-        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`.
+        """Update the state by the marker positions (m, 2) px of an image, NaN if not found.
 
-        `time_s` is when the image was taken; without it, images follow each other at the nominal rate.
+        `time_s` is the time of the image; without it, images follow each other at the nominal rate.
         """
         there = self._known & np.isfinite(seen_px).all(axis=1)
         moved, quiet = self._camera_motion(there, (seen_px - self.rest_px)[there], state.quiet)
@@ -223,10 +214,7 @@ class DriftTracker:
         return RestState(drift, quiet, False, self._describe(followed), time_s)
 
     def _camera_motion(self, there: BoolArray, moved: FloatArray, quiet: float) -> tuple[FloatArray | None, float]:
-        """Motion of the camera (k,) of an image whose dots have moved so (n, 2), `None` where the dome is touched.
-
-        And the least variance of the dots' noise of any image so far.
-        """
+        """Return the camera motion (k,), `None` in contact, and the minimum noise variance of all images."""
         if 2 * len(moved) <= 2 * self._ways.shape[2]:
             return None, quiet
         ways, both, alone = self._whole if bool((there == self._known).all()) else self._solver(there)
@@ -245,24 +233,24 @@ class DriftTracker:
 
     @property
     def _hold(self) -> float:
-        """Weight of a camera's numbers against dots: a large motion is unlikely."""
+        """Weight of the prior on camera parameters: a large motion is unlikely."""
         return 2.0 * (self.noise_px / _MOST_STEPS) ** 2
 
     def _normal(self, ways: FloatArray) -> FloatArray:
-        """Normal matrix (k, k) of ways (2 n, k) in which the dots move, the camera's first."""
+        """Return the normal matrix (k, k) of the design matrix (2 n, k), whose first columns are the camera's."""
         hold = np.zeros(ways.shape[1])
         hold[: self._free] = self._hold
         return np.asarray(ways.T @ ways + np.diag(hold), float)
 
     def _solver(self, there: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Ways (2 n, k) in which the dots that are there move; what finds all shares, and those without touches."""
+        """Return the design matrix (2 n, k) of the found markers, and its solvers with and without contacts."""
         ways = self._ways[there].reshape(-1, self._ways.shape[2])
         camera = ways[:, : self._free]
         both, alone = (np.linalg.solve(self._normal(part), part.T) for part in (ways, camera))
         return ways, both, alone
 
     def _touches(self) -> FloatArray:
-        """Main directions (m, 2, k) of what light touches do, px."""
+        """Return the principal directions (m, 2, k) of light contacts, px."""
         depths, tilts, turns = self.model.size * np.array(_TOUCHES[0]), *_TOUCHES[1:]
         slip = float(self.model.tolerance.inverse_friction_prior[0])
         rest = self.model.predict(np.zeros(3), slip, unit=False).pixels
@@ -277,6 +265,6 @@ class DriftTracker:
         return np.ascontiguousarray(np.moveaxis(ways[kept].reshape(-1, len(self.rest_px), 2), 0, -1))
 
     def _rms(self, move: FloatArray) -> float:
-        """Root mean square distance of the dots from rest that a motion (k,) of the camera makes, px."""
+        """Return the root mean square marker displacement at rest by a camera motion (k,), px."""
         moved = self._ways[self._known][..., : self._free] @ move
         return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))

@@ -1,4 +1,4 @@
-"""What a robot must be able to do: move its flange to a placement, and say where it is."""
+"""Interface of a robot: move the flange to a pose, and report its pose."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from palpate.sensor.placement import Placement
 
 
 class Robot(ABC):
-    """A robot that carries the sensor. Right-handed frames, mm; the flange's z points away from the robot."""
+    """Robot that carries the sensor. Right-handed frames, mm; the flange's z points away from the robot."""
 
     @abstractmethod
     def move(self, base_from_flange: Placement) -> None:
-        """Move in a straight line to a placement of the flange, and return when there.
+        """Move the flange in a straight line to a pose, and return on arrival.
 
         Raises
         ------
         PalpateError
-            If it cannot get there, or has stopped.
+            If the pose cannot be reached, or the robot has stopped.
         """
 
     @abstractmethod
     def flange_pose(self) -> Placement:
-        """Where the robot says that its flange is, ``base_from_flange``."""
+        """Return the flange pose reported by the robot, ``base_from_flange``."""

@@ -1,4 +1,4 @@
-"""Images, calibrations and the state of a camera as messages."""
+"""Messages of images, calibrations and the state of a camera."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from palpate.sensor.ros_message import Message
 
 
 class Level(IntEnum):
-    """How bad a state is, as in `diagnostic_msgs/DiagnosticStatus`."""
+    """Severity of a state, as in `diagnostic_msgs/DiagnosticStatus`."""
 
     OK = 0
     WARN = 1
@@ -22,7 +22,7 @@ class Level(IntEnum):
 
 
 def image_message(image: NDArray[Any], header: Message) -> Message:
-    """An image (h, w) or (h, w, 3) blue, green, red, of 8 bits."""
+    """Build the message of an 8-bit image (h, w) or (h, w, 3) blue, green, red."""
     pixels = np.ascontiguousarray(image, np.uint8)
     fields = {
         "header": header,
@@ -37,7 +37,7 @@ def image_message(image: NDArray[Any], header: Message) -> Message:
 
 
 def camera_info(camera: Camera, header: Message) -> Message:
-    """Calibration of a camera; its rectified image has the same focal lengths and centre."""
+    """Build a calibration message; the rectified image has the same focal lengths and centre."""
     spec, region = camera.spec, dict.fromkeys(("x_offset", "y_offset", "height", "width"), 0)
     k = np.array([[spec.fx_px, 0.0, spec.cx_px], [0.0, spec.fy_px, spec.cy_px], [0.0, 0.0, 1.0]])
     fields = {
@@ -57,7 +57,7 @@ def camera_info(camera: Camera, header: Message) -> Message:
 
 
 def diagnostics(level: Level, name: str, says: str, values: Mapping[str, str], header: Message) -> Message:
-    """State of one part."""
+    """Build the message of the state of one part."""
     status = {
         "level": int(level),
         "name": name,

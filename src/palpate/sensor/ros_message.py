@@ -1,7 +1,7 @@
-"""Messages of ROS 2 as plain values, whoever sends or writes them.
+"""ROS 2 messages as plain values, independent of the library that sends or writes them.
 
 A `Message` names its type and holds its fields as numbers, texts, numpy arrays, lists and further messages;
-`build_message` makes the objects of any library of it.
+`build_message` converts it to the objects of any library.
 """
 
 from __future__ import annotations
@@ -11,14 +11,9 @@ from typing import Any, NamedTuple
 
 
 class Message(NamedTuple):
-    """A message.
+    """ROS message: its type, such as ``geometry_msgs/msg/Pose``, and its fields by name.
 
-    Attributes
-    ----------
-    kind
-        As rosbags writes it: ``geometry_msgs/msg/Pose``.
-    fields
-        Values by name: numbers, texts, arrays, messages, and lists of messages.
+    Fields are numbers, texts, arrays, messages, and lists of messages.
     """
 
     kind: str
@@ -26,7 +21,7 @@ class Message(NamedTuple):
 
 
 def build_message(message: Message, make: Callable[[str, dict[str, Any]], Any]) -> Any:
-    """The object of a message: `make` is called by kind and fields for every message in it, inner ones first.
+    """Build the object of a message: call `make` with kind and fields of all messages, inner ones first.
 
     Examples
     --------
@@ -43,6 +38,6 @@ def build_message(message: Message, make: Callable[[str, dict[str, Any]], Any]) 
 
 
 def header_of(now: int, frame: str) -> Message:
-    """Header of a time in ns and a frame."""
+    """Build the header of a time in ns and a frame."""
     stamp = Message("builtin_interfaces/msg/Time", {"sec": now // 10**9, "nanosec": now % 10**9})
     return Message("std_msgs/msg/Header", {"stamp": stamp, "frame_id": frame})

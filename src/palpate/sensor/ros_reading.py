@@ -1,4 +1,4 @@
-"""Poses, forces and dots as messages, in the sensor's frame (docs/mount.md): metres, radians, N."""
+"""Messages of poses, forces and markers in the sensor's frame (docs/mount.md): metres, radians, N."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from palpate.core import BoolArray, FloatArray
 from palpate.sensor.ros_message import Message
 
 _IN_POSE, _UNITS = [3, 4, 2], np.array([np.pi / 180, np.pi / 180, -1e-3])
-"""Places of rx, ry and depth among (x, y, z, turns about them), and their units; z is the depth's opposite."""
+"""Indices of rx, ry, depth in (x, y, z, rotations about them), and their units; z is minus depth."""
 _UINT32, _FLOAT32 = 6, 7
 """Types of `sensor_msgs/PointField`."""
 _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("id", "<u4"), ("seen", "<u4")])
 
 
 def pose_message(tilt_deg: Sequence[float], place_mm: Sequence[float], depth_mm: float) -> Message:
-    """Pose of an obstacle: rotation vector (rx, ry) as a quaternion, place (x, y), and z below first touch."""
+    """Build an obstacle's pose: rotation (rx, ry) as a quaternion, position (x, y), z below first contact."""
     rotation = np.radians(np.array([*tilt_deg, 0.0]))
     angle = float(np.linalg.norm(rotation))
     turned = _xyz("geometry_msgs/msg/Quaternion", 0.5 * np.sinc(angle / (2.0 * np.pi)) * rotation)
@@ -27,12 +27,12 @@ def pose_message(tilt_deg: Sequence[float], place_mm: Sequence[float], depth_mm:
 
 
 def pose_stamped(pose: Message, header: Message) -> Message:
-    """A pose with its header."""
+    """Add a header to a pose."""
     return Message("geometry_msgs/msg/PoseStamped", {"header": header, "pose": pose})
 
 
 def pose_with_covariance(pose: Message, covariance: FloatArray, header: Message) -> Message:
-    """A pose of a wall, and the covariance (3, 3) of rx, ry (degrees) and depth (mm); 0 of what is not read."""
+    """Build a wall's pose with the covariance (3, 3) of rx, ry (degrees) and depth (mm); 0 elsewhere."""
     wide = np.zeros((6, 6))
     wide[np.ix_(_IN_POSE, _IN_POSE)] = covariance * np.outer(_UNITS, _UNITS)
     inner = Message("geometry_msgs/msg/PoseWithCovariance", {"pose": pose, "covariance": wide.ravel()})
@@ -40,7 +40,7 @@ def pose_with_covariance(pose: Message, covariance: FloatArray, header: Message)
 
 
 def wrench_stamped(force: FloatArray, header: Message) -> Message:
-    """A force (3,) N on the wall; its torque is not said, and 0."""
+    """Build the message of a force (3,) N on the wall; its torque is unknown and set to 0."""
     parts = {"force": force, "torque": np.zeros(3)}
     vectors = {name: _xyz("geometry_msgs/msg/Vector3", each) for name, each in parts.items()}
     wrench = Message("geometry_msgs/msg/Wrench", vectors)
@@ -48,7 +48,7 @@ def wrench_stamped(force: FloatArray, header: Message) -> Message:
 
 
 def dots_message(positions: FloatArray, seen: BoolArray, header: Message) -> Message:
-    """Where the dots (m, 3) mm are; ``id`` is a marker's number in the layout, ``seen`` 1 where its dot was found."""
+    """Build the message of marker positions (m, 3) mm: ``id`` is the layout index, ``seen`` 1 if found."""
     cloud = np.zeros(len(positions), _POINT)
     cloud["x"], cloud["y"], cloud["z"] = positions.T / 1e3
     cloud["id"], cloud["seen"] = np.arange(len(positions)), seen

@@ -1,4 +1,4 @@
-"""A sensor as a node of ROS has it: parameters in, messages by topic out; the node itself is in `ros/palpate_ros`."""
+"""Sensor as a ROS node: parameters in, messages by topic out; the node itself is in `ros/palpate_ros`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TOPICS = {
     "dots": "sensor_msgs/msg/PointCloud2",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
-"""What is published, by topic, and its type."""
+"""Published topics and their types."""
 _LOST = (Flag.UNREADABLE, Flag.FEW_MARKERS)
 Publish = Callable[[str, Message], None]
 
@@ -35,20 +35,15 @@ Publish = Callable[[str, Message], None]
 class RosSpec(SensorLaunchSpec):
     """Parameters of the node."""
 
-    frame: str = parameter("dome", unit="", meaning="frame of pose, wrench and dots")
+    frame: str = parameter("dome", unit="", meaning="frame of pose, wrench and markers")
     camera_frame: str = parameter("camera_optical", unit="", meaning="frame of images")
-    retry_s: float = parameter(1.0, unit="s", meaning="time between two tries to open a camera that is gone", gt=0)
+    retry_s: float = parameter(1.0, unit="s", meaning="time between two tries to open a lost camera", gt=0)
 
 
 class RosSensor:
-    """An open sensor whose readings become messages.
+    """Open sensor whose readings become messages.
 
-    Parameters
-    ----------
-    spec
-        What the node was given.
-    publish
-        Gets every message with its topic, from the thread that runs `follow`.
+    `publish` is called with every topic and message, in the thread that runs `follow`.
 
     Raises
     ------
@@ -64,16 +59,16 @@ class RosSensor:
         self._reader = SourceReader(self, self._publish_last)
 
     def follow(self) -> None:
-        """Read the source until `stop`; a camera that is gone is said, and opened again."""
+        """Read the source until `stop`; a lost camera is reported and reopened."""
         again = not Path(self.spec.source).exists()
         self._reader.run(lambda: open_source(self.spec.source), self.spec.retry_s, again)
 
     def stop(self) -> None:
-        """End `follow` after the image at hand."""
+        """End `follow` after the current image."""
         self._reader.stop()
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """Reading of one image; image and reading are published next."""
+        """Return the reading of one image; image and reading are published next."""
         self._image = None if isinstance(image, PalpateError) else image
         self._reading = self._sensor.read(image)
         return self._reading

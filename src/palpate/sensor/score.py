@@ -1,7 +1,8 @@
-"""Errors of readings against the truth as in the paper's Table 3, with intervals.
+"""Errors of readings as in the paper's Table 3, with bootstrap intervals.
 
-Images of one press are alike, so intervals come from drawing whole presses with replacement (Efron and Tibshirani,
-*An Introduction to the Bootstrap*, 1993, section 8.5). The greatest error has none: a bootstrap is silent there.
+Images of one press are correlated, so whole presses are drawn with replacement (Efron and Tibshirani, *An
+Introduction to the Bootstrap*, 1993, section 8.5). The maximum error has no interval, because a bootstrap is invalid
+for it.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from palpate.design import TILT_SPACE
 from palpate.learn import ErrorSummary
 
 COMPONENTS = tuple((item.label, item.unit) for item in TILT_SPACE.components)
-"""rx, ry and depth by the names of the paper, and their units."""
+"""Names and units of rx, ry and depth in the paper."""
 LEVEL = 0.95
-"""Share of repetitions that an interval covers."""
+"""Coverage of the intervals."""
 _DRAWS = 2000
 
 PAPER_TABLE_3 = {
@@ -38,11 +39,11 @@ class Score:
     component, unit
         As in `COMPONENTS`.
     images, presses
-        Number of images with a pose, and of presses that they come from.
+        Number of images with a pose, and of their presses.
     errors
-        RMSE, MAE, greatest absolute error, SD and bias.
+        RMSE, MAE, maximum absolute error, SD and bias.
     rmse_interval, mae_interval, sd_interval
-        Ends of the intervals of `LEVEL`; equal to the figure where there is one press only.
+        Ends of the intervals of `LEVEL`; equal to the figure for a single press.
     """
 
     component: str
@@ -60,16 +61,9 @@ class Score:
 
 
 def score_readings(truth: FloatArray, estimates: FloatArray, press: IntArray, seed: int = 0) -> tuple[Score, ...]:
-    """Score roll, pitch and depth.
+    """Compute the errors of roll, pitch and depth, (n, 3) in degrees and mm, with bootstrap intervals.
 
-    Parameters
-    ----------
-    truth, estimates
-        (n, 3) rx, ry (degrees) and depth (mm); images whose estimate is not a number are left out.
-    press
-        (n,) number of the press.
-    seed
-        Seed of the bootstrap.
+    Images whose estimate is not finite are left out; `press` (n,) is the number of the press.
 
     Raises
     ------
@@ -97,7 +91,7 @@ def score_readings(truth: FloatArray, estimates: FloatArray, press: IntArray, se
 
 
 def _bootstrap(error: FloatArray, press: IntArray, seed: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """RMSE, MAE and SD of repetitions in which whole presses are drawn with replacement."""
+    """Return RMSE, MAE and SD of bootstrap repetitions, which draw whole presses with replacement."""
     _, which = np.unique(press, return_inverse=True)
     sums = np.stack(
         [np.bincount(which, weights) for weights in (np.ones(len(error)), error, np.abs(error), error**2)]

@@ -1,4 +1,4 @@
-"""The sensor: from images to readings, by the same detector, numbers, tracks and model as in simulation."""
+"""Sensor runtime: pose readings from images, by the processing chain that is used in simulation."""
 
 from __future__ import annotations
 
@@ -49,15 +49,14 @@ from palpate.vision import (
 )
 
 _FOUND, _DIRT = (0.8, 1.5), 10
-"""Least and greatest number of dots, over the design's, with which a size that the design gives is believed; and how
-many more there may be of what is no dot."""
+"""Accepted number of blobs: minimum and maximum share of the markers, and a number of false blobs."""
 _SPARE = 1.3
-"""By what gaps in a field may be wider than in the design's image: dots are missing, cameras stand askew."""
+"""Factor on the widest gap of the design's image, as markers may be missing and the camera tilted."""
 
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """What a sensor carries from one image to the next: where the markers were, and what its reader carries."""
+    """State carried from one image to the next: marker tracks and the estimator's state."""
 
     tracks: TrackState
     reader: ReaderState
@@ -65,18 +64,18 @@ class _State:
 
 @dataclass
 class Sensor:
-    """A sensor at work; it remembers where the markers were, and what its reader knew, after the last image.
+    """Sensor runtime, with the state after the last image.
 
     Attributes
     ----------
     unit, estimator, spec
-        What it is, what it estimates with, and when it flags.
+        The unit, its pose estimator, and the thresholds of the flags.
     detector, assignment, registration
-        What the rest image gave.
+        Results of the rest image.
     clock
-        Asked once an image, before it is read: when it was taken, in s. With it, forces are those of that time where
-        the material relaxes, and a drift of the camera is followed in time; `None`: forces are those of the law's
-        constants, and images follow each other at the nominal rate.
+        Called once per image, before it is read, for its time in s. With it, forces follow the relaxation of the
+        material, and camera drift is tracked in time. `None`: forces are those of the elastic law, and images follow
+        each other at the nominal rate.
     """
 
     unit: Unit
@@ -96,20 +95,21 @@ class Sensor:
 
     @property
     def rest(self) -> RestDrift | None:
-        """How far the untouched dots have drifted; `None` where nothing looks."""
+        """Drift of the markers since the rest images; `None` if the estimator does not track it."""
         rest = self._state.reader.rest
         return None if rest is None else rest.motion
 
     def fit_by(self, fitter: PoseFitter) -> None:
-        """Read by another fit of the unit's twin from the next image on, as one that has fitted none."""
+        """Use another fit of the unit's twin from the next image on, with a fresh fit state."""
         assert isinstance(self.estimator, TwinEstimator)
         self.estimator.fitter = fitter
         self._state = replace(self._state, reader=replace(self._state.reader, fit=FitState()))
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading.
+        """Estimate the pose of the obstacle in the next image.
 
-        So does any error that reading an image meets: the next one is read from where the last good one was.
+        An error in place of an image, and any error of reading it, give a flagged reading without a pose; the next
+        image continues from the last good one.
         """
         start = time.perf_counter()
         self._count += 1
@@ -124,7 +124,7 @@ class Sensor:
         return elastic if self._fading is None or taken_s is None else self._fading.update(elastic, taken_s)
 
     def _read_elastic(self, image: NDArray[Any] | PalpateError, start: float, taken_s: float | None) -> Reading:
-        """The reading with the force that the law alone gives."""
+        """Return the reading with the force of the elastic law."""
         if isinstance(image, PalpateError):
             raise image
         blobs = self.detector.find(image)
@@ -159,10 +159,10 @@ class Sensor:
     def _estimate(
         self, blobs_px: FloatArray, sighting: TrackedMarkers, tracks: TrackState, taken_s: float | None
     ) -> tuple[TrackedMarkers, PoseEstimate, _State]:
-        """Where markers are, the estimate, and the state after this image.
+        """Return marker positions, estimate, and the state after this image.
 
-        Where markers jumped or the estimate does not explain them, they are named anew by it, if that explains more;
-        both readings begin from the state after the image before.
+        If markers jumped or the fit has a misfit, they are assigned again by the fit's predicted positions. The new
+        assignment is used if its misfit is not larger. Both fits start from the state after the previous image.
         """
         estimate, reader = self.estimator.estimate(sighting, self._state.reader, time_s=taken_s)
         first = sighting, estimate, _State(tracks, reader)
@@ -189,9 +189,9 @@ class Sensor:
 
 @dataclass(frozen=True, eq=False)
 class RestReference:
-    """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is.
+    """Result of the rest images: detector, marker assignment and camera registration.
 
-    The unit is the given one with its lens scaled to the images.
+    `unit` is the given unit with its lens scaled to the images.
     """
 
     unit: Unit
@@ -207,31 +207,31 @@ def analyse_rest(
     reference_press: ReferencePress | None = None,
     refine_lens: bool = False,
 ) -> RestReference:
-    """Find and name the dots of the untouched dome, and register the camera.
+    """Detect and assign the markers of the unloaded skin, and register the camera.
 
     Parameters
     ----------
     images
-        One or more images at rest, of one size; places are averaged over them.
+        One or more rest images of one size; marker positions are averaged over them.
     unit
         The sensor.
     detect
-        How to find dots.
+        Settings of the detection; `None` determines them from the first image.
     reference_press
-        A press that tells the numbers where the mark does not.
+        Press of known pose that resolves an ambiguous assignment.
     refine_lens
         Whether focal length and centre are fitted as well (`palpate.vision.register`).
 
     Raises
     ------
     PalpateError
-        If the dots are not those of the design, or their names are ambiguous.
+        If there is no image, the blobs do not match the design, or their assignment is ambiguous.
     """
     images = list(images)
     if not images:
         raise PalpateError(
-            "No image shows the unloaded skin.",
-            "Record one first; in a table of images, its press is 'rest'.",
+            "No rest image was given.",
+            "Record at least one image of the unloaded sensor first; in a table of images, its press is 'rest'.",
             code="rest-image-missing",
         )
     height, width = np.asarray(images[0]).shape[:2]
@@ -245,14 +245,14 @@ def analyse_rest(
         ).naming
         if naming.ambiguous:
             raise PalpateError(
-                f"The known press leaves {1 + len(naming.alternatives)} ways to number the markers.",
-                "Press by a wall slanted by 5° or more, towards 15° from a row of markers.",
+                f"The reference press leaves {1 + len(naming.alternatives)} possible assignments of the markers.",
+                "Press with a wall tilted by 5° or more, at an azimuth of 15° from a row of markers.",
                 code="assignment-ambiguous",
             )
     elif unit.has_orientation_mark and naming.ambiguous:
         raise PalpateError(
-            f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
-            "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
+            f"The orientation mark was not found; {1 + len(naming.alternatives)} assignments of the markers fit.",
+            "Check that it is printed and lit, give a reference press, or declare the unit as one without a mark.",
             code="orientation-mark-unseen",
         )
     naming = _average(naming, detector, images)
@@ -263,9 +263,9 @@ def analyse_rest(
 def _find_and_name(
     image: NDArray[Any], unit: Unit, detect: DetectSpec | None, pattern: MarkerPattern
 ) -> tuple[Detector, MarkerAssignment]:
-    """A detector by the image alone, and the names of its dots.
+    """Return a detector with settings from the image alone, and the assignment of its blobs.
 
-    Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
+    If the markers are lost in clutter, so that this fails, the marker size of the design is used.
     """
     gap = _SPARE * pattern.widest_gap
     try:
@@ -294,23 +294,23 @@ def open_sensor(
     detect: DetectSpec | None = None,
     reference_press: ReferencePress | None = None,
 ) -> Sensor:
-    """Begin with images of the untouched dome.
+    """Open a sensor by its rest images.
 
     Parameters
     ----------
     rest
-        One or more images at rest, of one size.
+        One or more rest images of one size.
     unit, model
-        The sensor, and what it reads with: a trained network, or the twin of its design.
+        The sensor, and its model: a trained network, or the twin of its design.
     spec, detect
-        When to flag, and how to find dots.
+        Thresholds of the flags, and settings of the detection.
     reference_press
-        A press that tells the numbers where the mark does not.
+        Press of known pose that resolves an ambiguous assignment.
 
     Raises
     ------
     PalpateError
-        If the model is that of another design, or where `analyse_rest` fails.
+        If the model is of another design, or `analyse_rest` fails.
     """
     check_model(model, unit)
     spec = spec or SensorSpec()
@@ -322,16 +322,16 @@ def open_sensor(
 def run_sensor(
     sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: SensorSpec | None = None
 ) -> Iterator[Reading]:
-    """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried.
+    """Return one reading per image; an unreadable image gives a flagged reading.
 
-    The model of a recording is a sensor by itself: it knows its own rest, and takes when to flag from `spec`.
+    A `RecordedModel` needs no rest image and takes its flag thresholds from `spec`; a `Sensor` ignores `spec`.
     """
     reads = RecordedSensor(sensor, spec) if isinstance(sensor, RecordedModel) else sensor
     return (reads.read(image) for image in images)
 
 
 def _average(naming: MarkerAssignment, detector: Detector, images: list[NDArray[Any]]) -> MarkerAssignment:
-    """The same naming with positions averaged over all rest images."""
+    """Return the assignment with positions averaged over all rest images."""
     if len(images) == 1:
         return naming
     tracker = Tracker(MotionModel(naming.positions_px))

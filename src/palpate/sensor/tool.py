@@ -1,4 +1,4 @@
-"""The tool on the flange: where its sensor sits, and which way its drill points."""
+"""Tool on the flange: pose of its sensor, and direction of its drill."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ def _known() -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Tool:
-    """A sensor and a drill on one flange.
+    """Sensor and drill on one flange.
 
     Attributes
     ----------
     flange_from_sensor
-        Where the sensor's frame stands: its origin is the middle of the dome's base, its z the dome's axis, outward.
+        Pose of the sensor's frame, whose origin is the centre of the skin's base and whose z is the skin's axis,
+        outward.
     drill
-        (3,) unit vector, flange's frame: the way the drill feeds, and the axis about which the flange is turned.
+        (3,) unit vector in the flange's frame: feed direction of the drill, and axis of the flange's rotations.
     covariance
-        (3, 3) deg² of a rotation vector of the sensor about its own axes: how well its rotation is known.
+        (3, 3) deg² of the sensor's rotation, as a rotation vector about its own axes.
     """
 
     flange_from_sensor: Placement = field(default_factory=Placement)
@@ -38,5 +39,5 @@ class Tool:
 
     @property
     def drill_in_sensor(self) -> FloatArray:
-        """(3,) the drill's axis in the sensor's frame."""
+        """Drill's axis (3,) in the sensor's frame."""
         return self.flange_from_sensor.rotation.T @ self.drill

@@ -1,15 +1,14 @@
-"""The sensor's axes against the drill's, from touches of one wall with the flange turned: hand-eye for a plane.
+"""Sensor rotation relative to the drill by presses of one wall: hand-eye calibration for a plane.
 
-Let X be the sensor's rotation in the flange, R_i the flange's in the base at touch i, s_i the wall's normal that the
-sensor reads, and n the wall's in the base. Then
+Let X be the sensor's rotation in the flange, R_i the flange's in the base at press i, s_i the wall normal measured by
+the sensor, and n the wall normal in the base. Then
 
     R_i X s_i = n                                            (Shiu & Ahmad 1989, for one direction in place of a pose)
 
-for all i, with three unknowns of X and two of n; each touch gives two equations. Turned about the drill's axis by
-angles all around, the mean of the s_i is the drill's axis in the sensor's frame, whatever n is. Turns about one axis
-alone leave X's turn about it open, for it could be the wall's as well; so the flange is leaned, too, both ways. What
-a reading is off alike in all of them (seating, print) goes into X, and is taken out of every later reading near the
-drill's axis.
+for all i, with three unknowns of X and two of n; each press gives two equations. If the flange is rotated all around
+the drill's axis, the mean of the s_i is the drill's axis in the sensor's frame, for any n. Rotations about one axis
+alone leave the rotation of X about it undetermined, so the flange is also tilted, in both directions. A reading error
+common to all presses (seating, print) is included in X and thus removed from later readings near the drill's axis.
 """
 
 from __future__ import annotations
@@ -27,32 +26,26 @@ from palpate.sensor.placement import Placement, rotation_from_vector, tilt_from_
 from palpate.sensor.tool import Tool
 
 _PRIOR_DEG = 3.0
-"""Standard deviation of the sensor's rotation about each axis beforehand."""
+"""Prior standard deviation of the sensor's rotation about each axis."""
 _FAR = 5.0
-"""Root mean square of what is left, over its standard deviation, above which touches are not of one wall."""
+"""Maximum RMS residual, in standard deviations, of presses of one wall."""
 
 
 def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> Tool:
-    """The tool with its sensor turned as the touches of one flat wall say.
+    """Fit the sensor's rotation on the flange to presses of one flat wall.
 
-    Parameters
-    ----------
-    tool
-        As designed.
-    touches
-        At least three, the flange turned about the drill's axis, and leaned, between them.
-    robot_deg
-        Standard deviation of the robot's turns about each axis.
+    At least three presses are needed, between which the flange was rotated about the drill's axis and tilted;
+    `robot_deg` is the standard deviation of the robot's rotations about each axis.
 
     Raises
     ------
     PalpateError
-        If there are fewer than three touches, or they do not fit one flat wall.
+        If there are fewer than three presses, or they do not fit one flat wall.
     """
     if len(touches) < 3:
         raise PalpateError(
-            f"{len(touches)} touches do not tell the tool's offset.",
-            "Touch three times or more.",
+            f"{len(touches)} presses do not determine the tool offset.",
+            "Press at least three times.",
             code="tool-few-touches",
         )
     nominal = tool.flange_from_sensor.rotation
@@ -77,8 +70,8 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
     rms = float(np.sqrt(np.sum(left**2) / max(len(left) - 4, 1)))
     if rms > _FAR:
         raise PalpateError(
-            f"The touches do not fit one flat wall: they are {rms:.1f} standard deviations off.",
-            "Touch one place of a flat wall, and check that the drill's axis is the one that was turned about.",
+            f"The presses do not fit one flat wall: their residual is {rms:.1f} standard deviations.",
+            "Press one place of a flat wall, and check that the flange was rotated about the drill's axis.",
             code="tool-touches-misfit",
         )
     covariance = np.linalg.inv(fit.jac.T @ fit.jac)[:3, :3]

@@ -1,4 +1,4 @@
-"""One built sensor: its design, its lens and its calibration."""
+"""Built sensor: its design, lens and calibration."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ class Unit:
     Attributes
     ----------
     design
-        The design that it was made to; a network was trained for the camera of the design.
+        Its design; a network was trained for the camera of the design.
     has_orientation_mark
         Whether the orientation mark is printed.
     lens
-        Its real lens, from a calibration, and about where it is; `None` for the nominal one.
+        Calibrated lens and approximate camera pose; `None` for the nominal one.
     identified
         Its parameters from calibration presses (`palpate calibration identify`).
     tolerance
-        How far it may be from its design.
+        Tolerances of its manufacture.
     """
 
     design: Design

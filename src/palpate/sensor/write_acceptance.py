@@ -1,4 +1,4 @@
-"""An acceptance as a report to print and as data."""
+"""Report of an acceptance test as a page, a sheet and data."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
 
 
 def acceptance_page(found: Acceptance, title: str) -> list[str | Report]:
-    """Paragraphs and tables of the report: verdict, tolerances, errors next to those of the paper's sensor."""
+    """Return the report: verdict, tolerances, and errors next to those of the paper's sensor."""
     table = []
     for score in found.scores:
         errors, paper = score.errors, PAPER_TABLE_3[score.component]
@@ -51,29 +51,29 @@ def acceptance_page(found: Acceptance, title: str) -> list[str | Report]:
 
 
 def verdict(found: Acceptance) -> str:
-    """``passed``, or what did not."""
+    """Return ``passed``, or the failed checks."""
     failed = [check.what for check in found.checks if not check.passed]
     return f"failed: {', '.join(failed)}" if failed else "passed"
 
 
 def basis(found: Acceptance) -> list[str]:
-    """What the figures stand on, in sentences."""
+    """Return sentences on the data of the figures."""
     lines = [
         f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep or "
-        f"more; {found.left_out} others left out, {found.flagged} flagged readings among them that count.",
-        "Intervals come from drawing whole presses with replacement; the greatest error has none."
-        + (" Their upper ends were judged." if found.spec.guard else ""),
+        f"more; {found.left_out} images left out; {found.flagged} of the evaluated readings are flagged.",
+        "Intervals come from drawing whole presses with replacement; the maximum error has no interval."
+        + (" Their upper ends must be within the tolerances." if found.spec.guard else ""),
     ]
     if found.zero:
         lines.append(
-            f"The depth's zero is at {found.zero.offset:.3f} mm on the robot's scale, by {found.zero.images} images "
-            "of the first press, which does not count."
+            f"The depth zero is at {found.zero.offset:.3f} mm on the robot's scale, by {found.zero.images} images "
+            "of the first press, which is not evaluated."
         )
     return lines
 
 
 def draw_acceptance(found: Acceptance, title: str) -> Figure:
-    """One sheet of A4: verdict, tolerances, and every error against its truth and its depth."""
+    """Draw one sheet of A4: verdict, tolerances, and all errors over known pose and depth."""
     figure = Figure(figsize=_A4, layout="constrained")
     rows = len(found.scores)
     top, bottom = np.asarray(figure.subfigures(2, 1, height_ratios=[0.8, rows]))

@@ -1,9 +1,10 @@
 """Readings as a rosbag2: poses of the wall for ROS, and every reading as JSON.
 
-`/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the place
-(x, y) of an obstacle that does not tilt, and the depth as its z below first touch, in metres; an image without a pose
-has none. Where what reads tells it, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall
-(N, same frame). `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
+`/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the
+position (x, y) of an obstacle that does not tilt, and as z minus the depth since first contact, in metres; an image
+without a pose has no message. `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall (N, same
+frame), if it is estimated. `/palpate/reading` (std_msgs/String) holds every reading by the columns of the CSV
+files.
 """
 
 from __future__ import annotations
@@ -28,12 +29,12 @@ _FRAME = "dome"
 
 
 class Bag:
-    """A rosbag2 that is being written."""
+    """Writer of a rosbag2."""
 
     def __init__(self, folder: Path) -> None:
         if folder.exists():
             raise PalpateError(
-                f"{folder} is there already.", "A bag is a new folder: choose another name.", code="folder-exists"
+                f"{folder} exists already.", "A bag is a new folder: choose another name.", code="folder-exists"
             )
         rosbag2 = load_extra("rosbags.rosbag2", "ros", "rosbags")
         typesys = load_extra("rosbags.typesys", "ros", "rosbags")
@@ -46,7 +47,7 @@ class Bag:
         self._reading = self._connect("/palpate/reading", "std_msgs/msg/String")
 
     def add(self, reading: Reading, row: dict[str, Any]) -> None:
-        """Write one reading and its plain row at the time of now."""
+        """Write one reading and its plain row with the current time."""
         now = time.time_ns()
         if np.isfinite(reading.depth_mm):
             self._write(self._pose, now, pose_stamped(_pose_of(reading), header_of(now, _FRAME)))
@@ -73,7 +74,7 @@ def _pose_of(reading: Reading) -> Message:
 
 
 def write_bag(folder: Path, rows: Iterable[tuple[Reading, dict[str, Any]]]) -> Iterator[Reading]:
-    """Write readings as they come and hand them on; the bag is finished however they end.
+    """Write readings as they arrive and yield them; the bag is closed in any case.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The report of an identified unit: what was learnt, what is still unknown, and which press would teach most."""
+"""Report of an identified unit: posterior of its parameters, and the most informative next press."""
 
 from __future__ import annotations
 
@@ -16,20 +16,13 @@ from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.sensor import Sensor
 
 _KNOWN, _OPEN = 0.5, 0.9
-"""Standard deviation over that before any image, below which a number counts as learnt, and above as still open."""
+"""Ratio of posterior to prior SD below which a parameter is identified, and above which it is open."""
 
 
 def write_identification(folder: Path, found: IdentificationResult, sensor: Sensor, robot: RobotUncertainty) -> None:
-    """Write ``identification.json``, ``.md`` and ``.png`` into a folder.
+    """Write ``identification.json``, ``.md`` and ``.png`` into a folder, which is created.
 
-    Parameters
-    ----------
-    folder
-        Made if it does not exist.
-    found, sensor
-        What was learnt, and the sensor that has learnt it.
-    robot
-        How well further presses would be known.
+    `sensor` reads by the identified unit; `robot` is the uncertainty of further presses.
 
     Raises
     ------
@@ -38,7 +31,7 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
     """
     if not isinstance(sensor.estimator, TwinEstimator):
         raise PalpateError(
-            "A network has not learnt its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
+            "A network has no identified unit.", "Open the sensor with the design's twin.", code="network-no-unit"
         )
     fitter = sensor.estimator.fitter
     spec = AccuracySpec(
@@ -69,36 +62,36 @@ def _page(
     still = ", ".join(row["name"] for row in rows if _word(row) == "open") or "nothing"
     return [
         "# An identified unit",
-        f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}."
+        f"The marker residual is {np.sqrt(found.misfit):.2f} times its expected value. Still open: {still}."
         + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else ""),
         Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", ""), table),
-        "## Which press would teach most",
-        f"What is not known of the unit now puts {now:.3f}° into rx and ry. A press at a tilt of "
+        "## Most informative next press",
+        f"The remaining uncertainty of the unit contributes {now:.3f}° to rx and ry. A press at a tilt of "
         f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "
-        f"one that teaches least ({least.tilt_deg:.1f}°, {least.azimuth_deg:.0f}°) {least.rmse_deg:.3f}°.",
-        "![What was known before and is now, and the dots at rest against the design](identification.png)",
+        f"worst one ({least.tilt_deg:.1f}°, {least.azimuth_deg:.0f}°) {least.rmse_deg:.3f}°.",
+        "![Prior and posterior of the parameters, and the rest markers against the design](identification.png)",
         provenance_line(),
     ]
 
 
 def _word(row: dict[str, Any]) -> str:
     share = row["sd"] / row["before"] if row["before"] else 1.0
-    return "learnt" if share < _KNOWN else "open" if share > _OPEN else ""
+    return "identified" if share < _KNOWN else "open" if share > _OPEN else ""
 
 
 def _draw(rows: list[dict[str, Any]], rest: FloatArray, left: FloatArray) -> Figure:
-    """Intervals before and after over the former, and where the dots at rest are against the design."""
+    """Draw posterior intervals in units of the prior, and the rest markers relative to the design."""
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     bars, dots = figure.subplots(1, 2)
     shown = [row for row in rows if row["before"] > 0][::-1]
     at = np.arange(len(shown))
-    bars.barh(at, [2.0] * len(shown), left=-1.0, color="#dddddd", label="before (1 sd)")
+    bars.barh(at, [2.0] * len(shown), left=-1.0, color="#dddddd", label="prior (1 sd)")
     middle = np.array([(row["mean"] - (row["name"] == "stiffness")) / row["before"] for row in shown])
     middle -= np.array(["friction" in row["name"] for row in shown]) / np.array([row["before"] for row in shown])
     spread = np.array([row["sd"] / row["before"] for row in shown])
-    bars.errorbar(middle, at, xerr=spread, fmt="o", ms=4, color="#00538c", label="now")
+    bars.errorbar(middle, at, xerr=spread, fmt="o", ms=4, color="#00538c", label="posterior")
     bars.set_yticks(at, [row["name"] for row in shown], fontsize=8)
-    bars.set(xlabel="distance from the design, over what was expected", title="What was learnt")
+    bars.set(xlabel="deviation from the design, in prior standard deviations", title="Identified parameters")
     bars.legend(fontsize=8, loc="lower right")
     seen = np.isfinite(left).all(axis=1)
     shift = np.median(left[seen], axis=0)
@@ -108,5 +101,5 @@ def _draw(rows: list[dict[str, Any]], rest: FloatArray, left: FloatArray) -> Fig
     dots.invert_yaxis()
     largest = float(np.linalg.norm(arrows, axis=1).max()) if seen.any() else 0.0
     dots.set(aspect="equal", xlabel="u, px", ylabel="v, px")
-    dots.set_title(f"Dots at rest against design and camera, longest arrow {largest:.2f} px", fontsize=10)
+    dots.set_title(f"Rest markers against design and camera, longest arrow {largest:.2f} px", fontsize=10)
     return figure

@@ -15,7 +15,7 @@ from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
 KINDS = (".csv", ".jsonl", ".rosbag2")
-"""Endings of what readings can be written to."""
+"""Suffixes of the files that readings can be written to."""
 
 _FORCE = (
     "normal_force_n",
@@ -26,17 +26,17 @@ _FORCE = (
     "curvature_per_m",
     "curvature_sd_per_m",
 )
-"""Empty where what reads does not tell it."""
+"""Empty if not estimated."""
 _STATE = ("touching", "inverted", "found", "flags", "rest_moved_px", "latency_ms", "reason")
 
 
 def reading_columns(space: PoseSpace) -> tuple[str, ...]:
-    """Columns of readings whose poses are of a space."""
+    """Return the columns of readings whose poses are of a space."""
     return ("image", *space.names, *space.half_width_names, *_FORCE, *_STATE)
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
-    """A reading as plain data by `reading_columns`; numbers that are not finite become `None`."""
+    """Return a reading as plain data by `reading_columns`; numbers that are not finite become `None`."""
     values = (
         reading.image,
         *reading.pose,
@@ -55,7 +55,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
 
 
 def _forces(reading: Reading) -> tuple[float, ...]:
-    """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
+    """Return values by `_FORCE`, NaN if unknown; the half-widths cover 90 %."""
     if reading.force is None or not reading.touching:
         return (math.nan,) * len(_FORCE)
     normal, tangential = reading.force.normal_force, reading.force.tangential_force
@@ -73,9 +73,7 @@ def _forces(reading: Reading) -> tuple[float, ...]:
 
 
 def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_SPACE) -> Iterator[Reading]:
-    """Write readings with poses of one space as they come, to a .csv or .jsonl file or a new .rosbag2 folder.
-
-    They are handed on.
+    """Write readings as they arrive, and yield them, to a .csv or .jsonl file or a new .rosbag2 folder.
 
     Raises
     ------
@@ -87,7 +85,7 @@ def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = T
     if path.suffix not in KINDS:
         raise PalpateError(
             f"{path.name} is neither {', '.join(KINDS[:-1])} nor {KINDS[-1]}.",
-            "Choose one of these.",
+            "Choose one of these suffixes.",
             code="file-ending-unknown",
         )
     if path.suffix == ".rosbag2":
