@@ -1,4 +1,4 @@
-"""Vision: markers in images, their assignment, their motion, and the pose of the camera."""
+"""Marker detection, assignment and tracking in images, and registration of the camera."""
 
 from palpate.core import lazy_front
 

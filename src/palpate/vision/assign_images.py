@@ -15,40 +15,42 @@ from palpate.vision.motion import fit_motion_model
 from palpate.vision.observed_layout import LEAST_DOTS, ObservedLayout, number_markers
 
 _REPORTED = 500
-"""Images between two reports of progress."""
+"""Number of images between two reports of progress."""
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
-"""Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
-many that look alike lead to another."""
+"""Number of images for the fit of motions, shares fitted per round, and their minimum number.
+
+The last value is the number of similar images whose displacements are tried as guesses.
+"""
 
 
 _NOISE = 0.02
-"""Noise of a marker's place, over the spacing, at least."""
+"""Minimum noise of a marker position, over the spacing."""
 _PLAIN = 0.9
-"""Share of images that are sure by a smooth field alone, from which nothing else is learnt."""
+"""Share of confident images with a smooth field alone, from which no motions are fitted."""
 
 
 @dataclass(frozen=True, eq=False)
 class AssignedMarkers:
-    """Dots of all images by number.
+    """Markers of all images by index.
 
     Attributes
     ----------
     layout
-        Dots at rest.
+        Markers at rest.
     reference
-        Number of the image that the layout was read from.
+        Index of the image that gave the layout.
     moved_px
-        (n, m, 2) displacement from rest, single precision; smooth where no dot was found.
+        (n, m, 2) displacement from rest, single precision; smooth if no blob was assigned.
     found
-        (n, m) whether a dot was assigned.
+        (n, m) whether a blob was assigned.
     agreement, rough
         (n,) see `palpate.vision.match_markers.Correspondence`.
     faults
-        (n,) why an image's correspondence is not believed; empty for those that are.
+        (n,) reason to reject an image's correspondence; empty if accepted.
     motion
-        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.vision.MotionModel`; empty without.
+        (1 + k, 2m) mean and modes of the sensor's motion, see `palpate.vision.MotionModel`; empty if not fitted.
     usual
-        (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
+        (3,) agreement and roughness of confident images, and the noise of a motion, px.
     """
 
     layout: ObservedLayout
@@ -63,26 +65,20 @@ class AssignedMarkers:
 
     @property
     def good(self) -> BoolArray:
-        """(n,) whether the correspondence of an image is believed."""
+        """Whether the correspondence of each image (n,) is accepted."""
         return np.asarray(self.faults == "")
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of images by what became of them; empty for those that are believed."""
+        """Number of images by fault; the empty fault counts accepted images."""
         return dict(Counter(self.faults.tolist()))
 
 
 def choose_reference(blobs: Sequence[FloatArray], count: int) -> int:
-    """The image whose dots give the layout: the first at rest, else the most central one.
+    """Return the image whose blobs give the layout: the first rest image, else the most typical one.
 
-    The most central image has as many dots as most images, and looks most like the mean of where dots are.
-
-    Parameters
-    ----------
-    blobs
-        (n, 2) centres of each image, px; images at rest come after `count` others.
-    count
-        Number of images of presses.
+    The first `count` images, with blobs (n, 2) px, are of presses, the following ones rest images. The most typical
+    image has at least the usual number of blobs, and its blobs are distributed like the mean of all images.
     """
     if len(blobs) > count and len(blobs[count]) >= LEAST_DOTS:
         return count
@@ -90,8 +86,8 @@ def choose_reference(blobs: Sequence[FloatArray], count: int) -> int:
     usual = float(np.median(numbers))
     if usual < LEAST_DOTS:
         raise PalpateError(
-            f"Half of the images show fewer than {LEAST_DOTS} dots.",
-            "Learn from pictures alone: --estimators picture.",
+            f"Half of the images show fewer than {LEAST_DOTS} blobs.",
+            "Train on pixels alone: --estimators picture.",
             code="markers-few",
         )
     width, height = np.max([each.max(axis=0) for each in blobs[:count] if len(each)], axis=0) + 1.0
@@ -103,18 +99,9 @@ def choose_reference(blobs: Sequence[FloatArray], count: int) -> int:
 def assign_images(
     blobs: Sequence[FloatArray], reference: int, shape: tuple[int, int], smooth: bool, progress: Progress
 ) -> AssignedMarkers:
-    """Find the correspondence of every image; images that fail are tried again when all others are known.
+    """Find the correspondence of every image, with blobs (n, 2) px, to the layout of the reference image.
 
-    Parameters
-    ----------
-    blobs, reference
-        (n, 2) centres of each image, px, and the image that gives the layout.
-    shape
-        Height and width of the images, px.
-    smooth
-        See `palpate.vision.match_markers.MarkerMatcher`.
-    progress
-        Receives the number of images done.
+    `shape` is the height and width of the images, px; for `smooth` see `palpate.vision.match_markers.MarkerMatcher`.
     """
     layout = number_markers(blobs[reference])
     correspondent = MarkerMatcher(layout, shape, smooth=smooth)
@@ -144,7 +131,7 @@ def assign_images(
 
 
 def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, progress: Progress) -> None:
-    """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
+    """Fit the sensor's modes of motion, in rounds: fit to the best images, then assign all of them again."""
     some = np.unique(np.linspace(0, len(blobs) - 1, min(_PILOT, len(blobs))).astype(int))
     some = some[[len(blobs[number]) >= LEAST_DOTS for number in some]]
     found = []
@@ -175,4 +162,4 @@ def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, pr
             min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
             max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
         )
-    progress.note(f"motions of the sensor: learnt from {len(taught)} images")
+    progress.note(f"motions of the sensor: fitted to {len(taught)} images")

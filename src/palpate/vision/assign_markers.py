@@ -1,12 +1,12 @@
-"""Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
+"""Assignment of blobs at rest to markers, by an approximate camera and a possibly distorted print.
 
-1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
+1. Rings are found by their structure: number of markers, order, and common azimuth
    (`palpate.vision.find_rings_by_structure`); free layouts by their neighbourhoods
    (`palpate.vision.fit_free_pattern`).
-2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
-   other, or what dots strewn at random would show.
-3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
-   the numbers are given for the smallest turn and marked as ambiguous.
+2. Doubtful results are rejected: a missing ring, an additional ring, rings rotated against each other, or a fit that
+   random blobs would show as well.
+3. A layout of rings has symmetries: rotation by 60° and mirroring. The orientation mark resolves them. Without it,
+   the assignment with the smallest rotation is returned and marked as ambiguous.
 """
 
 from __future__ import annotations
@@ -22,37 +22,37 @@ from palpate.vision.fit_ring_pattern import fit_ring_pattern
 from palpate.vision.pattern import MarkerPattern, PatternFit
 
 _CHANCE = 5e-3
-"""Chance that another symmetry is the right one, above which the mark is not believed."""
+"""Maximum probability of all other symmetries for the mark to decide."""
 _MARK_REACH = 3.0
-"""A dot is not the mark this many standard deviations from its place."""
+"""Maximum distance of the mark from its predicted position, in standard deviations."""
 _SEEN = 20.0
-"""Prints of one dot, one of them hidden, that are known beforehand."""
+"""Prior of the share of hidden blobs: number of prints of one blob, of which one is hidden."""
 _MIRROR = 0.05
-"""Share of the cameras that mirror the image."""
+"""Prior share of cameras that mirror the image."""
 _LEAST_SHARE = 0.55
-"""Share of the markers that must be found for a naming to be believed."""
+"""Minimum share of markers with a blob."""
 
 
 @dataclass(frozen=True, eq=False)
 class MarkerAssignment:
-    """Which dot is which marker.
+    """Assignment of blobs to markers.
 
     Attributes
     ----------
     blob
-        (m,) number of the blob of each marker, -1 where there is none.
+        (m,) index of the blob of each marker, -1 without one.
     positions_px
-        (m, 2) its pixels; where there is no blob, where the map expects it.
+        (m, 2) pixels of the blob, or the position predicted by the fitted map.
     found
-        (m,) whether there is a blob.
+        (m,) whether a blob was assigned.
     turn_deg, mirrored
-        How the pattern lies in the image against the nominal camera, turned in the sense from column to row.
+        Rotation (from column to row) and mirroring of the pattern in the image, relative to the nominal camera.
     alternatives
-        Other namings that fit as well, without alternatives of their own; empty where there is one only.
+        Equally good assignments, themselves without alternatives; empty if unique.
     mark
-        Number of the blob that is the orientation mark, -1 where none was seen.
+        Index of the blob that is the orientation mark, -1 if not found.
     residual_px
-        Root of the mean squared distance between dots and the smooth map.
+        Root mean square distance of the blobs from the fitted map.
     """
 
     blob: NDArray[np.intp]
@@ -66,24 +66,19 @@ class MarkerAssignment:
 
     @property
     def ambiguous(self) -> bool:
-        """Whether other namings fit as well."""
+        """Whether other assignments fit equally well."""
         return len(self.alternatives) > 0
 
 
 def assign_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> MarkerAssignment:
-    """Give every marker its dot.
+    """Assign the blobs of a rest image, centres (n, 2) px, to the markers of a pattern.
 
-    Parameters
-    ----------
-    blobs_px
-        (n, 2) centres of the dots at rest, some missing, some false.
-    pattern
-        What is expected.
+    Some blobs may be missing or false.
 
     Raises
     ------
     PalpateError
-        If too few markers find a dot, or it is doubtful that they are the design's: another design, or not at rest.
+        If too few markers have a blob, or the assignment is doubtful: another design, or not at rest.
     """
     blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
     rings = pattern.rings
@@ -92,15 +87,15 @@ def assign_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> MarkerAssign
     if laid is None or laid.doubt or count < max(3, _LEAST_SHARE * len(pattern)):
         why = f": {laid.doubt}" if laid and laid.doubt else ""
         raise PalpateError(
-            f"{count} of {len(pattern)} markers were found among {len(blobs_px)} dots{why}.",
-            "Check that design and camera are those of the image, and that the dome is at rest.",
+            f"{count} of {len(pattern)} markers were found among {len(blobs_px)} blobs{why}.",
+            "Check that design and camera are those of the image, and that the skin is unloaded.",
             code="assignment-doubtful" if why else "markers-not-assigned",
         )
     return _resolve(blobs_px, pattern, laid)
 
 
 def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> MarkerAssignment:
-    """Choose among the turns and mirrors that fit as well: by the mark, else the smallest turn, and say so."""
+    """Choose among equivalent symmetries by the mark; without it, sort them by rotation as alternatives."""
     blob = laid.blob
     expected = np.where(blob[:, None] >= 0, blobs[blob], laid.places_px)
     turn = _turn_deg(pattern.expected_px * [1.0, -1.0 if laid.mirrored else 1.0], laid.places_px)
@@ -127,18 +122,18 @@ def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> Mar
 
 
 def _turn_deg(template: FloatArray, places: FloatArray) -> float:
-    """Angle of the turn that brings the template (m, 2) nearest to the places (m, 2)."""
+    """Return the angle of the rotation that best aligns the template (m, 2) with the places (m, 2)."""
     a, b = template - template.mean(axis=0), places - places.mean(axis=0)
     across = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()
     return float(np.degrees(np.arctan2(across, (a * b).sum())))
 
 
 def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> tuple[NDArray[np.intp], int]:
-    """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
+    """Return the symmetries that agree with the orientation mark, and its blob; all and -1 if undecided.
 
-    The mark is a dot that belongs to no marker. Under a symmetry, either it lies where the print's law expects it, or
-    it is hidden; other dots lie anywhere. One symmetry is believed where all others together are less likely than
-    `_CHANCE`.
+    The mark is a blob that belongs to no marker. Under a symmetry, it is either near its predicted position or
+    hidden; unassigned blobs are uniformly distributed. One symmetry is accepted if all others together have a
+    probability below `_CHANCE`.
     """
     every = np.arange(len(pattern.symmetries))
     free = np.setdiff1d(np.arange(len(blobs)), laid.blob[laid.blob >= 0])

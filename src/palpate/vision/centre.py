@@ -1,10 +1,10 @@
-"""Sub-pixel centres: a blurred elliptic disc moved until it fits.
+"""Sub-pixel blob centres by a least-squares fit of a blurred elliptic disc.
 
-The dot is A·Φ((1 - q) R / s) on a flat ground, with Φ the normal distribution, q² = dᵀ S d the elliptic radius of the
-offset d from the centre (1 at the edge), R its mean radius and s the blur of the edge. Linearised in centre,
-contrast, ground, size and blur, least squares over the window gives the step; as size and blur are even and the
-shift is odd in d, errors in them cannot bias the centre. Where the model holds the step reaches the bound of
-Cramér and Rao, sigma ≥ 2 (noise / A) √(s / (√π · diameter)). Pixels of other dots are left out.
+The blob is A·Φ((1 - q) R / s) on a constant background, with Φ the normal distribution, q² = dᵀ S d the elliptic
+radius of the offset d from the centre (1 at the edge), R its mean radius and s the blur of the edge. The model is
+linearised in centre, contrast, background, size and blur; least squares over the window gives the step. Size and blur
+are even in d and the shift is odd, so errors in them cannot bias the centre. If the model is valid, the step reaches
+the bound of Cramér and Rao, sigma ≥ 2 (noise / A) √(s / (√π · diameter)). Pixels of other blobs are left out.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, kernel
 
 _UNKNOWNS = 6
-"""Centre, contrast, ground, size and blur."""
+"""Centre, contrast, background, size and blur."""
 _ROOM = 4096
-"""Pixels of the largest window; a larger dot is thinned out to it."""
+"""Maximum number of pixels of a window; a larger one is subsampled."""
 
 
 @kernel
@@ -29,28 +29,23 @@ def fit_centres(
     edge: float,
     rounds: tuple[int, int],
 ) -> FloatArray:
-    """Fit blobs one by one.
+    """Fit the centres of all blobs of an image (h, w), in which blobs are above zero.
 
     Parameters
     ----------
-    image
-        (h, w) grey levels, dots above zero.
-    labels
-        (h, w) label of each pixel's component, 0 outside.
-    own
-        (n,) label of each blob.
-    start
-        (n, 5) column, row and covariance xx, xy, yy (px²) of a disc as large as the blob (a quarter of its axes²).
-    edge
-        Blur of the edge, px, to begin with.
-    rounds
-        Number of steps with size and blur free, and of steps after those with both held.
+    image, labels
+        (h, w) grey levels, and the label of each pixel's component, 0 outside.
+    own, start
+        (n,) label of each blob, and (n, 5) column, row and covariance xx, xy, yy (px²) of a disc of its size (a
+        quarter of its axes²).
+    edge, rounds
+        Initial blur of the edge, px; number of steps with free size and blur, and with both fixed.
 
     Returns
     -------
     ndarray
         (n, 7): column, row, scale of the start's axes, contrast, blur (px), standard deviation of a coordinate for
-        noise 1, rms residual; NaN in the first where the fit left its window.
+        noise 1, rms residual; column is NaN if the fit failed.
     """
     result = np.empty((len(own), 7))
     rows = np.empty((_UNKNOWNS + 1, _ROOM))
@@ -123,7 +118,7 @@ def _gather(
     free: int,
     rows: FloatArray,
 ) -> int:
-    """Rows of one step: slopes by contrast times column and row, contrast, ground, size, blur; and the grey level."""
+    """Fill the rows of a step: contrast × centre slopes, contrast, background, size, blur; grey level."""
     column, row, scale, blur = state
     determinant = start[2] * start[4] - start[3] * start[3]
     radius = 2.0 * determinant**0.25 * scale
@@ -160,7 +155,7 @@ def _gather(
 
 @kernel
 def _solve(moments: FloatArray, free: int) -> FloatArray:
-    """Least squares by Cholesky's factors of the lower triangle; the last row is the right side. Zero if singular."""
+    """Solve the normal equations by Cholesky factors; the last row is the right side. Zero if singular."""
     factor = np.zeros((free, free))
     step = np.zeros(free)
     for i in range(free):
@@ -189,7 +184,7 @@ def _solve(moments: FloatArray, free: int) -> FloatArray:
 
 @kernel
 def _erf(x: float, exponential: float) -> float:
-    """Error function to 1.5e-7 (Abramowitz and Stegun 7.1.26), with exp(-x²) given."""
+    """Return the error function to 1.5e-7 (Abramowitz and Stegun 7.1.26), given exp(-x²)."""
     t = 1.0 / (1.0 + 0.3275911 * abs(x))
     series = t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))))
     value = 1.0 - series * exponential

@@ -1,9 +1,9 @@
-"""Which dots an image has: polarity and size, from the image alone.
+"""Polarity and size of the markers, from one image.
 
-Every size and polarity is tried (on the image shrunk where the dots allow it). A clean field is the one with the most
-dots that agree in size and contrast, and the fewest things that do not. Before a room in clutter no size is clean;
-there dots are recognised by their order: in a printed field most dots lie half way between two neighbours, which of
-dots strewn at random one in eleven does.
+All sizes and polarities are tried, on a reduced image for large markers. In a clean image, the best field has the
+most blobs of equal size and contrast and the fewest other blobs. In front of a cluttered background no size is clean;
+the markers are then recognised by their regularity: in a printed field most blobs lie midway between two neighbours,
+of random blobs one in eleven.
 """
 
 from __future__ import annotations
@@ -23,57 +23,51 @@ Image = NDArray[np.float32]
 _SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
 """Diameters that are tried; a field is found at diameters within a third of its own."""
 _CLEAN, _MANY, _LEAST = 0.45, 12, 6
-"""Share of all blobs' area in dots that agree, and their number, from which a field is believed; least number.
+"""Limits of a clean field: minimum share of the area of all blobs, and number, of its similar blobs.
 
-The real fields of `docs/sensor.md` have 0.51 to 0.99, a dome with a bright rim and clutter about it 0.2 to 0.8; what
-a room in clutter offers instead of a field has 0.2 to 0.7, but no order."""
+The last value is the minimum number of blobs of any field. Real fields (`docs/sensor.md`) have shares of 0.51 to
+0.99, a skin with a bright rim and surrounding clutter 0.2 to 0.8. Clutter without a field has 0.2 to 0.7, but no
+regularity.
+"""
 _HALF = 0.8
-"""Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
+"""Minimum fullness of a blob: a disc has 1, two touching discs 0.9, a ring 0.7."""
 _NEIGHBOURS, _HALF_WAY = 6, 0.15
-"""Neighbours looked at, and how far from half way a dot may be, over the distance of the two."""
+"""Number of neighbours; maximum offset of a midpoint blob, over the distance of its two neighbours."""
 AT_RANDOM = 0.092
-"""Share of dots strewn at random that lie half way between two of their neighbours (measured, 40 fields of 60)."""
+"""Share of random blobs midway between two of their neighbours (measured, 40 fields of 60)."""
 _ORDERED = 2.5
-"""Standard deviations by which dots must be more in order than chance and the cleanest field to be preferred."""
+"""Standard deviations of regularity by which a regular field must exceed the cleanest one."""
 _ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
-"""What a dot must have to count for the order: ratio of axes, fullness, and the size that is tried, to e^±0.5."""
+"""Blobs for the regularity: minimum axis ratio and fullness, maximum log ratio to the tried size."""
 
 _IN_ORDER, _ABOVE_CHANCE = 0.25, 5.0
-"""Share of dots half way between two neighbours, and standard deviations of that above chance, of a field in order.
+"""Minimum share of midpoint blobs of a regular field, and its excess in standard deviations.
 
-The public images that show dots have 0.32 and 6.0 or more, one excepted whose dots are alike; grain has up to 0.2."""
+Public images of markers have 0.32 and 6.0 or more, except one with similar blobs; grain has up to 0.2.
+"""
 _DISTINCT = 30.0
-"""Least contrast over the noise of a pixel times the diameter, px: a faint weave has less, faint printed dots 44."""
+"""Minimum contrast over pixel noise, times diameter in px; a faint weave has less, faint markers 44."""
 _AT_BORDER, _NOT_LONG = 0.25, 0.59
-"""Greatest share of dots cut by the image's border, and least median ratio of axes: a weave runs on beyond the image,
-and its pieces are long; public images have at most 0.08 and at least 0.69."""
+"""Maximum share of blobs at the image border, and minimum median axis ratio.
+
+A weave extends beyond the image, and its pieces are long; public images have at most 0.08 and at least 0.69.
+"""
 _ONE_WAY = 0.7
-"""How far the arms between neighbours may point one way."""
+"""Maximum alignment of the arms between neighbours with one direction."""
 _DISC = 0.95
-"""Median ratio of axes above which dots are discs, and no threads, whatever way they run."""
+"""Median axis ratio above which blobs are discs and not threads, whatever their alignment."""
 _EQUAL, _FEWEST, _OVAL = 0.06, 8, 0.75
-"""Greatest spread of the contrast of dots that are alike, of what they are at least, and their median ratio of axes:
-up to seven lamps about a dome are as alike as print."""
+"""Similar blobs: maximum spread of log contrast, minimum number, minimum median axis ratio.
+
+Up to seven lamps around a skin are as similar as printed markers.
+"""
 
 
 @dataclass(frozen=True)
 class FieldCandidate:
-    """What an image shows at one polarity and size.
+    """Field of similar blobs of one polarity and size (their median diameter) in an image.
 
-    Attributes
-    ----------
-    dark
-        Polarity.
-    diameter_px
-        Median diameter of its dots.
-    dots
-        Number of dots that agree.
-    clean
-        Their share of the area of all blobs.
-    score
-        How well the image fits; 0 where it does not.
-    roundness
-        Median ratio of the axes of its dots.
+    `clean` is their share of the area of all blobs, `score` is 0 if rejected, `roundness` their median axis ratio.
     """
 
     dark: bool
@@ -85,15 +79,7 @@ class FieldCandidate:
 
 
 def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
-    """Polarity and size of the dots of an image, as far as the spec leaves them open; `None` without a field.
-
-    Parameters
-    ----------
-    grey
-        (h, w) grey levels.
-    spec
-        What is given.
-    """
+    """Choose polarity and size of the markers in grey levels (h, w), unless given; `None` without a field."""
     tries = [
         (dark, size)
         for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
@@ -115,7 +101,7 @@ def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
 
 
 def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
-    """Numbers of the candidates that look like dots, by size, roundness, fullness and contrast."""
+    """Return indices of the candidates that look like markers by size, roundness, fullness and contrast."""
     size = segments.diameter_px / diameter_px
     good = (size > 0.4) & (size < 2.2) & (segments.roundness > spec.roundness) & (segments.fullness > _HALF)
     good &= (segments.area_px >= 4) | segments.at_border
@@ -126,7 +112,7 @@ def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDA
 
 
 def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segments, int]:
-    """Candidates of a size, and by what the image was shrunk for it."""
+    """Return the candidates of one size, and the reduction factor of the image."""
     step = int(max(1, size // 8))
     if step > 1:
         grey = blur(grey, 0.5 * step)[::step, ::step]
@@ -135,7 +121,7 @@ def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segmen
 
 
 def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
-    """How clean the field of a size is."""
+    """Evaluate the cleanness of the field of one size."""
     segments, step = _cut(grey, dark, size, spec)
     chosen = choose_dots(segments, size / step, spec)
     if len(chosen) < 3:
@@ -151,7 +137,7 @@ def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCa
 
 
 def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
-    """How far the dots of a size are in order: standard deviations above chance."""
+    """Evaluate the regularity of the blobs of one size, in standard deviations above random blobs."""
     segments, step = _cut(grey, dark, size, spec)
     chosen = choose_dots(segments, size / step, spec)
     diameter = segments.diameter_px * step
@@ -168,14 +154,14 @@ def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandi
 
 
 def is_midpoint(points: FloatArray) -> BoolArray:
-    """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
+    """Return whether each point (n, 2) lies midway between two of its nearest neighbours."""
     if len(points) < 3:
         return np.zeros(len(points), bool)
     return np.asarray((_arms(points)[1] < _HALF_WAY / 2.0).any(axis=(1, 2)))
 
 
 def _arms(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(n, k, 2) arms to neighbours, and (n, k, k) length of the sum of two arms over their lengths."""
+    """Return arms (n, k, 2) to neighbours, and lengths (n, k, k) of sums of two arms over their lengths."""
     distance, number = cKDTree(points).query(points, min(_NEIGHBOURS + 1, len(points)))
     arms, length = points[number[:, 1:]] - points[:, None], distance[:, 1:]
     lengths = np.maximum(length[:, :, None] + length[:, None], 1e-9)
@@ -183,15 +169,7 @@ def _arms(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
-    """Whether blobs look printed.
-
-    Parameters
-    ----------
-    blobs
-        Those of an image.
-    field
-        What was chosen to find them.
-    """
+    """Return whether blobs of an image, found by a field, look printed."""
     count = len(blobs)
     if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
         return False
@@ -205,7 +183,7 @@ def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
 
 
 def _in_one_direction(points: FloatArray) -> float:
-    """How far the straightest arms of all dots point one way: 1 for a weave's threads, near 0 for grids and rings."""
+    """Return the alignment of the straightest arms: 1 for threads of a weave, near 0 for grids and rings."""
     arms, miss = _arms(points)
     best = miss.reshape(len(points), -1).argmin(axis=1) // arms.shape[1]
     arm = arms[np.arange(len(points)), best]
@@ -213,5 +191,5 @@ def _in_one_direction(points: FloatArray) -> float:
 
 
 def _spread(values: FloatArray) -> float:
-    """Standard deviation by the median of the distances from the median."""
+    """Return the standard deviation estimated from the median absolute deviation."""
     return float(1.4826 * np.median(np.abs(values - np.median(values))))

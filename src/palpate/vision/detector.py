@@ -1,4 +1,4 @@
-"""A detector: what is looked for, with every choice made."""
+"""Marker detector with all settings determined."""
 
 from __future__ import annotations
 
@@ -21,37 +21,37 @@ from palpate.vision.stray_blobs import find_strays
 
 Image = NDArray[np.float32]
 _ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
-"""Steps of a fit with size and blur free, and held: in each image, and once to measure the blur."""
+"""Steps with free, and with fixed size and blur: in each image, and once to measure the blur."""
 _EDGE_PX = 0.8
-"""Blur of an edge to begin with: a pixel's own width and a lens in focus."""
+"""Initial blur of an edge: pixel width and a lens in focus."""
 _GAP = 2.6
-"""Step between dots of one field that is always allowed, over the median distance of nearest neighbours."""
+"""Minimum accepted gap between markers of one field, over the median nearest-neighbour distance."""
 _CLEAR = 40.0
-"""Contrast of a blob's sum over its noise at which half of its elongation is believed."""
+"""Ratio of a blob's summed contrast to its noise at which half of its elongation is used."""
 
 
 _LUMA = np.array([0.114, 0.587, 0.299], np.float32)
 """Weights of blue, green and red (ITU-R BT.601), in OpenCV's order."""
 _SMALLEST_PX = 8
-"""Smallest side of an image."""
+"""Minimum side length of an image."""
 
 
 @dataclass(frozen=True, eq=False)
 class Detector:
-    """Finds dots of one polarity and size inside a mask.
+    """Detector of markers of one polarity and size inside a mask.
 
     Attributes
     ----------
     spec
-        What was chosen.
+        Settings.
     dark
-        Whether dots are darker than what is about them.
+        Whether markers are darker than their surroundings.
     diameter_px
-        Diameter of a dot.
+        Diameter of a marker.
     mask
-        (h, w) where dots are looked for; `None` for everywhere.
+        (h, w) searched region; `None` for the whole image.
     edge_px
-        Blur of a dot's edge, by lens and pixel.
+        Blur of a marker's edge, by lens and pixel.
     """
 
     spec: DetectSpec
@@ -61,24 +61,19 @@ class Detector:
     edge_px: float = _EDGE_PX
 
     def find(self, image: NDArray[Any]) -> Blobs:
-        """Find the dots of an image.
-
-        Parameters
-        ----------
-        image
-            (h, w) or (h, w, 3), any number type.
+        """Detect the blobs of an image (h, w) or (h, w, 3), of any number type.
 
         Raises
         ------
         PalpateError
-            If it is not an image, is too small or too large, or has another size than the mask.
+            If it is not an image, is too small or too large, or differs in size from the mask.
         """
         grey = to_grey(image, self.spec.largest_mpx)
         if self.mask is not None and self.mask.shape != grey.shape:
             raise PalpateError(
-                f"The image has {grey.shape[1]} × {grey.shape[0]} px, the detector was made for "
+                f"The image has {grey.shape[1]} × {grey.shape[0]} px, but the detector is for "
                 f"{self.mask.shape[1]} × {self.mask.shape[0]}.",
-                "Make a detector from an image of this size.",
+                "Prepare a detector from an image of this size.",
                 code="image-size-changed",
             )
         return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
@@ -90,7 +85,7 @@ class Detector:
 
     @cached_property
     def _window(self) -> tuple[slice, slice]:
-        """Rows and columns that hold the mask: the rest of the image is not looked at."""
+        """Rows and columns of the mask's bounding box, to which the search is limited."""
         if self.mask is None:
             return slice(None), slice(None)
         rows, columns = np.flatnonzero(self.mask.any(axis=1)), np.flatnonzero(self.mask.any(axis=0))
@@ -100,7 +95,7 @@ class Detector:
         return np.ones(len(points_px), bool) if self.mask is None else inside(self.mask, points_px)
 
     def _fit(self, grey: Image, rounds: tuple[int, int]) -> tuple[Blobs, float]:
-        """Blobs, and the median blur of their edges."""
+        """Return the blobs, and the median blur of their edges."""
         corner = np.array([self._window[1].start or 0, self._window[0].start or 0])
         shape, grey = grey.shape, np.ascontiguousarray(grey[self._window])
         raised = -grey if self.dark else grey
@@ -134,31 +129,30 @@ class Detector:
 def prepare_detector(
     image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True, gap: float = 0.0
 ) -> Detector:
-    """Choose polarity, size and mask from an image, where the spec leaves them open.
-
-    `palpate.vision.choose_field` says how.
+    """Determine polarity, size and mask from an image, unless the spec gives them.
 
     Parameters
     ----------
     image
         (h, w) or (h, w, 3), any number type.
     spec
-        What is known of the dots.
+        Known properties of the markers.
     doubt
-        Whether what does not look printed is refused, as lamps and grain; not where dots are held against a design.
+        Whether blobs that do not look printed, such as lamps and grain, are rejected; `False` if they are compared
+        with a design later.
     gap
-        Greatest step between dots of one field, over the median distance of nearest neighbours; less than 2.6 counts
-        as that. What lies further away is masked.
+        Maximum gap between markers of one field, over the median distance of nearest neighbours; at least 2.6.
+        Anything further away is masked.
 
     Raises
     ------
     PalpateError
-        If nothing in the image looks like a field of dots. Where polarity and diameter are given, any dots will do.
+        If no field of markers is found. With given polarity and diameter, any blobs are accepted.
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
     none = PalpateError(
-        f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
+        f"No field of markers was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
         "Check light and focus, or give polarity and diameter_px.",
         code="markers-not-found",
     )
@@ -177,24 +171,15 @@ def prepare_detector(
 
 
 def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
-    """Grey levels of an image.
+    """Convert an image to grey levels (h, w); fractions up to 1 are scaled to 255.
 
-    Parameters
-    ----------
-    image
-        (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any number type; colours in the order blue, green, red.
-    largest_mpx
-        Largest image that is taken, in millions of pixels.
-
-    Returns
-    -------
-    ndarray
-        (h, w) in the levels of the image; fractions up to 1 in levels up to 255.
+    The image is (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any number type, colours in the order blue, green, red,
+    and has at most `largest_mpx` million pixels.
 
     Raises
     ------
     PalpateError
-        If it is no image, is smaller than 8 px, larger than allowed, or holds what is not a number.
+        If it is not an image, is smaller than 8 px, larger than allowed, or contains values that are not finite.
     """
     image = np.asarray(image)
     colours = image.shape[2] if image.ndim == 3 else 1
@@ -214,7 +199,7 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
     if height * width > largest_mpx * 1e6:
         raise PalpateError(
             f"The image has {width} × {height} px, more than {largest_mpx:g} million.",
-            "Shrink it, or raise largest_mpx.",
+            "Reduce it, or increase largest_mpx.",
             code="image-too-large",
         )
     if image.ndim == 3:
@@ -222,14 +207,14 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
     grey = np.ascontiguousarray(image, np.float32)
     if image.dtype.kind == "f" and not np.isfinite(grey).all():
         raise PalpateError(
-            "The image holds values that are not numbers.", "Repair or leave it out.", code="image-not-finite"
+            "The image contains values that are not finite.", "Repair or omit it.", code="image-not-finite"
         )
     # the detector's minimum noise is that of whole grey levels, so fractions are brought to those
     return grey * np.float32(255.0) if image.dtype.kind == "f" and 0.0 < grey.max(initial=0.0) <= 1.0 else grey
 
 
 def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:
-    """(n,) whether points lie in a mask."""
+    """Return whether points lie in a mask (n,)."""
     column = np.clip(np.rint(points_px[:, 0]).astype(int), 0, mask.shape[1] - 1)
     row = np.clip(np.rint(points_px[:, 1]).astype(int), 0, mask.shape[0] - 1)
     return np.asarray(mask[row, column])
@@ -238,7 +223,7 @@ def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:
 def _refine(
     raised: Image, segments: Segments, chosen: NDArray[np.intp], noise: float, fit: tuple[float, tuple[int, int]]
 ) -> tuple[Blobs, float]:
-    """Blobs with centres fitted on the image, and the median blur of their edges."""
+    """Fit the centres of blobs on the image; return them and the median blur of their edges."""
     labels = segments.labels
     spread = _calm(segments.spread[chosen], segments.contrast[chosen] / noise * np.sqrt(segments.area_px[chosen]))
     # a disc of the blob's area and axes
@@ -260,7 +245,7 @@ def _refine(
 
 
 def _calm(spread: FloatArray, clarity: FloatArray) -> FloatArray:
-    """Shapes drawn towards a circle where the noise would shape them (`clarity`: contrast over noise of the sum)."""
+    """Blend shapes with a circle by their noise (`clarity`: summed contrast over its noise)."""
     weight = 1.0 / (1.0 + (clarity / _CLEAR) ** 2)
     middle = (spread[:, 0] + spread[:, 2]) / 2.0
     circle = np.stack([middle, np.zeros_like(middle), middle], axis=-1)
@@ -272,7 +257,7 @@ def _determinant(spread: FloatArray) -> FloatArray:
 
 
 def _find_mask(blobs: Blobs, shape: tuple[int, int], gap: float) -> BoolArray | None:
-    """Where the largest group of neighbouring dots is, and one spacing more."""
+    """Return a mask of the largest group of neighbouring blobs, with a margin of 1.5 spacings."""
     from scipy.spatial import cKDTree
 
     if len(blobs) < 4:

@@ -1,8 +1,8 @@
-"""From numbers that are ambiguous at rest to one numbering, by an image of a press whose pose is known.
+"""Resolution of an ambiguous assignment by an image of one press of known pose.
 
-Rings of dots look the same turned by 60° and in a mirror; a slanted wall does not. Under each numbering every dot
-should move in its own way. The dots are found again in the pressed image, and the numbering whose motion is nearest
-to theirs is taken. The depth of the press may be off, as a robot's is: each motion is scaled for its best fit.
+Rings of markers are symmetric under rotation by 60° and mirroring; a tilted wall is not. Each assignment predicts
+another motion of every blob. The blobs are found again in the pressed image, and the assignment with the nearest
+motion is chosen. The depth of the press may be wrong, as a robot's is: each motion is scaled for its best fit.
 """
 
 from __future__ import annotations
@@ -16,38 +16,38 @@ from palpate.core import FloatArray, PalpateError
 from palpate.vision.assign_markers import MarkerAssignment
 
 _GAINS = np.linspace(0.5, 1.5, 15)
-"""Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""
+"""Factors on the motion: 1 mm of error of first contact at 4 mm depth is a quarter."""
 _REACH = 0.45
-"""Distance to the nearest dot that may be the marker's, over the spacing of the markers at rest."""
+"""Maximum distance of a marker's blob, over the marker spacing at rest."""
 _CANDIDATES, _ROUNDS = 0.8, 3
-"""Share of the markers by which motions are compared at first, as some may be lost; turns of the fit."""
+"""Share of markers used in the first comparison, as some may be lost; number of fits."""
 _STRAY, _STRAY_PX = 4.0, 0.5
-"""A dot this many times the median from where the best numbering expects it, and this far, is another's."""
+"""Maximum distance of a blob from its prediction, over the median distance, if more than these pixels."""
 _APART_PX = 0.12
-"""Root mean square distance of the motions of two numberings below which the press does not tell them apart."""
+"""Root mean square difference of two motions below which the press does not distinguish them."""
 _SURE = 0.2
-"""How much nearer to one motion than to the other the dots must lie, over the distance of both; 0.5 is all of it."""
+"""Minimum of `PressFit.sureness` for an assignment to be ruled out; 0.5 is the maximum."""
 _EXPLAINED = 0.35
-"""Greatest misfit of the best numbering over the motion: above it the press is not the one that was given."""
+"""Maximum misfit of the best assignment over the motion; above it, the press has another pose."""
 _LEAST_MOTION_PX = 1.0
-"""Smallest motion of a press that is compared."""
+"""Minimum motion of a press that is compared."""
 
 
 @dataclass(frozen=True, eq=False)
 class PressFit:
-    """How well each numbering agrees with a known press.
+    """Agreement of each assignment with a reference press.
 
     Attributes
     ----------
     naming
-        The best numbering; its alternatives are those that agree about equally.
+        The best assignment; its alternatives agree about equally well.
     misfit_px
-        (k,) root of the mean squared distance of the dots from where each numbering expects them, in the order of the
-        ambiguous naming and its alternatives.
+        (k,) root mean square distance of the blobs from their predictions, in the order of the ambiguous assignment
+        and its alternatives.
     sureness
-        (k,) where the dots lie on the way from the motion of each numbering (-0.5) to that of the best one (0.5).
+        (k,) position of the blobs between the motion of each assignment (-0.5) and that of the best one (0.5).
     gain
-        Factor on the motion for which the best numbering fits: far from 1, the depth was another.
+        Fitted factor on the motion of the best assignment; far from 1 if the depth was different.
     """
 
     naming: MarkerAssignment
@@ -59,35 +59,35 @@ class PressFit:
 def disambiguate_by_press(
     naming: MarkerAssignment, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float
 ) -> PressFit:
-    """Choose among the numberings that fit the image at rest.
+    """Choose among the assignments that fit a rest image.
 
     Parameters
     ----------
     naming
-        The ambiguous naming of an image at rest.
+        Ambiguous assignment of a rest image.
     motions_px
-        (k, m, 2) how every marker should move in the image, by simulation, under the naming and each alternative.
+        (k, m, 2) simulated motion of every marker in the image, under the assignment and each alternative.
     pressed_px
-        (n, 2) dots in an image of the press by the same camera, in any order.
+        (n, 2) blobs in an image of the press by the same camera, in any order.
     spacing_px
-        Least distance of two markers at rest.
+        Minimum distance of two markers at rest.
 
     Returns
     -------
     PressFit
-        Its naming is ambiguous still where several numberings agree about equally, as for a straight wall.
+        Its assignment is still ambiguous if several agree about equally well, as for a wall without tilt.
 
     Raises
     ------
     PalpateError
-        If the press should hardly move the markers, or no numbering explains what moved: another pose.
+        If the press hardly moves the markers, or no assignment explains the motion: another pose.
     """
     choices = (replace(naming, alternatives=()), *naming.alternatives)
     moved = float(np.sqrt(np.mean((motions_px**2).sum(axis=-1))))
     if not moved > _LEAST_MOTION_PX:
         raise PalpateError(
-            f"The known press moves the markers by {moved:.2f} px only.",
-            "Press deeper, by a slanted wall.",
+            f"The reference press moves the markers by {moved:.2f} px only.",
+            "Press deeper, with a tilted wall.",
             code="reference-press-too-light",
         )
     motions = np.stack([_by_dot(choice, motion) for choice, motion in zip(choices, motions_px, strict=True)])
@@ -105,9 +105,9 @@ def disambiguate_by_press(
         gain = float(gains[best])
     if misfit[best] > _EXPLAINED * moved or have.mean() < _CANDIDATES / 2.0:
         raise PalpateError(
-            f"No numbering explains the press: {have.sum()} of {len(have)} markers found their dot, "
-            f"{misfit[best]:.1f} px off.",
-            "Check its roll, pitch and depth, and that camera and dome are where they were at rest.",
+            f"No assignment explains the press: {have.sum()} of {len(have)} markers have a blob, with a residual of "
+            f"{misfit[best]:.1f} px.",
+            "Check its roll, pitch and depth, and that camera and skin have not moved since the rest image.",
             code="reference-press-unexplained",
         )
     apart = ((laid - laid[best]) ** 2).sum(axis=(1, 2)) / have.sum()
@@ -118,12 +118,12 @@ def disambiguate_by_press(
 
 
 def _by_dot(choice: MarkerAssignment, values: FloatArray) -> FloatArray:
-    """(n, 2) values of the found markers in the order of their dots, which is the same under every numbering."""
+    """Return values (n, 2) of the found markers in the order of their blobs, common to all assignments."""
     return np.asarray(values[choice.found][np.argsort(choice.blob[choice.found])])
 
 
 def _begin(rest: FloatArray, motions: FloatArray, pressed: FloatArray, reach: float) -> tuple[int, float]:
-    """The numbering and the factor on its motion whose markers lie nearest to dots."""
+    """Return the assignment, and the factor on its motion, whose markers are nearest to blobs."""
     if not len(pressed):
         return 0, 1.0
     tree, kept = cKDTree(pressed), max(int(_CANDIDATES * len(rest)), 1)
@@ -136,7 +136,7 @@ def _begin(rest: FloatArray, motions: FloatArray, pressed: FloatArray, reach: fl
 
 
 def _match(expected: FloatArray, pressed: FloatArray, reach: float) -> FloatArray:
-    """(n, 2) the dot of each marker; NaN where there is none, or another marker's."""
+    """Return the blob (n, 2) of each marker; NaN if none is near enough."""
     if not len(pressed):
         return np.full_like(expected, np.nan)
     distance, dot = cKDTree(pressed).query(expected)
@@ -145,6 +145,6 @@ def _match(expected: FloatArray, pressed: FloatArray, reach: float) -> FloatArra
 
 
 def _gains(seen: FloatArray, motions: FloatArray) -> FloatArray:
-    """(k,) factor on the motion (k, n, 2) of each numbering that fits what was seen (n, 2) best, within bounds."""
+    """Return the best-fitting factor (k,) on the motion (k, n, 2) of each assignment, within bounds."""
     gains = (motions * seen).sum(axis=(1, 2)) / np.maximum((motions**2).sum(axis=(1, 2)), 1e-12)
     return np.asarray(np.clip(gains, _GAINS[0], _GAINS[-1]))

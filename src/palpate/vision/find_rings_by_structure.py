@@ -1,9 +1,9 @@
-"""Rings of dots found by their structure: six about one, then twelve, then eighteen, whatever their radii.
+"""Rings of markers found by their structure: six around one, then twelve, then eighteen, at any radii.
 
-A ring is known by its number of dots at even steps. Three dots that could be neighbours on the innermost ring give
-all of it; each further ring is looked for outside the last one, over a range of radii and centres, and accepted where
-its number of dots closes around it. Then every poor ring is looked for again as its neighbours say. Nothing but the
-order of the rings, their numbers and their common azimuth is taken from the design: no law of the radii can mislead.
+A ring is defined by its number of evenly spaced blobs. Three blobs that could be neighbours on the innermost ring
+determine it. Each further ring is searched outside the last one, over a range of radii and centres, and accepted if
+its number of blobs closes around it. Then every poor ring is searched again, as predicted by its neighbours. Only the
+order of the rings, their numbers and their common azimuth are taken from the design, not their radii.
 """
 
 from __future__ import annotations
@@ -32,49 +32,59 @@ from palpate.vision.ring_seeds import seed_rings
 from palpate.vision.rings import Rings, ring_harmonics
 
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
-"""Share of the dots of the innermost ring and its middle that a seed must have, and if none leads to all rings."""
+"""Minimum share of the innermost ring and its centre for a seed, in a first and a second attempt."""
 _SEEDS = 40
-"""Seeds that are tried at most, from the middle of the dots outwards."""
+"""Maximum number of seeds, from the centre of the blobs outwards."""
 _LEAST_RING = 0.4
-"""Share of a ring's dots that must be seen."""
+"""Minimum share of a ring's blobs that must be found."""
 _FULL_RING, _FULL = 0.75, 0.6
-"""Shares of a ring, and of all, from which on nothing better is looked for,"""
+"""Shares of a ring, and of all, at which the search ends,"""
 _FEW = 3
-"""if the rings are even and so few other dots are between."""
+"""if the rings are even and contain no more than so many other blobs."""
 _GAPS = (0.35, 2.3)
-"""Bounds of the distance to the next ring over what the last ring and the design's radii give."""
+"""Bounds of the distance to the next ring, over that given by the last ring and the design's radii."""
 _WHOLE = 0.85
-"""Share of the dots from which on half of the next is enough."""
+"""Share of the blobs above which half of `_SURE` suffices."""
 _SURE = -80.0
-"""Power of ten of the number of prints by chance below which a print is believed before others are looked at."""
+"""Log10 of the number of false alarms below which a print is accepted without alternatives."""
 _NEIGHBOURS = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _LAW_REACH = 0.16
-"""How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
+"""Maximum distance of blobs from a ring predicted by the ring model, over the distance of neighbours."""
 _PASSES = 3
 """Passes over poor rings."""
 _OUTSIDE, _FAR_PX = 0.35, 20.0
-"""Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how
-far from the middle of the dots, px."""
+"""Search of the outermost ring: steps of centre and rotation, and range of its centre.
+
+The steps are over the distance of its neighbours, the range is from the centre of the blobs, px.
+"""
 _FEW_DOTS, _TEMPTING, _AGREED = 4, 0.6, 0.05
-"""Rings of so few dots are doubted if a false one is as near as this to an empty place, over the step of the ring,
-and if the centre is not as near as this to that of the next ring."""
+"""Limits of an unreliable ring: maximum number of blobs, distance of a false blob, centre offset.
+
+A ring of so few blobs is unreliable if a false blob is nearer than this to an empty place (over the spacing on the
+ring), unless its centre is nearer than this to that of the next ring.
+"""
 _LOPSIDED, _LEAST_LEFT, _INNERMOST = 0.25, 4, 6
-"""Distance of a dot from where an ellipse through the others of its ring has it, over the step of the ring, beyond
-which one of them is not the ring's; that needs more than so many dots, and of a ring of so many they tell."""
+"""Limits of a distorted ring: distance of a blob, and bounds of the number of blobs.
+
+The distance is that from an ellipse through the remaining blobs, over the spacing on the ring. Rings of more than the
+first and at most the second number of blobs are tested.
+"""
 _TELLING = 3
-"""So many dots do not tell a ring's shape and whether they are its own."""
+"""Maximum number of blobs that cannot determine both a ring's shape and membership."""
 _GAPPY = 0.85
-"""Share of its dots below which a ring is looked for again."""
+"""Share of its blobs below which a ring is searched again."""
 _SIZE = 0.15
-"""Standard deviation of the innermost ring's size, as a share: print and camera together."""
+"""Relative standard deviation of the innermost ring's size, by print and camera."""
 _MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
-"""How far centres of rings scatter as one would say beforehand, mm; how many standard deviations the dot in the
-middle may be off them, and how far at most over the innermost ring's radius."""
+"""Centre marker: prior scatter of ring centres, mm, and maximum distance.
+
+The distance is in standard deviations, and over the radius of the innermost ring.
+"""
 
 
 class RingFinder:
-    """Looks for the rings of a pattern among dots (n, 2)."""
+    """Search of the rings of a pattern among blobs (n, 2)."""
 
     def __init__(self, blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> None:
         self.blobs, self.pattern, self.rings = blobs_px, pattern, rings
@@ -97,7 +107,7 @@ class RingFinder:
         self.other: RingsFit | None = None
 
     def find(self) -> list[RingsFit]:
-        """The best fits first; of those about one middle, only the best."""
+        """Return the fits, best first; of those with a common centre, only the best."""
         found: list[RingsFit] = []
         for least in (_LEAST_SEED, _POOR_SEED) if len(self.rings) > 1 else (_LEAST_SEED,):
             seeds, number = seed_rings(self.settler, self.angles[1], np.asarray(self.nominal[0], float), least)
@@ -119,7 +129,7 @@ class RingFinder:
         return chosen
 
     def _ask(self, seeds: list[FloatArray], found: list[RingsFit]) -> bool:
-        """Grow seeds one after the other, until a whole print is sure: then others of its middle only."""
+        """Grow seeds one by one; once a complete print is certain, only seeds near its centre."""
         sure: RingsFit | None = None
         for weights in seeds:
             if sure and np.linalg.norm(weights[0] - sure.rings[1].weights[0]) > 0.5 * sure.rings[1].radius_px:
@@ -134,7 +144,7 @@ class RingFinder:
         return sure is not None
 
     def _grow(self, weights: FloatArray) -> RingsFit:
-        """All rings outwards from the innermost, as far as they are found; then the middle."""
+        """Grow all rings outwards from the innermost one, as far as they are found, then the centre marker."""
         taken = np.zeros(len(self.blobs), bool)
         rings = [self.settler.fit(weights, taken, self.angles[1], ALONE)]
         size = float(np.log(rings[0].radius_px / self.nominal_px[1]) / _SIZE)
@@ -151,7 +161,7 @@ class RingFinder:
         return RingsFit((self._middle(rings, taken), *rings))
 
     def _finish(self, rings: list[RingFit]) -> RingsFit:
-        """Rings that are all there, looked at again from their neighbours, and the middle."""
+        """Refine a complete set of rings from their neighbours, and find the centre marker."""
         for _ in range(_PASSES):
             before = [ring.blob for ring in rings]
             rings = self._look_again(rings)
@@ -161,7 +171,7 @@ class RingFinder:
         return RingsFit((self._middle(rings, self._taken(rings)), *rings))
 
     def _from_outside(self) -> list[RingsFit]:
-        """Prints found by their outermost ring, where too little is left of the innermost."""
+        """Find prints by their outermost ring, if too little is left of the innermost."""
         phi, design = self.angles[-1], self.nominal[-1]
         centre = np.median(self.blobs, axis=0) / 2.0 + self.blobs.mean(axis=0) / 2.0
         pitch = 2.0 * np.pi / len(phi)
@@ -190,7 +200,7 @@ class RingFinder:
         return fits
 
     def _assign(self, rings: list[RingFit]) -> list[RingFit]:
-        """All dots given to the places of all rings at once, each to the nearest."""
+        """Assign all blobs to the places of all rings at once, each to the nearest."""
         for _ in range(2):
             places = [ring_harmonics(phi, 7) @ ring.weights for phi, ring in zip(self.angles[1:], rings, strict=True)]
             every = cKDTree(np.concatenate(places))
@@ -212,7 +222,7 @@ class RingFinder:
         return rings
 
     def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
-        """The innermost ring, and poor ones, as the ring outside (of the outermost, inside) says they should be."""
+        """Search the innermost ring and poor rings again, as predicted by the next outer (else inner) ring."""
         for number in reversed(range(len(rings) if len(rings) > 1 else 0)):
             if number and rings[number].share > _GAPPY and rings[number].even:
                 continue
@@ -231,7 +241,7 @@ class RingFinder:
         return rings
 
     def _mend(self, rings: list[RingFit]) -> list[RingFit]:
-        """Rings that are still too poor to tell their shape, as the law of the others says they should be."""
+        """Replace rings too poor to determine their shape by the prediction of the ring model."""
         good = [
             number
             for number, ring in enumerate(rings)
@@ -243,7 +253,7 @@ class RingFinder:
         return rings
 
     def _by_law(self, number: int, rings: list[RingFit], numbers: list[int], taken: BoolArray) -> RingFit:
-        """A ring too poor to tell its own shape, as the law of others says, with the dots that lie there."""
+        """Predict a poor ring by the model of the good ones, and assign the blobs near it."""
         design = self.rings.rho[numbers]
         law = fit_ring_model(rings, self.profile, self.nominal_px[numbers], design)
         rho = float(np.interp(self.rings.rho[number], design, law.rho / design) * self.rings.rho[number])
@@ -263,7 +273,7 @@ class RingFinder:
         return RingFit(weights, blob, left)
 
     def _middle(self, rings: list[RingFit], taken: BoolArray) -> RingFit:
-        """The dot within the innermost ring."""
+        """Find the centre marker, inside the innermost ring."""
         law = fit_ring_model(rings, self.profile, self.nominal_px[1:], self.rings.rho[1:])
         weights = np.vstack([law.centre(0.0), np.zeros((6, 2))])
         blob = np.full(len(self.angles[0]), -1)
@@ -276,14 +286,14 @@ class RingFinder:
         return RingFit(weights, blob, left, self.settler.power(blob, left, 0.0))
 
     def _next(self, rings: list[RingFit], taken: BoolArray) -> RingFit:
-        """The ring outside the last one: the radius, and if need be the shift, under which it has most dots."""
+        """Find the next outer ring: the radius, and if necessary the shift, with the most blobs."""
         number, last = len(rings) + 1, rings[-1]
         return self._look(
             last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken
         )
 
     def first_unreliable_ring(self, fit: RingsFit) -> int:
-        """Number of the first ring that has so few dots that a false one could bend it, and such a dot near; or 0."""
+        """Return the first ring with so few blobs that a nearby false one could distort it, or 0."""
         free = self.blobs[~self._taken(fit.rings)]
         rings = fit.rings[1:] if len(free) else ()
         for number, ring in enumerate(rings, 1):
@@ -298,7 +308,7 @@ class RingFinder:
         return 0
 
     def first_distorted_ring(self, fit: RingsFit) -> int:
-        """First ring of few dots one of which is not where an ellipse through the others has it; or 0."""
+        """Return the first ring of few blobs one of which is far from the ellipse of the remaining ones, or 0."""
         for number, ring in enumerate(fit.rings[1:], 1):
             there = np.flatnonzero(ring.blob >= 0)
             if not _LEAST_LEFT < len(there) <= _INNERMOST:
@@ -311,21 +321,21 @@ class RingFinder:
         return 0
 
     def count_unassigned(self, fit: RingsFit) -> int:
-        """Number of dots within the outermost ring that are of none."""
+        """Return the number of unassigned blobs inside the outermost ring."""
         outer = ring_harmonics(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
         free = ~self._taken(fit.rings)
         hull = Delaunay(outer[ConvexHull(outer).vertices])
         return int((hull.find_simplex(self.blobs[free]) >= 0).sum())
 
     def _taken(self, rings: Sequence[RingFit]) -> BoolArray:
-        """(n,) whether a dot is of a ring."""
+        """Return whether each blob (n,) belongs to a ring."""
         taken = np.zeros(len(self.blobs), bool)
         for ring in rings:
             taken[ring.blob[ring.blob >= 0]] = True
         return taken
 
     def beyond(self, fit: RingsFit) -> tuple[int, int]:
-        """How many dots one more ring than the design's would have, and how many of them are there."""
+        """Return the number of markers of one ring more than in the design, and the number of its blobs found."""
         taken = self._taken(fit.rings)
         counts = [len(phi) for phi in self.angles]
         more = 2 * counts[-1] - counts[-2] if len(counts) > 2 else 2 * counts[-1]
@@ -350,12 +360,12 @@ class RingFinder:
 
 
 def _of_others(fit: RingsFit, best: RingsFit) -> bool:
-    """Whether a fit is as whole as the best and has other dots."""
+    """Return whether a fit has as many blobs as the best, and other ones."""
     return fit.count >= best.count and set(fit.rings[-1].blob.tolist()) != set(best.rings[-1].blob.tolist())
 
 
 def turned(weights: FloatArray, angle: float) -> FloatArray:
-    """Factors (7, 2) of a ring whose azimuths are counted from `angle`."""
+    """Return the weights (7, 2) of a ring with azimuths counted from `angle`."""
     found = weights.copy()
     for order in range(1, len(weights) // 2 + 1):
         a, b = weights[2 * order - 1], weights[2 * order]
@@ -365,7 +375,7 @@ def turned(weights: FloatArray, angle: float) -> FloatArray:
 
 
 def _mark_radius(pattern: MarkerPattern) -> float:
-    """Distance of the orientation mark from the axis of the nominal image, px; 0 without a mark."""
+    """Return the distance of the orientation mark from the axis in the nominal image, px; 0 without it."""
     if pattern.marks_px is None or pattern.mark is None:
         return 0.0
     waves = ring_harmonics(mark_turns(pattern), 3)
@@ -374,6 +384,6 @@ def _mark_radius(pattern: MarkerPattern) -> float:
 
 
 def mark_turns(pattern: MarkerPattern) -> FloatArray:
-    """(g,) azimuth of the orientation mark under each symmetry."""
+    """Return the azimuth (g,) of the orientation mark under each symmetry."""
     azimuth = 0.0 if pattern.mark is None else np.arctan2(pattern.mark[1], pattern.mark[0])
     return np.asarray(np.radians(pattern.turns_deg) + np.where(pattern.mirrored, -azimuth, azimuth))

@@ -1,8 +1,8 @@
-"""Fit of a free layout among blobs: patches of neighbouring markers that fit, grown over neighbours.
+"""Fit of a free layout to blobs: patches of neighbouring markers, grown to whole assignments.
 
-A few neighbouring markers are laid over every blob, turned and scaled; from those that cover most blobs, the
-assignment grows (`palpate.vision.grow_assignment`). A smooth map is then fitted to it and markers are assigned by
-the map, so the print may be bent as a whole as long as it is smooth. If another place explains as many markers, the
+A patch of neighbouring markers is placed on every blob, rotated and scaled. From the placements that cover most
+blobs, an assignment is grown (`palpate.vision.grow_assignment`). A smooth map is fitted to it and determines the
+final assignment, so any smooth distortion of the print is allowed. If another placement explains as many markers, the
 assignment is doubtful.
 """
 
@@ -25,29 +25,29 @@ from palpate.vision.observed_layout import ObservedLayout
 from palpate.vision.pattern import MarkerPattern, PatternFit
 
 _PATCH, _PATCHES, _INNER = 11, 3, 0.75
-"""Markers of a patch, number of patches, and their distance from the middle over the layout's radius."""
+"""Markers per patch, number of patches, and maximum distance from the centre over the layout's radius."""
 _SCALES, _ANGLE_STEP_DEG = (0.8, 0.9, 1.0, 1.1, 1.25), 4.0
-"""Scales and step of the turns in which a patch is laid."""
+"""Scales and angle step of the placements of a patch."""
 _TRIES = 12
-"""Blobs of each patch from which an assignment is grown."""
+"""Number of blobs per patch from which an assignment is grown."""
 _STEP, _LEAST_GROWN, _ROUNDS = 0.4, 0.4, 8
-"""Reach of a step of the growth, minimum share of the markers for a fit, and largest number of fits."""
+"""Reach of a step of the growth, minimum share of the markers for a fit, and maximum number of fits."""
 _REACH, _PRINT_REACH = 0.3, 0.22
-"""Largest distance of a blob from its predicted place in the fits and in the last, over the spacing."""
+"""Maximum distance of a blob from its prediction, in all fits and in the last, over the spacing."""
 _STRAY, _LEAST_REACH_PX = 4.5, 0.7
-"""Largest distance in the last fit over the spread of all blobs, and the reach that is always allowed."""
+"""Maximum distance in the last fit over the spread of all blobs, and the reach that is always allowed."""
 _ROUGH = 0.12
-"""Largest residual over the spacing."""
+"""Maximum residual over the spacing."""
 _STRANGE, _STRANGE_SHARE = 5, 0.03
-"""Dots within the print and a spacing beside it that are of no marker: so many, and more for each that is."""
+"""Maximum number of unassigned blobs in and around the print: constant, and per assigned marker."""
 _CHANCE, _RIVAL = 1e-8, 0.94
-"""Probability that random blobs fit as well, and share of the markers at a rival place, at most."""
+"""Maximum probability that random blobs fit as well, and maximum relative size of a rival fit."""
 _LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
-"""Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
+"""Standard deviation of the orientation mark about its place: minimum, and maximum over the spacing."""
 
 _POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
 _LEAST_FREE = 6
-"""Dots more than unknowns from which on the residuals tell the spread."""
+"""Excess of blobs over unknowns from which the residuals determine the spread."""
 
 
 class _Grown(NamedTuple):
@@ -62,7 +62,7 @@ class _Grown(NamedTuple):
 
 
 def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit | None:
-    """The pattern among dots (n, 2); `None` where there are too few."""
+    """Fit the pattern to blobs (n, 2); `None` if there are too few."""
     if len(blobs_px) < 3 or len(pattern) < 3 or len(np.unique(blobs_px, axis=0)) < 3:
         return None
     grown: list[_Grown] = []
@@ -86,7 +86,7 @@ def fit_free_pattern(blobs_px: FloatArray, pattern: MarkerPattern) -> PatternFit
 
 
 class _Placements:
-    """Assignments of one template (m, 2) among blobs (n, 2), grown from patches laid over them."""
+    """Assignments of one template (m, 2) among blobs (n, 2), grown from placed patches."""
 
     def __init__(self, template: FloatArray, blobs: FloatArray) -> None:
         self.template, self.blobs = template, blobs
@@ -103,7 +103,7 @@ class _Placements:
         self.likely = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * self.pitch)) ** 2)
 
     def lay(self, anchor: int) -> Iterator[tuple[FloatArray, IntArray]]:
-        """Template (m, 2) laid so that a patch about a marker covers most blobs, and those of the patch (m,)."""
+        """Yield placements (m, 2) of the template by a patch that covers most blobs, with these blobs (m,)."""
         patch = self.own.query(self.template[anchor], min(_PATCH, len(self.template)))[1]
         angle = np.radians(np.arange(0.0, 360.0, _ANGLE_STEP_DEG))
         turn = np.stack(
@@ -125,7 +125,7 @@ class _Placements:
             yield whole, start
 
     def fit(self, blob: IntArray, mirror: bool) -> _Grown:
-        """Fit a smooth map to an assignment (m,) and assign by it until nothing changes."""
+        """Fit a smooth map to an assignment (m,) and assign by it, until nothing changes."""
         places, before = self.template, np.empty(0, int)
         for _ in range(_ROUNDS):
             if (blob >= 0).sum() < 4 or np.array_equal(blob, before):
@@ -142,7 +142,7 @@ class _Placements:
         return _Grown(blob, places, float(np.sqrt(np.mean(left**2) / 2.0)) if len(left) else np.inf, mirror)
 
     def _predict(self, blob: IntArray) -> FloatArray:
-        """(m, 2) each marker by a smooth map of the assigned ones about it, itself left out."""
+        """Predict each marker (m, 2) by a smooth map of the assigned markers around it, excluding itself."""
         points, pixels = self.template[blob >= 0], self.blobs[blob[blob >= 0]]
         terms = next(terms for terms, least in ((10, 30), (6, 12), (3, 0)) if len(points) >= least)
         whole = fit_warp(points, pixels, terms, self.template)
@@ -150,7 +150,7 @@ class _Placements:
 
 
 def _same(one: _Grown, other: _Grown, pattern: MarkerPattern) -> bool:
-    """Whether two namings are one, but for a symmetry of the layout."""
+    """Return whether two assignments are equal up to a symmetry of the layout."""
     if one.mirror != other.mirror:
         return False
     turned = one.blob[pattern.symmetries]
@@ -158,11 +158,11 @@ def _same(one: _Grown, other: _Grown, pattern: MarkerPattern) -> bool:
 
 
 def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
-    """What speaks against the best naming."""
+    """Return the reason to doubt the best assignment, or an empty string."""
     if best.residual > _ROUGH * spacing:
-        return f"they lie {best.residual:.1f} px off a smooth map"
+        return f"their residual about a smooth map is {best.residual:.1f} px"
     if rival > _RIVAL * best.named:
-        return f"laid elsewhere, {rival} fit as well"
+        return f"in another placement {rival} fit as well"
     free = np.delete(blobs, best.blob[best.blob >= 0], axis=0)
     hull = best.places[ConvexHull(best.places).vertices]
     wide = Delaunay(
@@ -170,15 +170,15 @@ def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
     )
     strange = int((wide.find_simplex(free) >= 0).sum()) if len(free) else 0
     if strange > _STRANGE + _STRANGE_SHARE * best.named:
-        return f"{strange} other dots lie between and beside them"
+        return f"{strange} other blobs lie between and around them"
     area = max(float(np.prod(np.ptp(blobs, axis=0))), 1.0)
     one = 1.0 - np.exp(-len(blobs) * np.pi * (_PRINT_REACH * spacing) ** 2 / area)
     chance = float(binom.sf(best.named - 4, len(best.blob) - 3, one)) if best.named > 3 else 1.0
-    return "" if chance < _CHANCE else f"dots strewn at random do as well with a chance of {chance:.0e}"
+    return "" if chance < _CHANCE else f"random blobs fit as well with a probability of {chance:.0e}"
 
 
 def _marks(best: _Grown, blobs: FloatArray, pattern: MarkerPattern) -> tuple[FloatArray | None, FloatArray | None]:
-    """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
+    """Predict the orientation mark under each symmetry, with the axes of its standard deviations."""
     have = best.blob >= 0
     terms = next((terms for terms in (10, 6, 3) if have.sum() >= 2 * terms), 0)
     if pattern.marks_px is None or not terms:
@@ -199,12 +199,10 @@ class Warp:
     ----------
     middle, size
         Origin (2,) and unit of the polynomial's variables, px of the pattern.
-    weights
-        (k, 2) factors of the terms, px of the image.
-    inverse
-        (k, k) inverse of the normal equations.
+    weights, inverse
+        (k, 2) coefficients of the terms, px of the image, and (k, k) inverse of the normal equations.
     spread_px
-        Standard deviation of a coordinate of a dot about the map; infinite where too few dots tell it.
+        Standard deviation of a blob coordinate about the map; infinite if too few blobs determine it.
     """
 
     middle: FloatArray
@@ -214,14 +212,15 @@ class Warp:
     spread_px: float
 
     def __call__(self, points: FloatArray) -> FloatArray:
-        """Pixels (n, 2) of points (n, 2) of the pattern."""
+        """Map points (n, 2) of the pattern to pixels (n, 2)."""
         moved: FloatArray = self._terms(points) @ self.weights
         return moved
 
     def deviation_px(self, points: FloatArray) -> FloatArray:
-        """(n,) standard deviation of a coordinate of one more dot at points (n, 2) of the pattern.
+        """Return the standard deviation (n,) of a coordinate of one more blob at points (n, 2) of the pattern.
 
-        It is s √(1 + aᵀ (AᵀA)⁻¹ a) with a the terms there: beyond the outermost dots the map itself is less sure.
+        It is s √(1 + aᵀ (AᵀA)⁻¹ a) with the terms a there, which includes the uncertainty of the map outside the
+        blobs.
         """
         terms = self._terms(points)
         return np.asarray(self.spread_px * np.sqrt(1.0 + np.einsum("ni,ij,nj->n", terms, self.inverse, terms)))
@@ -231,16 +230,9 @@ class Warp:
 
 
 def fit_warp(points: FloatArray, pixels: FloatArray, terms: int, whole: FloatArray) -> Warp:
-    """Fit the map.
+    """Fit a polynomial of 3 (affine), 6 or 10 (cubic) terms to blobs (n, 2) in pattern and image, px.
 
-    Parameters
-    ----------
-    points, pixels
-        (n, 2) dots in the pattern's plane and in the image, px.
-    terms
-        Terms of the polynomial: 3 affine, 6 of second order, 10 of third.
-    whole
-        (m, 2) all points of the pattern, which give origin and unit.
+    All points (m, 2) of the pattern, `whole`, determine its origin and unit.
     """
     middle, size = whole.mean(axis=0), float(np.ptp(whole, axis=0).max()) / 2.0
     design = _terms((points - middle) / size, terms)

@@ -1,8 +1,8 @@
-"""A ring of dots settled: from about where it should be to the ellipse that its dots say, and what chance would do.
+"""Fit of a ring to blobs, and its number of false alarms.
 
-A ring is held to its forecast as far as that is believed, so that a few dots cannot bend it at will. A dot that the
-others leave alone is dropped. Whether so many dots so near to even places could be chance is counted as in an
-a-contrario test: the number of such rings that as many dots strewn at random would show.
+A ring is regularised towards its prediction, so that a few blobs cannot distort it. A blob that contradicts the
+others is dropped. The significance of a ring is measured by an a-contrario test: the expected number of such rings
+among as many random blobs (number of false alarms).
 """
 
 from __future__ import annotations
@@ -19,50 +19,54 @@ from palpate.vision.ring_model import RingFit
 from palpate.vision.rings import ring_harmonics
 
 _TRIED = 4
-"""Radii and shifts of the next ring that are looked at more closely."""
+"""Number of radii and shifts of the next ring that are fitted."""
 _SCORE = 0.22
-"""The reach while places are compared, over the distance of neighbours on the ring."""
+"""Reach in the comparison of places, over the distance of neighbours on the ring."""
 _LEAST_RADIUS_PX = 0.25
-"""A dot is not believed to lie nearer to its place than this, when chance is counted."""
+"""Minimum distance of a blob from its place in the number of false alarms."""
 REACH = 0.3
-"""How far from its place a dot may lie while its ring settles, over the distance of neighbours."""
+"""Maximum distance of a blob from its place during the fit, over the distance of neighbours."""
 _PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
-"""The same once it has settled, at most and at least, and in px."""
+"""Bounds of this distance after the fit: maximum, minimum, and minimum in px."""
 STRAY = 4.5
-"""A dot this many standard deviations from its ring is not of it."""
+"""Maximum distance of a blob from its ring, in standard deviations."""
 _DOT_PX = 0.3
-"""Standard deviation of a printed dot."""
+"""Standard deviation of a printed marker."""
 _FLAT = 0.1
 """Standard deviation of the ratio of a ring's axes."""
 _SMALL, DROP = 60, 3.0
-"""Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely
-by as many powers of ten;"""
+"""Trial without each blob: maximum size of a ring, and gain that keeps a blob of the innermost ring.
+
+The gain is in powers of ten of the number of false alarms.
+"""
 _OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
-"""of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the
-ring of the rest, on which so many coordinates are spent."""
+"""Trial in further rings: distances at which a blob is dropped, and degrees of freedom of the fit.
+
+The distances are from the ring through the remaining blobs, in their standard deviations and over the spacing.
+"""
 _MORE = 0.5
-"""Share of the places between those of a ring at which it is another ring of more dots."""
+"""Share of blobs between a ring's places at which it is another ring, of more blobs."""
 
 
 class RingPrior(NamedTuple):
-    """How far a ring may differ from its forecast, and how many dots its own freedom costs when chance is counted."""
+    """Allowed deviation of a ring from its prediction, and its degrees of freedom in blobs."""
 
     centre_px: float
     harmonics: tuple[float, float, float]
-    """The first three, over the radius."""
+    """Standard deviations of the first three harmonics, over the radius."""
     spent: float
 
 
 ALONE = RingPrior(50.0, (1.0, 0.01, 0.002), 3.0)
-"""The innermost ring, of which nothing is known."""
+"""Prior of the innermost ring, without a prediction."""
 NEXT = RingPrior(4.0, (0.15, 0.03, 0.015), 3.0)
-"""A ring as the one inside forecasts it."""
+"""Prior of a ring predicted by the one inside."""
 INSIDE = RingPrior(3.0, (0.08, 0.015, 0.005), 1.5)
-"""A ring as the one outside forecasts it."""
+"""Prior of a ring predicted by the one outside."""
 
 
 class RingFitter:
-    """Settles rings on dots (n, 2)."""
+    """Fitter of rings to blobs (n, 2)."""
 
     def __init__(self, blobs_px: FloatArray) -> None:
         self.blobs = blobs_px
@@ -78,7 +82,7 @@ class RingFitter:
         taken: BoolArray,
         hold: RingPrior = NEXT,
     ) -> RingFit:
-        """The ring of the growth and shift under which most dots are on it."""
+        """Return the fitted ring of the growth and shift that covers most blobs."""
         shape = ring_harmonics(phi, 7)[:, 1:] @ last.weights[1:]
         centre = last.weights[0] + shifts
         places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
@@ -95,7 +99,7 @@ class RingFitter:
         return min(tried, key=lambda ring: ring.power)
 
     def fit(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: RingPrior) -> RingFit:
-        """Nearest dots and the ring in turn; at last what is too far from it is left out."""
+        """Alternate between nearest blobs and ring fit, then drop blobs too far from the ring."""
         terms, held = ring_harmonics(phi, 7), weights
         blob = np.full(len(phi), -1)
         left = np.full(len(phi), np.nan)
@@ -125,7 +129,7 @@ class RingFitter:
         blob: NDArray[np.intp],
         left: FloatArray,
     ) -> tuple[FloatArray, NDArray[np.intp], FloatArray] | None:
-        """A small ring without a dot that alone bends it: the others then fit so well that chance does it less."""
+        """Return a small ring without a blob that distorts it; `None` if there is no such blob."""
         have = np.flatnonzero(blob >= 0)
         if len(have) < (4 if held[1] is INSIDE else 5):
             return None
@@ -156,7 +160,7 @@ class RingFitter:
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
     def fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: RingPrior) -> FloatArray:
-        """The ring through dots (n, 2), as near to its forecast as it is held."""
+        """Fit a ring to blobs (n, 2), regularised towards its prediction."""
         radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
         sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
         ridge = _DOT_PX / sd
@@ -164,7 +168,7 @@ class RingFitter:
         return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, ridge[:, None] * weights]), rcond=None)[0])
 
     def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
-        """Whether there are dots between the places too, at halves or thirds: a ring of twice or thrice as many."""
+        """Return whether there are blobs between the places too: a ring with two or three times as many."""
         for parts in (2, 3):
             step = 2.0 * np.pi / len(phi) / parts
             between = np.concatenate([phi + step * part for part in range(1, parts)])
@@ -175,7 +179,7 @@ class RingFitter:
         return False
 
     def power(self, blob: NDArray[np.intp], left: FloatArray, free: float) -> float:
-        """Power of ten of how often chance puts so many dots so near to the places of a ring."""
+        """Return log10 of the number of false alarms of so many blobs so near to the places of a ring."""
         off, count = np.sort(left[blob >= 0]), len(blob)
         if not len(off):
             return 0.0
@@ -186,7 +190,7 @@ class RingFitter:
         return float(min(power.min(), 0.0))
 
     def nearest(self, places: FloatArray, reach: float, taken: BoolArray) -> tuple[NDArray[np.intp], FloatArray]:
-        """(n,) the free dot of each place within reach, each dot once, and its distance."""
+        """Return the free blob (n,) nearest to each place within reach, each blob once, and its distance."""
         distance, blob = self.tree.query(places)
         order = np.argsort(distance, kind="stable")
         first = np.zeros(len(places), bool)
@@ -196,6 +200,6 @@ class RingFitter:
 
 
 def _flatness(weights: FloatArray) -> float:
-    """Powers of ten by which an ellipse is less likely than a circle."""
+    """Return the penalty of an ellipse relative to a circle, in powers of ten."""
     axes = np.linalg.svd(weights[1:3], compute_uv=False)
     return float(0.5 * ((axes[0] / max(axes[1], 1e-9) - 1.0) / _FLAT) ** 2 / np.log(10.0))

@@ -1,4 +1,4 @@
-"""Rings found among dots, judged: are there as many as the design has, and could chance do as much?"""
+"""Validation of the rings found among blobs: completeness, and the number of false alarms."""
 
 from __future__ import annotations
 
@@ -11,27 +11,30 @@ from palpate.vision.ring_model import TWIST, RingFit, RingsFit, extrapolate_ring
 from palpate.vision.rings import Rings, ring_harmonics
 
 _CHANCE = -7.5
-"""Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""
+"""Maximum log10 of the number of false alarms of a print."""
 _BEYOND = 0.6
-"""Share of the places of one more ring at which the print is another's."""
+"""Share of the places of one additional ring at which the print is of another design."""
 _RIVAL = 2.0
-"""Powers of ten by which a print about another middle must be likelier by chance."""
+"""Minimum lead over a print of another centre, in powers of ten."""
 _STRANGE, _STRANGE_SHARE = 12, 0.1
-"""Dots within the print that are of no ring: so many, and so many more for each that is."""
+"""Maximum number of unassigned blobs inside the print: constant, and per assigned blob."""
 _MARK_PX = 0.2
-"""Standard deviation of the mark about its place, at least."""
+"""Minimum standard deviation of the mark about its place."""
 _DOT_MM, _DOT_BELIEF = 0.06, 6
-"""Standard deviation of each coordinate of a printed dot, told beforehand, and dots that it weighs as much as."""
+"""Prior standard deviation of each coordinate of a printed marker, and its weight in blobs."""
 _ASIDE_MM = 0.1
-"""Standard deviation of a whole print's place beside the axis, in each direction."""
+"""Standard deviation of the offset of a whole print from the axis, in each direction."""
 _MARK_STRETCH, _MARK_BENT = 0.02, 0.06
-"""The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
+"""Radial standard deviation of the mark over its distance from the outermost ring.
+
+The values are those of an even print, and the increase for a distorted one.
+"""
 _BENT = 0.08
-"""Departure of a ring's radius from the design's at which a print counts as bent."""
+"""Deviation of a ring's radius from the design's at which a print counts as distorted."""
 
 
 def fit_ring_pattern(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> PatternFit | None:
-    """The rings of the pattern among dots (n, 2); `None` where there is no innermost ring."""
+    """Fit the rings of the pattern to blobs (n, 2); `None` without an innermost ring."""
     if len(np.unique(blobs_px, axis=0)) < 4:
         return None
     finder = RingFinder(blobs_px, pattern, rings)
@@ -51,40 +54,40 @@ def fit_ring_pattern(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings)
 
 
 def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
-    """What speaks against the best fit."""
+    """Return the reason to doubt the best fit, or an empty string."""
     best, rings = found[0], finder.rings
     if len(best.rings) <= len(rings):
         return f"ring {len(best.rings)} of {len(rings)} was not found"
     chance = best.power + float(np.log10(max(finder.seeds, 1)))
     if chance > _CHANCE:
-        return f"dots strewn at random would do as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
+        return f"random blobs would fit as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
     uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even and ring.count]
     if uneven:
-        return f"ring {uneven[0]} is not even: its dots lie {best.rings[uneven[0]].residual_px:.1f} px off"
+        return f"ring {uneven[0]} is uneven: the residual of its blobs is {best.rings[uneven[0]].residual_px:.1f} px"
     if len(best.rings) > 2 and np.abs(best.twist).max() > TWIST:
         which = int(np.argmax(np.abs(best.twist)))
-        return f"ring {which + 2} is turned by {best.twist[which]:.1f} of its steps against the ring inside"
+        return f"ring {which + 2} is rotated by {best.twist[which]:.1f} of its steps against the ring inside"
     if best.crossing:
         return f"rings {best.crossing - 1} and {best.crossing} cross"
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
-        return f"one more ring of {more} has {there} dots"
+        return f"one more ring of {more} has {there} blobs"
     if unsure := finder.first_unreliable_ring(best):
-        return f"ring {unsure} has few dots, and another lies where one of them could be"
+        return f"ring {unsure} has few blobs, and a false one is near one of its empty places"
     if lopsided := finder.first_distorted_ring(best):
-        return f"ring {lopsided} is lopsided: one of its dots is not where the others have it"
+        return f"ring {lopsided} is distorted: one of its blobs does not lie on the ellipse of the remaining ones"
     strange = finder.count_unassigned(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
-        return f"{strange} other dots lie between them"
+        return f"{strange} other blobs lie between them"
     if len(rings) == 1 and finder.other is not None and finder.other.power < best.power + 0.5 * _RIVAL:
-        return "its one ring may as well be of other dots"
+        return "its only ring fits other blobs as well"
     if len(found) > 1 and found[1].power < best.power + _RIVAL:
-        return f"about another middle {found[1].count} fit as well"
+        return f"around another centre {found[1].count} fit as well"
     return ""
 
 
 def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[FloatArray | None, FloatArray | None]:
-    """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
+    """Predict the orientation mark under each symmetry, with the axes of its standard deviations."""
     if pattern.marks_px is None or pattern.mark is None or len(fit.rings) <= len(finder.rings):
         return None, None
     outer, turns = fit.rings[-1], mark_turns(pattern)
@@ -107,9 +110,9 @@ def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[F
 
 
 def _scatter(ring: RingFit, expected_px: float) -> float:
-    """Standard deviation in px of each coordinate of one more dot about a ring that was fitted to its dots.
+    """Return the standard deviation (px) of a coordinate of one more blob about a fitted ring.
 
-    Of few dots more than unknowns, what is told beforehand counts besides.
+    The prior `expected_px` has the weight of `_DOT_BELIEF` blobs.
     """
     unknowns = len(ring.weights)
     left = float(np.nansum(ring.error_px**2)) / 2.0 + _DOT_BELIEF * expected_px**2

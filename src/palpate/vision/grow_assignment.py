@@ -1,9 +1,9 @@
-"""Growth of an assignment from one marker to its neighbours, of designs and of unknown layouts.
+"""Growth of an assignment from one marker to its neighbours, for designs and unknown layouts.
 
-Every assigned dot carries a local linear map of its surroundings, fitted to the neighbours that are assigned and held
-near the map of the dot by which it was reached. A neighbour is looked for where the maps of all assigned dots about
-it say; it is taken if a dot is near enough and no other dot has it. So a displacement of many spacings is followed as
-long as it changes slowly from dot to dot.
+Every assigned blob has a local linear map of its surroundings, fitted to its assigned neighbours and regularised
+towards the map of the blob from which it was reached. A neighbour is predicted by the maps of all assigned blobs
+around it, and assigned to the nearest blob if that is near enough and free. The assignment can thus follow
+displacements of many spacings that change slowly from blob to blob.
 """
 
 from __future__ import annotations
@@ -17,23 +17,17 @@ from palpate.core import BoolArray, FloatArray, IntArray, kernel
 
 
 def mutual_nearest(places: FloatArray, blobs: cKDTree, reach: FloatArray) -> IntArray:
-    """(m,) blobs that places (m, 2) are mutual nearest neighbours of; -1 for none within reach (m,)."""
+    """Return the blobs (m,) that are mutual nearest neighbours of places (m, 2) within reach; else -1."""
     far, blob = blobs.query(places)
     _, back = cKDTree(places).query(blobs.data)
     return np.where((back[blob] == np.arange(len(places))) & (far < reach), blob, -1)
 
 
 def spread_starts(places: FloatArray, usable: BoolArray, inner: float, count: int) -> list[int]:
-    """Numbers of places to grow from: the most central usable place, then the most distant ones.
+    """Return places to grow from: the most central usable place, then the most distant ones.
 
-    Parameters
-    ----------
-    places, usable
-        (m, 2) px, and (m,) which may be chosen.
-    inner
-        Largest distance of a chosen place from the middle, over that of the outermost place.
-    count
-        Number of places, if enough are usable.
+    At most `count` of the usable (m,) places (m, 2) px are chosen, at most `inner` of the outermost distance from the
+    centre.
     """
     far = np.linalg.norm(places - places.mean(axis=0), axis=1)
     usable = usable & (far <= inner * far.max())
@@ -47,16 +41,10 @@ def spread_starts(places: FloatArray, usable: BoolArray, inner: float, count: in
 def grow_largest(
     starts: Iterable[tuple[FloatArray, IntArray]], near: IntArray, blobs: FloatArray, tolerance: float, least: float
 ) -> list[IntArray]:
-    """Different assignments (m,) grown from starts, the largest first.
+    """Grow assignments (m,) from several starts; return the different ones, the largest first.
 
-    Parameters
-    ----------
-    starts
-        (m, 2) places at rest, px, and (m,) assignments to begin with.
-    near, blobs, tolerance
-        See `grow_assignment`.
-    least
-        Share of the markers that an assignment must have.
+    A start is (m, 2) places at rest, px, and (m,) an initial assignment. Assignments of too few markers are dropped.
+    For the further arguments see `grow_assignment`.
     """
     grown: dict[bytes, IntArray] = {}
     for rest, start in starts:
@@ -74,23 +62,10 @@ def grow_assignment(
     start: IntArray,
     tolerance: float,
 ) -> IntArray:
-    """Grow an assignment from dots that are assigned.
+    """Grow an assignment (m,) of image blobs to markers from a start (m,); -1 means unassigned.
 
-    Parameters
-    ----------
-    rest, near
-        (m, 2) places at rest, px, and (m, k) neighbours, -1 for none.
-    dots
-        (n, 2) dots of the image, px.
-    start
-        (m,) number of the image's dot that each dot of the layout is said to be, -1 for those that are to be found.
-    tolerance
-        How far from its predicted place a dot may be, over the distance to the neighbour that predicts.
-
-    Returns
-    -------
-    ndarray
-        (m,) number of the image's dot, -1 for none.
+    Markers have places (m, 2) at rest, px, and neighbours (m, k), filled with -1. A blob (n, 2) is at most the
+    tolerance from its predicted place, over the distance to the predicting neighbour.
     """
     count, seen = len(rest), len(dots)
     match = start.copy()
@@ -133,9 +108,9 @@ def grow_assignment(
 
 @kernel
 def assignment_residuals(rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray) -> FloatArray:
-    """How far (m,) assigned dots are from where the local maps of their neighbours say, over the distance to them.
+    """Return the distances (m,) of assigned blobs from predictions, over the distance to the neighbours.
 
-    0 where a dot or all of its neighbours have no assignment. For the arguments see `grow`.
+    They are 0 if a marker or all of its neighbours have no blob. For the arguments see `grow_assignment`.
     """
     count = len(rest)
     maps = np.zeros((count, 4))
@@ -165,7 +140,7 @@ def _look(
     tolerance: float,
     owner: IntArray,
 ) -> int:
-    """The free dot nearest to where the assigned neighbours say; -1 where none is near enough."""
+    """Return the free blob nearest to the prediction of the neighbours; -1 if none is near enough."""
     x, y, least, _, number = _expect(rest, near, dots, match, maps, dot)
     if number == 0:  # a neighbour need not count its neighbour as one
         return -1
@@ -181,7 +156,7 @@ def _look(
 def _expect(
     rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray, maps: FloatArray, dot: int
 ) -> tuple[float, float, float, float, int]:
-    """Where the assigned neighbours say a dot is; the least and the mean distance to them; how many there are."""
+    """Predict a blob by its assigned neighbours; return also their minimum and mean distance, and number."""
     x, y, least, length, number = 0.0, 0.0, 1e30, 0.0, 0
     for k in range(near.shape[1]):
         other = near[dot, k]
@@ -204,7 +179,7 @@ def _expect(
 def _fit_map(
     rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray, maps: FloatArray, dot: int, stiff: float
 ) -> None:
-    """Least squares of a dot's local map over its assigned neighbours, held near what it was."""
+    """Fit a blob's local map to its assigned neighbours, regularised towards its current value."""
     sxx, sxy, syy = 0.0, 0.0, 0.0
     right = np.zeros(4)
     for k in range(near.shape[1]):

@@ -1,12 +1,12 @@
-"""Correspondence between single images far apart: which dot of the layout is which dot of an image.
+"""Correspondence between the layout and the blobs of a single image, at large displacements.
 
-A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field
-is fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
-serves, an assignment is grown from some dots in the middle, each taken for every dot of the image that it could be
-(`palpate.vision.grow_assignment`). On a regular pattern a whole row may be missed by one: then a row of dots is left
-over on one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment
-is believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly
-as well. Else the image counts as failed, with the reason.
+A guess of the displacement is refined iteratively: mutual nearest neighbours are assigned, and a smooth field is
+fitted to them. Guesses come from assigned images with a similar distribution of blobs. If none succeeds, assignments
+are grown from some central markers, each assigned to every possible blob (`palpate.vision.grow_assignment`). On a
+regular pattern an assignment may be shifted by a whole row. Then a row of blobs is unassigned on one side and a row
+of markers on the opposite side, and the irregularity of the print does not fit. So an assignment is accepted only if
+it leaves hardly any blob or marker unassigned, is smooth, and no other one explains the image nearly as well.
+Otherwise the image is rejected, with the reason.
 """
 
 from __future__ import annotations
@@ -30,58 +30,59 @@ from palpate.vision.neighbours import largest_group
 from palpate.vision.observed_layout import ObservedLayout
 
 GRID = 20
-"""Cells a side of the picture of where dots are, by which images are found alike."""
+"""Cells per side of the histogram of blob positions by which similar images are found."""
 _NEAR, _WIDE = 0.42, 0.55
-"""Greatest distance of an assigned dot from its predicted place in the last and the first turn, over the spacing."""
+"""Maximum distance of a blob from its prediction in last and first iteration, over the spacing."""
 _TURNS, _STIFF = 6, 0.02
-"""Largest number of turns, and weight of a field's roughness against one dot."""
+"""Maximum number of iterations, and weight of a field's roughness relative to one blob."""
 _SURE, _BELIEVED, _APART = 0.97, 0.86, 0.02
-"""Agreement from which no other explanation is looked for, from which one is believed, and its lead over others."""
+"""Agreement above which no alternative is searched, above which one is accepted, and its minimum lead."""
 _CALM, _ROUGH = 0.035, 0.06
-"""Root mean square distance from the smooth field, over the spacing: up to which one is sure, and at most."""
+"""Maximum RMS distance from the smooth field, over the spacing, of confident and of accepted images."""
 _STEP, _TORN = 0.45, 0.16
-"""Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
+"""Maximum relative distance of a blob from its neighbours' prediction: in growth, in consistent parts."""
 _MAX_RESIDUAL = 0.2
-"""Distance from where its neighbours say, over theirs, from which a dot is none of the layout's."""
+"""Distance from the prediction by its neighbours, over theirs, from which a blob is not of the layout."""
 _LESS = 0.08
-"""How much less than in images that are sure may agree in one that is believed."""
+"""Maximum deficit of agreement of an accepted image relative to confident ones."""
 _REACH = 4.5
-"""Displacement up to which a start is tried, over the spacing."""
+"""Maximum displacement that is tried for a start, over the spacing."""
 _STARTS, _INNER, _ALIKE, _KEPT = 5, 0.65, 4, 400
-"""Markers from which assignments grow, and their distance from the middle over the layout's radius.
+"""Number of start markers, and their maximum distance from the centre over the layout's radius.
 
-Then the number of assignments, and of similar images, that are refined, and of images that are kept as guesses."""
+Then the number of assignments and similar images that are refined, and of images stored as guesses.
+"""
 
 
 class MatchFault(StrEnum):
-    """Why a correspondence is not believed."""
+    """Reason to reject a correspondence."""
 
     NONE = ""
-    NO_DOTS = "no dots were found"
-    LEFT_OVER = "too many dots are left over"
-    ROUGH = "the dots do not move as a skin does"
-    AMBIGUOUS = "two assignments explain the image alike"
-    PICTURE = "dots and picture disagree"
+    NO_DOTS = "no blobs were found"
+    LEFT_OVER = "too many blobs are unassigned"
+    ROUGH = "the blobs do not move like a skin"
+    AMBIGUOUS = "two assignments explain the image equally well"
+    PICTURE = "markers and pixels give different poses"
 
 
 @dataclass(frozen=True, eq=False)
 class Correspondence:
-    """Dots of one image by the numbers of the layout.
+    """Markers of one image by their index in the layout.
 
     Attributes
     ----------
     moved_px
-        (m, 2) displacement from rest; by the smooth field where no dot was found.
+        (m, 2) displacement from rest; by the smooth field if no blob was assigned.
     found
-        (m,) whether a dot was assigned.
+        (m,) whether a blob was assigned.
     agreement
-        Twice the assigned dots over the sum of those of the image and those of the layout.
+        Twice the number of assigned blobs over the number of blobs plus that of markers.
     rough
         Root mean square distance from the smooth field, over the spacing.
     fault
-        Why it is not believed; `MatchFault.NONE` for one that is.
+        Reason to reject it; `MatchFault.NONE` if accepted.
     confident
-        Whether no other need be looked for.
+        Whether no alternative needs to be searched.
     """
 
     moved_px: FloatArray
@@ -93,17 +94,17 @@ class Correspondence:
 
     @property
     def accepted(self) -> bool:
-        """Whether it is believed."""
+        """Whether it is accepted."""
         return self.fault is MatchFault.NONE
 
     @property
     def score(self) -> float:
-        """What is greatest for the assignment that explains an image best."""
+        """Measure that is highest for the best assignment of an image."""
         return self.agreement - 2.0 * self.rough
 
 
 def marker_descriptor(dots_px: FloatArray, shape: tuple[float, float]) -> FloatArray:
-    """Where dots are (GRID²,), smoothed and of length one: images that are alike have it alike."""
+    """Return a smoothed histogram (GRID²,) of blob positions, of unit length, to compare images."""
     cells = np.zeros((GRID + 1, GRID + 1))
     if len(dots_px):
         place = np.clip(dots_px / np.array(shape[::-1]) * GRID, 0, GRID - 1e-6)
@@ -122,22 +123,22 @@ def marker_descriptor(dots_px: FloatArray, shape: tuple[float, float]) -> FloatA
 
 @dataclass(eq=False)
 class MarkerMatcher:
-    """Finds correspondences, and remembers images that it is sure of as guesses for others.
+    """Search of correspondences, with a memory of confident images as guesses for further ones.
 
     Attributes
     ----------
     layout
-        Dots at rest.
+        Markers at rest.
     shape
         Height and width of the images, px.
     seen, fields
-        (k, GRID²) and (k, m, 2) what sure images looked like and how their dots moved.
+        (k, GRID²) and (k, m, 2) descriptors and displacements of confident images.
     smooth
-        Whether dots must move as a smooth field: without it each dot is the one nearest to its place at rest.
+        Whether markers must move as a smooth field; without it each takes the blob nearest to its rest place.
     motions
-        How this sensor's dots move together; until it is known, any smooth field will do.
+        Joint motion of this sensor's markers; `None` accepts any smooth field.
     usual
-        Agreement and roughness from which an image is sure; an image is believed somewhat beyond.
+        Agreement and roughness of a confident image; an accepted one may be somewhat worse.
     """
 
     layout: ObservedLayout
@@ -149,7 +150,7 @@ class MarkerMatcher:
     usual: tuple[float, float] = (_SURE, _CALM)
 
     def to_arrays(self) -> tuple[FloatArray, FloatArray]:
-        """Motions (1 + k, 2m), empty where there are none, and (3,) what is usual and their noise, for a file."""
+        """Return motions (1 + k, 2m), empty if not fitted, and (3,) `usual` and their noise, for a file."""
         known = self.motions
         motion = (
             np.zeros((0, 0))
@@ -159,7 +160,7 @@ class MarkerMatcher:
         return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
 
     def with_arrays(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
-        """This, with what `to_arrays` gave."""
+        """Return a copy with the result of `to_arrays`."""
         known = None
         if len(motion):
             mean, *modes = motion.reshape(len(motion), -1, 2)
@@ -167,14 +168,9 @@ class MarkerMatcher:
         return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
     def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
-        """The correspondence of an image.
+        """Find the correspondence of an image with blobs (n, 2) px.
 
-        Parameters
-        ----------
-        dots_px
-            (n, 2) its dots.
-        guesses
-            Displacements (m, 2) to begin with, before those of images that look alike.
+        The displacements (m, 2) `guesses` are tried before those of similar images.
         """
         if not self.smooth:
             return self._nearest(dots_px)
@@ -197,7 +193,7 @@ class MarkerMatcher:
         return self._choose(tried)
 
     def remember(self, dots_px: FloatArray, found: Correspondence) -> None:
-        """Keep a sure image as a guess for others, as long as there is room."""
+        """Store a confident image as a guess for further ones, up to a maximum number."""
         if found.confident and len(self.seen) < _KEPT:
             self.seen.append(marker_descriptor(dots_px, self.shape))
             self.fields.append(found.moved_px)
@@ -210,7 +206,7 @@ class MarkerMatcher:
         return guesses
 
     def _grown(self, dots_px: FloatArray) -> list[IntArray]:
-        """The largest assignments that grow from a few dots of the layout."""
+        """Return the largest assignments that grow from a few markers of the layout."""
         layout = self.layout
         many = (layout.neighbours >= 0).sum(axis=1)
         starts = spread_starts(layout.rest_px, many >= min(6, many.max()), _INNER, _STARTS)
@@ -223,7 +219,7 @@ class MarkerMatcher:
         return grow_largest(seeds, layout.neighbours, dots_px, _STEP, 0.3)[:_ALIKE]
 
     def _field(self, dots_px: FloatArray, match: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Smooth displacement (m, 2) of an assignment, and distances (m,) from it, NaN where there is no dot."""
+        """Return the smooth displacement (m, 2) of an assignment, and residuals (m,), NaN without a blob."""
         there = match >= 0
         moved = np.full((len(self.layout), 2), np.nan)
         moved[there] = dots_px[match[there]] - self.layout.rest_px[there]
@@ -238,7 +234,7 @@ class MarkerMatcher:
         return smooth, np.asarray(np.linalg.norm(moved - smooth, axis=1))
 
     def refine(self, dots_px: FloatArray, guess: FloatArray) -> Correspondence:
-        """The correspondence near a guess of the displacement (m, 2), px, without looking for others."""
+        """Find the correspondence near a guess of the displacement (m, 2), px, without alternatives."""
         layout, smooth, previous = self.layout, guess, b""
         tree = cKDTree(dots_px)
         for turn in range(_TURNS):
@@ -257,7 +253,7 @@ class MarkerMatcher:
         return self._evaluate(dots_px, *self._mend(dots_px, match, smooth))
 
     def _mend(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> tuple[IntArray, FloatArray]:
-        """The assignment without dots about which it is torn, grown again from what is whole."""
+        """Remove inconsistent blobs from an assignment, and grow it again from its consistent part."""
         layout = self.layout
         for _ in range(3):
             torn = assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
@@ -316,13 +312,13 @@ class MarkerMatcher:
 
 
 def _largest(match: IntArray, near: IntArray) -> IntArray:
-    """The largest part of an assignment whose dots are neighbours."""
+    """Return the largest connected part of an assignment."""
     pairs = np.column_stack([np.repeat(np.arange(len(near)), near.shape[1]), near.ravel()])
     there = match >= 0
     return np.where(largest_group(pairs[(pairs[:, 1] >= 0) & there[pairs].all(axis=1)], there), match, -1)
 
 
 def _match(places: FloatArray, tree: cKDTree, reach: float) -> IntArray:
-    """(m,) blobs at places, within a reach over the distance to the nearest three places."""
+    """Assign blobs (m,) to places, within a reach over the distance to the nearest three places."""
     spacing = cKDTree(places).query(places, min(4, len(places)))[0][:, 1:].mean(axis=1)
     return mutual_nearest(places, tree, reach * spacing)

@@ -1,10 +1,10 @@
-"""Joint motion of markers: the model that predicts those that are lost, or have no number yet.
+"""Joint motion of markers, which predicts those without a blob or an assignment.
 
 The motion of one sensor is mean + Σ c_i d_i with coordinates c of unit variance (probabilistic principal components,
-Tipping and Bishop 1999, doi 10.1111/1467-9868.00196). The most probable coordinates are fitted to the markers that
-are seen, those that fit badly with a smaller weight; lost markers have the place that the seen ones give them. Unlike
-a smooth field this model has kinks, where the sensor has them. Without images of the sensor the motion is the
-quadratic function of the place at rest that fits the nearest seen markers: right for any design.
+Tipping and Bishop 1999, doi 10.1111/1467-9868.00196). The most probable coordinates are fitted to the found markers,
+with smaller weights for bad fits, and predict the missing ones. Unlike a smooth field this model reproduces kinks of
+the motion. Without images of the sensor, the motion is a quadratic function of the rest position, fitted to the
+nearest found markers: valid for any design.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray
 
 _NEIGHBOURS, _QUADRATIC_FROM = 14, 9
-"""Neighbours to which a smooth motion is fitted, and from which on it is quadratic, else linear."""
+"""Number of neighbours for a smooth motion, and minimum number for a quadratic one (else linear)."""
 _NOISE_PX = 0.3
-"""Expected misfit of a fitted model, px, at least: noise of a blob and what the modes leave out."""
+"""Minimum misfit of a fitted model, px: noise of a blob and truncation of the modes."""
 _MOST, _ROUNDS = 48, 3
-"""Largest number of modes, at most a third of the images; rounds of weighting."""
+"""Maximum number of modes, also limited to a third of the images; rounds of weighting."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class MotionModel:
     rest_px
         (m, 2) markers at rest.
     modes_px
-        (k, m, 2) directions of motion, each as long as its standard deviation; `None` for any smooth motion.
+        (k, m, 2) modes of motion, scaled to their standard deviations; `None` for any smooth motion.
     mean_px
         (m, 2) mean motion, or (2,) of all markers.
     noise_px
@@ -46,7 +46,7 @@ class MotionModel:
     noise_px: float = _NOISE_PX
 
     def fit(self, moved_px: FloatArray, found: BoolArray) -> FloatArray:
-        """Most probable motion (m, 2), px, given displacements (m, 2) of the markers that are found (m,)."""
+        """Return the most probable motion (m, 2), px, given displacements (m, 2) of the found markers (m,)."""
         assert self.modes_px is not None
         basis = self.modes_px[:, found].reshape(len(self.modes_px), -1)
         moved = (moved_px - self.mean_px)[found].ravel()
@@ -63,9 +63,9 @@ class MotionModel:
         return np.asarray(self.mean_px + np.tensordot(coordinates, self.modes_px, axes=1))
 
     def fill(self, seen_px: FloatArray, found: BoolArray) -> FloatArray:
-        """Positions (m, 2) of all markers, px, estimated from those (m, 2) of the markers that are found (m,).
+        """Estimate positions (m, 2), px, of all markers from those of the found ones (m,).
 
-        What the modes leave over is smooth too, and is added.
+        The residual of the modes is interpolated smoothly and added.
         """
         moved = seen_px - self.rest_px
         if self.modes_px is None:
@@ -84,19 +84,10 @@ class MotionModel:
 
 
 def interpolate_motion(points: FloatArray, moved: FloatArray, places: FloatArray) -> FloatArray:
-    """Smooth motion at places, fitted to that of the nearest points; a point at a place is left out there.
+    """Interpolate the motion (n, 2) px of points (n, 2) to places (k, 2), smoothly.
 
-    Parameters
-    ----------
-    points, moved
-        (n, 2) points at rest and their motion, px.
-    places
-        (k, 2) places at rest, px.
-
-    Returns
-    -------
-    ndarray
-        (k, 2) motion, px: by the moving least squares of a quadratic polynomial; the mean for fewer than four points.
+    Moving least squares of a quadratic polynomial over the nearest points, except a point at the place itself; the
+    mean for fewer than four points.
     """
     if len(points) < 4:
         return np.broadcast_to(moved.mean(axis=0) if len(moved) else 0.0, places.shape).copy()
@@ -119,16 +110,9 @@ def interpolate_motion(points: FloatArray, moved: FloatArray, places: FloatArray
 def fit_motion_model(
     rest_px: FloatArray, moved_px: Sequence[FloatArray] | FloatArray, least_noise_px: float = _NOISE_PX
 ) -> MotionModel:
-    """The modes of motion of images whose markers are known.
+    """Fit the modes of motion to displacements (n, m, 2) of markers (m, 2) from rest, px.
 
-    Parameters
-    ----------
-    rest_px
-        (m, 2) markers at rest.
-    moved_px
-        (n, m, 2) displacements of the markers in images.
-    least_noise_px
-        Standard deviation of a coordinate of a blob.
+    `least_noise_px` is the minimum standard deviation of a blob coordinate.
     """
     flat = np.array(moved_px, float).reshape(len(moved_px), -1)
     mean = flat.mean(axis=0)

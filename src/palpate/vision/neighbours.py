@@ -1,4 +1,4 @@
-"""Neighbours among a few hundred points; compiled searches, for which a tree costs more than it saves."""
+"""Neighbours among a few hundred points, by compiled searches that are faster than a tree."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from palpate.core import BoolArray, FloatArray, IntArray, kernel
 
 
 def largest_group(pairs: IntArray, wanted: BoolArray) -> BoolArray:
-    """(m,) wanted points in the largest group of them that pairs (k, 2) connect."""
+    """Return the wanted points (m,) in the largest group of them that pairs (k, 2) connect."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -19,7 +19,7 @@ def largest_group(pairs: IntArray, wanted: BoolArray) -> BoolArray:
 
 @kernel
 def nearest(points: FloatArray, others: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Number of the nearest of `others` (k, 2) to each of `points` (n, 2), and its distance."""
+    """Return the index of the nearest of `others` (k, 2) to each of `points` (n, 2), and its distance."""
     number = np.full(len(points), -1)
     distance = np.full(len(points), np.inf)
     for i in range(len(points)):
@@ -34,7 +34,7 @@ def nearest(points: FloatArray, others: FloatArray) -> tuple[IntArray, FloatArra
 
 @kernel
 def nearest_distance(points: FloatArray, most: float) -> FloatArray:
-    """(n,) distance of each point to the nearest other one, at most `most`."""
+    """Return the distance (n,) of each point to its nearest neighbour, at most `most`."""
     square = np.full(len(points), most**2)
     for i in range(len(points)):
         for j in range(i):
@@ -46,10 +46,10 @@ def nearest_distance(points: FloatArray, most: float) -> FloatArray:
 
 @kernel
 def agree(predicted: FloatArray, blobs: FloatArray, near: IntArray, reach: FloatArray, rounds: int) -> FloatArray:
-    """Predictions (m, 2) moved, round by round, by the median miss of those in the neighbourhood that found a dot.
+    """Correct predictions (m, 2) in rounds by the median residual of neighbouring markers with a blob.
 
-    A marker has found a dot if each is the nearest of the other and they are within `reach` (m,); `near` (m, k) are
-    the numbers of its neighbours, itself first. Where no neighbour found one, the median of all is taken.
+    A marker has a blob if they are mutual nearest neighbours within `reach` (m,); `near` (m, k) are the indices of
+    its neighbours, itself first. If no neighbour has a blob, the median of all is used.
     """
     moved = predicted.copy()
     for _ in range(rounds):

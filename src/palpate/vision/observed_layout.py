@@ -1,8 +1,8 @@
-"""The layout of a sensor that nobody wrote down: its dots at rest, numbered in an order that lasts.
+"""Layout of a sensor without a design: its markers at rest, with permanent indices.
 
-Dots are numbered from the middle outwards, ring by ring of one spacing, and in a ring by their angle. The numbers are
-kept with the places in the model, so that another image at rest, where a dot lies a little elsewhere, does not change
-them: there dots are assigned to the kept ones (`palpate.vision.match_markers`).
+Markers are numbered from the centre outwards, ring by ring of one spacing, and within a ring by angle. The indices
+are stored with the places in the model; blobs of another rest image are assigned to these places
+(`palpate.vision.match_markers`), so small displacements do not change the indices.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 from palpate.core import FloatArray, IntArray, PalpateError
 
 NEIGHBOURS = 8
-"""Most neighbours of a dot that are kept."""
+"""Maximum number of neighbours of a marker."""
 LEAST_DOTS = 6
-"""Least number of dots of a layout."""
+"""Minimum number of markers of a layout."""
 _LONGEST = 1.7
-"""An edge to a neighbour is at most so much longer than the median of the dot's shortest three."""
+"""Maximum length of an edge to a neighbour, over the median of the marker's shortest three."""
 
 
 @dataclass(frozen=True, eq=False)
 class ObservedLayout:
-    """Dots at rest.
+    """Markers at rest.
 
     Attributes
     ----------
     rest_px
-        (m, 2) places in the order of their numbers, px.
+        (m, 2) positions in the order of their indices, px.
     """
 
     rest_px: FloatArray
@@ -40,19 +40,19 @@ class ObservedLayout:
 
     @cached_property
     def neighbours(self) -> IntArray:
-        """(m, 8) numbers of a dot's neighbours by their distance, -1 where it has fewer."""
+        """Indices (m, 8) of a marker's neighbours by distance, filled with -1."""
         return _find_neighbours(self.rest_px)
 
     @cached_property
     def spacing_px(self) -> FloatArray:
-        """(m,) median distance of a dot to its neighbours, px."""
+        """Median distance (m,) of a marker to its neighbours, px."""
         near, there = self.neighbours, self.neighbours >= 0
         far = np.linalg.norm(self.rest_px[near] - self.rest_px[:, None], axis=-1)
         return np.asarray(np.nanmedian(np.where(there, far, np.nan), axis=1))
 
     @cached_property
     def harmonics(self) -> tuple[FloatArray, FloatArray]:
-        """Smooth fields (m, k) over the layout and how rough each is (k,): eigenvectors of the neighbours' graph."""
+        """Smooth fields (m, k) over the layout and their roughness (k,): eigenvectors of the neighbour graph."""
         count = len(self)
         graph = np.zeros((count, count))
         for dot, row in enumerate(self.neighbours):
@@ -64,12 +64,7 @@ class ObservedLayout:
 
 
 def number_markers(positions_px: FloatArray) -> ObservedLayout:
-    """Number the dots of an image at rest.
-
-    Parameters
-    ----------
-    positions_px
-        (m, 2) dots in any order, px.
+    """Number the markers of a rest image, whose blobs (m, 2) px may be in any order.
 
     Raises
     ------
@@ -78,8 +73,8 @@ def number_markers(positions_px: FloatArray) -> ObservedLayout:
     """
     if len(positions_px) < LEAST_DOTS:
         raise PalpateError(
-            f"The image at rest shows {len(positions_px)} dots, {LEAST_DOTS} are needed.",
-            "Choose another image at rest, or learn from pictures alone: --estimators picture.",
+            f"The rest image shows {len(positions_px)} blobs, at least {LEAST_DOTS} are needed.",
+            "Choose another rest image, or train on pixels alone: --estimators picture.",
             code="rest-markers-few",
         )
     middle = positions_px.mean(axis=0)
@@ -90,8 +85,8 @@ def number_markers(positions_px: FloatArray) -> ObservedLayout:
     layout = ObservedLayout(np.ascontiguousarray(positions_px[np.lexsort((angle, ring))], dtype=float))
     if not (layout.neighbours >= 0).any(axis=1).all():
         raise PalpateError(
-            "The dots at rest lie on a line, or some of them have no neighbour.",
-            "Choose another image at rest.",
+            "The blobs of the rest image lie on a line, or some of them have no neighbour.",
+            "Choose another rest image.",
             code="rest-markers-on-line",
         )
     return layout
@@ -102,7 +97,7 @@ def _find_neighbours(places: FloatArray) -> IntArray:
         first, *_ = starts = Delaunay(places).vertex_neighbor_vertices
     except QhullError as error:
         raise PalpateError(
-            "The dots at rest lie on a line.", "Choose another image at rest.", code="rest-markers-on-line"
+            "The blobs of the rest image lie on a line.", "Choose another rest image.", code="rest-markers-on-line"
         ) from error
     near = np.full((len(places), NEIGHBOURS), -1)
     for dot in range(len(places)):

@@ -1,4 +1,4 @@
-"""What this room takes from OpenCV, 4.10 to 5, in one place: filters, components, its blob detector."""
+"""Functions of OpenCV, 4.10 to 5, used for detection: filters, components, blob detector."""
 
 from __future__ import annotations
 
@@ -11,42 +11,42 @@ Image = NDArray[np.float32]
 
 
 def blur(image: Image, sigma_px: float) -> Image:
-    """Gaussian blur; borders are mirrored."""
+    """Blur an image by a Gaussian; borders are mirrored."""
     return np.asarray(load_opencv().GaussianBlur(image, (0, 0), sigma_px), np.float32)
 
 
 def box(image: Image, size_px: int) -> Image:
-    """Mean over a square."""
+    """Return the mean over a square."""
     return np.asarray(load_opencv().blur(image, (size_px, size_px)), np.float32)
 
 
 def close(image: Image, size_px: int) -> Image:
-    """Grey closing by a square: fills what is darker and narrower than it."""
+    """Return the grey closing by a square, which fills darker areas narrower than it."""
     cv2 = load_opencv()
     kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
     return np.asarray(cv2.morphologyEx(image, cv2.MORPH_CLOSE, kernel), np.float32)
 
 
 def local_maxima(image: Image, size_px: int) -> BoolArray:
-    """Pixels that are the greatest of the square about them."""
+    """Return the pixels that are the maximum of the square around them."""
     return np.asarray(image >= dilate(image, size_px))
 
 
 def dilate(image: Image, size_px: int) -> Image:
-    """The greatest value of the square about each pixel."""
+    """Return the maximum of the square around each pixel."""
     cv2 = load_opencv()
     kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
     return np.asarray(cv2.dilate(image, kernel), np.float32)
 
 
 def components(mask: BoolArray) -> tuple[int, NDArray[np.int32]]:
-    """Number of 8-connected components and (h, w) labels, 0 outside them."""
+    """Return the number of 8-connected components and labels (h, w), 0 outside them."""
     count, labels = load_opencv().connectedComponents(mask.astype(np.uint8), connectivity=8, ltype=4)
     return int(count) - 1, np.asarray(labels, np.int32)
 
 
 def grow(mask: BoolArray, margin_px: int) -> BoolArray:
-    """The mask and what lies within a margin of it."""
+    """Expand a mask by a margin."""
     cv2 = load_opencv()
     size = 2 * margin_px + 1
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
@@ -54,7 +54,7 @@ def grow(mask: BoolArray, margin_px: int) -> BoolArray:
 
 
 def fill_hull(points_px: FloatArray, shape: tuple[int, int]) -> BoolArray:
-    """Mask of the convex hull of points (n, 2), n ≥ 3."""
+    """Return a mask of the convex hull of points (n, 2), n ≥ 3."""
     cv2 = load_opencv()
     mask = np.zeros(shape, np.uint8)
     hull = cv2.convexHull(np.rint(points_px).astype(np.int32).reshape(-1, 1, 2))
@@ -63,7 +63,7 @@ def fill_hull(points_px: FloatArray, shape: tuple[int, int]) -> BoolArray:
 
 
 def simple_blobs(image: NDArray[np.uint8], diameter_px: float, dark: bool) -> FloatArray:
-    """Centres and diameters (n, 3) by OpenCV's `SimpleBlobDetector`."""
+    """Detect centres and diameters (n, 3) by OpenCV's `SimpleBlobDetector`."""
     cv2 = load_opencv()
     spec = cv2.SimpleBlobDetector_Params()
     area = np.pi / 4 * diameter_px**2

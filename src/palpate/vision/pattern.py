@@ -1,4 +1,4 @@
-"""The pattern of a layout as a camera sees it at rest, and the turns and mirrors that leave it as it is."""
+"""Marker pattern in the camera's image at rest, and its rotations and mirror symmetries."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from palpate.core import BoolArray, FloatArray
 from palpate.vision.rings import Rings, find_rings
 
 _SAME = 1e-6
-"""Distance over the layout's size at which two markers are at one place."""
+"""Maximum distance of coincident markers, over the layout's size."""
 
 
 @dataclass(frozen=True, eq=False)
 class MarkerPattern:
-    """Where markers are expected at rest.
+    """Expected markers at rest.
 
     Attributes
     ----------
     expected_px
         (m, 2) pixels for the nominal camera.
     symmetries
-        (g, m) for each turn or mirror about the axis that leaves the layout as it is, which marker comes to lie at
-        the place of marker i; the first is none at all.
+        (g, m) for each rotation or mirroring about the axis that preserves the layout, the marker that moves to the
+        place of marker i; the first is the identity.
     turns_deg, mirrored
-        (g,) angle of the turn, and whether the layout was mirrored in its x-z plane before.
+        (g,) angle of the rotation, and whether the layout was mirrored in its x-z plane before.
     marks_px
-        (g, 2) where the orientation mark is then expected; `None` without a mark.
+        (g, 2) expected orientation mark; `None` without a mark.
     rings
-        The rings of a layout that turns and mirrors about each of their dots leave as it is; `None` for others.
+        Rings of a layout with the symmetry of its innermost ring; `None` for other layouts.
     mark
         (3,) the orientation mark, mm; `None` without a mark.
     """
@@ -50,12 +50,12 @@ class MarkerPattern:
 
     @property
     def spacing_px(self) -> float:
-        """Least distance of two markers."""
+        """Minimum distance of two markers."""
         return float(cKDTree(self.expected_px).query(self.expected_px, 2)[0][:, 1].min())
 
     @property
     def widest_gap(self) -> float:
-        """Longest step on the shortest way through all markers, over the median distance of nearest neighbours."""
+        """Longest edge of the minimum spanning tree, over the median distance of nearest neighbours."""
         from scipy.sparse.csgraph import minimum_spanning_tree
 
         if len(self) < 2:
@@ -67,23 +67,21 @@ class MarkerPattern:
 
 @dataclass(frozen=True, eq=False)
 class PatternFit:
-    """Which dot is at which place of the pattern.
+    """Fit of the pattern to blobs.
 
     Attributes
     ----------
-    blob
-        (m,) dot at each marker's place, -1 where there is none.
-    places_px
-        (m, 2) where the print's own law expects each dot.
+    blob, places_px
+        (m,) blob at each marker's place, -1 without one, and (m, 2) its position by the fitted print.
     residual_px
-        Root of the mean squared distance of the dots from there.
+        Root mean square distance of the blobs from these.
     mirrored
-        Whether the pattern was laid in its mirror.
+        Whether the pattern was mirrored.
     marks_px, mark_axes_px
-        (g, 2) where the orientation mark would be under each symmetry, and (g, 2, 2) two axes about it as long as its
-        standard deviations along them; `None` without a mark.
+        (g, 2) predicted orientation mark under each symmetry, and (g, 2, 2) axes scaled to its standard deviations;
+        `None` without a mark.
     doubt
-        What speaks against it, as a part of a sentence; empty where nothing does.
+        Reason to doubt the fit, as a part of a sentence; empty without one.
     """
 
     blob: NDArray[np.intp]
@@ -96,23 +94,16 @@ class PatternFit:
 
     @property
     def count(self) -> int:
-        """Number of markers that have a dot."""
+        """Number of markers with a blob."""
         return int((self.blob >= 0).sum())
 
 
 def build_pattern(
     positions: FloatArray, project: Callable[[FloatArray], FloatArray], mark: FloatArray | None = None
 ) -> MarkerPattern:
-    """The pattern of a layout.
+    """Build the pattern of markers (m, 3) mm and an orientation mark (3,) mm in the nominal camera.
 
-    Parameters
-    ----------
-    positions
-        (m, 3) markers in the dome's frame, mm.
-    project
-        From points (n, 3) to pixels (n, 2): that of the nominal camera.
-    mark
-        (3,) the orientation mark, mm (`palpate.design.place_orientation_mark`).
+    `project` maps points (n, 3) to pixels (n, 2); for the mark see `palpate.design.place_orientation_mark`.
     """
     motions = [(turn, mirror) for mirror in (False, True) for turn in _candidate_turns(positions, mirror)]
     found = [(motion, order) for motion in motions if (order := _order(positions, *motion)) is not None]
@@ -138,7 +129,7 @@ def _move(points: FloatArray, turn: float, mirror: bool) -> FloatArray:
 
 
 def _candidate_turns(positions: FloatArray, mirror: bool) -> list[float]:
-    """Turns that bring the first of the outermost markers to the place of another; no turn comes first."""
+    """Return the angles that rotate one outermost marker to the place of another, ascending from 0."""
     rho = np.hypot(positions[:, 0], positions[:, 1])
     outermost = int(np.argmax(rho))
     if rho[outermost] == 0.0:

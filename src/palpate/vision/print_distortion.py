@@ -1,8 +1,8 @@
-"""The law of a print: by how much each ring of dots is larger, aside, flattened and turned against the design.
+"""Print distortion: size, centre, ellipticity and azimuth of each ring relative to the design.
 
-Pads stretch and domes sag, so a print may be bent as a whole though it is even. The rings' law and the camera's pose
-are fitted together to the dots at rest. A growth of all rings is hard to tell from a nearer camera, and rings that
-are all aside from a camera that is; the two share it as far as each is known beforehand.
+Pads stretch and skins sag, so a whole print may be distorted although its rings are even. The distortion of the rings
+and the camera pose are fitted together to the blobs at rest. Growth of all rings resembles a nearer camera, and a
+common offset a camera offset; the priors determine their shares.
 """
 
 from __future__ import annotations
@@ -20,38 +20,41 @@ from palpate.design import MarkerLayout, Skin
 from palpate.vision.rings import Rings
 
 _SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
-"""Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, turn, and two
-of how its dots slide along it, twice to and fro: a stretched pad takes them along, a sagging dome does not."""
+"""Prior standard deviations of a ring's distortion.
+
+They are those of growth, centre x and y (mm), ellipse (two parameters), rotation, and sliding of its markers along
+it, of second order (two parameters): a stretched pad causes sliding, a sagging skin does not.
+"""
 _POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
-"""Of the camera's offset x and y (mm), distance (mm), tilts and roll (degrees)."""
+"""Prior standard deviations of the camera offset x, y (mm), distance (mm), tilts and roll (degrees)."""
 _DOT_PX, _FORGIVEN = 0.3, 5.0
-"""Standard deviation of a printed dot, and residual over it beyond which the loss is linear."""
+"""Standard deviation of a printed marker, and residual over it beyond which the loss is linear."""
 _STEP = 1e-5
 """Step of the finite differences, over the standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)
 class PrintDistortion:
-    """How a print of rings is bent as a whole.
+    """Distortion of a print of rings.
 
     Attributes
     ----------
     rings
-        Which marker is on which ring.
+        Ring of each marker.
     radius
-        (k,) mean radius of each ring on the dome about its own centre, mm, from the innermost.
+        (k,) mean radius of each ring on the skin about its own centre, mm, from the innermost.
     growth
-        (k,) the same over the design's.
+        (k,) radius over that of the design.
     centre
-        (k, 2) where its centre is in the base plane, mm.
+        (k, 2) centre in the base plane, mm.
     flatness, flat_deg
-        (k,) longer over shorter half axis less one, and the azimuth of the longer one, degrees.
+        (k,) ratio of half axes minus one, and the azimuth of the longer one, degrees.
     turn_deg
-        (k,) how far its dots are turned, degrees.
+        (k,) rotation of its markers, degrees.
     positions
-        (m, 3) where the law says that each marker is printed, mm.
+        (m, 3) printed position of each marker by this model, mm.
     rms_px
-        Root of the mean squared distance of the dots from the images of those places.
+        Root mean square distance of the blobs from the images of these positions.
     """
 
     rings: Rings
@@ -66,7 +69,7 @@ class PrintDistortion:
 
     @property
     def greatest(self) -> float:
-        """Greatest departure of a ring's radius from the design's, as a share."""
+        """Maximum relative deviation of a ring's radius from the design's."""
         return float(np.abs(self.growth - 1.0).max())
 
 
@@ -77,27 +80,20 @@ def fit_print_distortion(
     posed: Callable[[FloatArray], Camera],
     start: tuple[FloatArray, FloatArray],
 ) -> tuple[FloatArray, PrintDistortion]:
-    """Fit the camera's pose and the law of the rings.
+    """Fit the camera pose (6,) and the distortion of the rings; return both.
 
     Parameters
     ----------
     rings
-        Which marker is on which ring.
+        Ring of each marker.
     design
-        What was to be printed, and on what.
+        Layout and skin.
     seen
-        Numbers (n,) of the markers that have a dot, and its pixels (n, 2) with the ellipse's bias taken off.
+        Indices (n,) of the markers with a blob, and its pixels (n, 2) corrected for the bias of the ellipse.
     posed
-        From the six numbers of a pose to the camera there.
+        Returns the camera at a pose of six parameters.
     start
-        (6,) a pose to begin with, and the nominal one.
-
-    Returns
-    -------
-    ndarray
-        (6,) the pose.
-    PrintDistortion
-        The law.
+        (6,) initial and nominal pose.
     """
     layout, skin = design
     which, pixels = seen
@@ -112,7 +108,7 @@ def fit_print_distortion(
         return np.concatenate([left.ravel() / _DOT_PX, (values - prior) / sd])
 
     def slopes(values: FloatArray) -> FloatArray:
-        """Differences; a ring's numbers move its own dots only, so all rings are moved at once."""
+        """Return finite differences, for all rings at once, as a ring's parameters move its own markers only."""
         base = miss(values)
         found = np.zeros((len(base), len(values)))
         dots = 2 * len(which)
@@ -152,7 +148,7 @@ def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms
 
 
 def _printed(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray) -> FloatArray:
-    """(m, 3) places of the markers under the numbers of the law (2 + 6 k,): two of the middle, six a ring."""
+    """Return the printed positions (m, 3): two parameters of the centre marker, eight per ring."""
     of_ring = np.vstack([[0.0, *values[:2], *[0.0] * (len(_SD) - 3)], values[2:].reshape(len(rings), -1)])
     growth, x, y, along, across, turn, fro, to = of_ring[rings.number].T
     azimuth = rings.azimuth + turn + fro * np.sin(2.0 * rings.azimuth) + to * np.cos(2.0 * rings.azimuth)

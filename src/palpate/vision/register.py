@@ -1,15 +1,14 @@
-"""Where a built dome sits over its camera: the pose of least reprojection residual of one image at rest.
+"""Registration of a built skin's camera: pose of minimum reprojection residual of a rest image.
 
-The six numbers of the camera's pose (offset, distance, two tilts, roll) are those for which the printed layout
-projects onto the dots, by least squares with a loss that forgives misprints; the traces' centres are corrected for
-the ellipse of a tilted disc. What is left over at each marker is its print error.
+The six parameters of the camera pose (offset, distance, two tilts, roll) minimise the distances of the projected
+layout from the blobs, by least squares with a loss that is robust to misprints. The projected centres include the
+bias of the ellipse of a tilted disc. The residual of each marker is its print error.
 
-If wished, focal length and centre are refined with the pose. One image of one dome tells them apart only by the
-dome's height: near dots are drawn larger than far ones (focal length against distance), and shift against them
-(centre against tilt and offset). So they are held near the calibration, within `FOCAL_SD` and `CENTRE_SD_PX`, the
-image moves them as far as it knows better, and their standard deviations say how far that is. The ratio of the two
-focal lengths is left as calibrated, and so is the distortion but for the
-coefficients that its `Lens` calls refinable.
+Optionally, focal length and centre are refined with the pose. One image of a skin separates them only by the skin's
+height: near markers appear larger than distant ones (focal length against distance) and shift against them (centre
+against tilt and offset). So they have priors at the calibration, of standard deviations `FOCAL_SD` and
+`CENTRE_SD_PX`, and their standard deviations are returned. The ratio of the two focal lengths stays as calibrated, as
+does the distortion except for the refinable coefficients of its `Lens`.
 """
 
 from __future__ import annotations
@@ -30,40 +29,40 @@ from palpate.vision.rings import find_rings
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
-"""Markers that give a pose: twice the three that six numbers need."""
+"""Minimum number of markers for a pose: twice the three that six parameters need."""
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
-"""What refining holds focal length (as a share) and centre to: how far the lens of another copy may be off."""
+"""Prior standard deviations of refined focal length (relative) and centre: variation between lenses."""
 _EVEN = 0.05
-"""Greatest residual over the distance of neighbours."""
+"""Maximum residual over the distance of neighbours."""
 _LEAST_BENT_PX, _BETTER = 0.5, 0.5
-"""A print counts as bent where the pose alone leaves so many pixels, and the rings' law no more than this share."""
+"""Distorted print: minimum residual (px) of the pose alone, and maximum share of it that remains."""
 _MOST_BENT, _MOST_GROWN = 0.2, 0.13
-"""Greatest departure of a ring's radius from the design's, and of the size of all: beyond, it is another design."""
+"""Maximum deviation of a ring's radius, and of the overall size, of the same design."""
 _FORGIVEN_PX = 1.0
-"""Distance beyond which a misprint no longer pulls with its square."""
+"""Distance beyond which the loss of a misprint is linear."""
 
 
 @dataclass(frozen=True, eq=False)
 class Registration:
-    """The pose of a camera under a dome.
+    """Pose of a camera relative to the skin.
 
     Attributes
     ----------
     camera
-        The camera where it is.
+        The camera at its fitted pose.
     rms_px
-        Root of the mean squared distance of found dots from where they should be.
+        Root mean square distance of the found blobs from their predictions.
     reprojection_residual_px
-        (m, 2) that distance for each marker; NaN where no dot was found.
+        (m, 2) residual of each marker; NaN without a blob.
     sd
         (6,) standard deviation of offset x, y (mm), distance (mm), tilts and roll (degrees).
     held_rms_px
-        The same as `rms_px` with the lens as it was calibrated: what refining it gains.
+        `rms_px` with the lens as calibrated, for comparison with a refined one.
     lens_sd
-        (3 + k,) standard deviation of the focal length (share), of the centre (px) and of the lens' k refinable
-        coefficients; NaN where they were held.
+        (3 + k,) standard deviation of the focal length (relative), of the centre (px) and of the lens's k refinable
+        coefficients; NaN if not refined.
     distortion
-        How the print is bent as a whole, where the pose alone does not explain the dots; else `None`.
+        Distortion of the whole print, if the pose alone does not explain the blobs; else `None`.
     """
 
     camera: Camera
@@ -93,34 +92,34 @@ def register_dome(
     nominal: CameraSpec | None = None,
     refine_lens: bool = False,
 ) -> Registration:
-    """Find the pose of the camera from named markers at rest.
+    """Fit the pose of the camera to the assigned markers of a rest image.
 
     Parameters
     ----------
     naming
-        Markers and their dots.
+        Markers and their blobs.
     layout, skin
-        What was printed, on what.
+        Design of the print.
     nominal
-        The lens, and about where the camera is.
+        The lens, and the approximate pose.
     refine_lens
-        Whether focal length and centre are fitted as well (the module says what an image at rest knows of them).
+        Whether focal length and centre are fitted as well (see the module).
 
     Raises
     ------
     PalpateError
-        If too few markers have a dot, the image is mirrored, or no pose with the dome before the camera fits.
+        If too few markers have a blob, the image is mirrored, or no pose in front of the skin fits.
     """
     nominal = nominal or CameraSpec()
     if naming.found.sum() < _LEAST_MARKERS:
         raise PalpateError(
-            f"{naming.found.sum()} named markers do not give a pose, {_LEAST_MARKERS} are needed.",
+            f"{naming.found.sum()} assigned markers do not determine a pose, {_LEAST_MARKERS} are needed.",
             "Check the light.",
             code="pose-few-markers",
         )
     if naming.mirrored:
         raise PalpateError(
-            "The image is mirrored: left is right.",
+            "The image is mirrored.",
             "Flip it before it is read, or turn off the mirror.",
             code="image-mirrored",
         )
@@ -144,7 +143,7 @@ def register_dome(
             law = None
     if law and (law.rms_px > _EVEN * spacing or law.greatest > _MOST_BENT):
         raise PalpateError(
-            f"The markers fit the design to {law.rms_px:.1f} px only, and that with rings {law.greatest:.0%} off.",
+            f"The markers fit the design to {law.rms_px:.1f} px only, with ring radii wrong by {law.greatest:.0%}.",
             "Check height, base radius and marker count, and the camera's focal length.",
             code="layout-misfit-rings",
         )
@@ -163,12 +162,12 @@ def register_dome(
 
 
 def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
-    """Refuse dots that are together so much larger or smaller than expected that the design is another one."""
+    """Raise an error if all blobs together are so much larger or smaller that the design is another."""
     spread = [np.sqrt(((pixels - pixels.mean(axis=0)) ** 2).sum(axis=1).mean()) for pixels in (seen, expected)]
     scale = float(spread[0] / spread[1]) - 1.0
     if abs(scale) > _MOST_GROWN:
         raise PalpateError(
-            f"The markers fit the design to {rms_px:.1f} px only where all of it is drawn {abs(scale):.0%} "
+            f"The markers fit the design to {rms_px:.1f} px only, with an image that is {abs(scale):.0%} "
             f"too {'large' if scale > 0 else 'small'}.",
             "Check height, base radius and marker count, and the camera's focal length and distance.",
             code="layout-misfit-scale",
@@ -178,7 +177,7 @@ def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
 def _distort(
     fit: _Fit, naming: MarkerAssignment, design: tuple[MarkerLayout, Skin], nominal: CameraSpec, start: FloatArray
 ) -> tuple[_Fit, PrintDistortion | None]:
-    """The pose of a print that is bent as a whole, and its law; what a layout without rings keeps."""
+    """Fit the pose of a distorted print, and its distortion; without rings, keep the fit."""
     layout, skin = design
     rings = find_rings(layout.positions)
     if rings is None:
@@ -202,7 +201,7 @@ def _distort(
 def _fit(
     nominal: CameraSpec, start: FloatArray, where: tuple[FloatArray, FloatArray, FloatArray], dot_px: float = 0.0
 ) -> _Fit:
-    """Fit the pose to dots, and the lens as well where it is known how far dots are off; it counts as three more."""
+    """Fit the pose to blobs; with a blob error `dot_px`, fit the lens as well."""
     points, seen, bias = where
     free = len(start) if dot_px else len(_POSE)
     refined = np.array(list(LENSES.get(nominal.lens).refinable.values()))
@@ -232,14 +231,14 @@ def _pose_of(camera: Camera) -> FloatArray:
 
 
 def _lens_of(nominal: CameraSpec) -> FloatArray:
-    """What refining starts from (3 + k,): factor on the focal lengths, centre in px, refinable coefficients."""
+    """Return the initial lens parameters (3 + k,): focal factor, centre in px, refinable coefficients."""
     lens = LENSES.get(nominal.lens)
     named = dict(zip(lens.parameters(), nominal.distortion, strict=True))
     return np.array([1.0, nominal.cx_px, nominal.cy_px, *(named[name] for name in lens.refinable)])
 
 
 def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
-    """The camera of a pose and of what `_lens_of` lists."""
+    """Return the camera of a pose and of the parameters listed in `_lens_of`."""
     chosen: dict[str, Any] = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
     chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0
     focal, column, row, *refined = (float(value) for value in values[6:])

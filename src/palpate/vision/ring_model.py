@@ -1,8 +1,8 @@
-"""The law of a print of rings in the image: how radius and centre change from ring to ring, and what comes next.
+"""Ring model of a print in the image: radii and centres of its rings, and extrapolation.
 
-A ring of radius ρ on the dome is drawn at the scale g(ρ) = r/ρ of the nominal camera, since the dome is nearer to
-the camera or farther there. A camera beside the axis moves a ring's centre by as much as its scale says: c = a + b g.
-A print that is bent as a whole has other radii than the design; they are read off the same profile.
+A ring of radius ρ on the skin is imaged at the scale g(ρ) = r/ρ of the nominal camera, which depends on its height.
+An offset of the camera from the axis moves a ring's centre in proportion to its scale: c = a + b g. A distorted print
+has other radii than the design; they are determined from the same profile.
 """
 
 from __future__ import annotations
@@ -17,46 +17,49 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray
 
 _EVEN = 0.07
-"""Greatest residual of a ring's dots over the distance of neighbours."""
+"""Maximum residual of a ring's blobs over the distance of neighbours."""
 _PRIOR = 2.0
-"""Rings that what is said beforehand of the scatter of centres weighs as much as."""
+"""Weight of the prior scatter of centres, in rings."""
 _FLAT = 1e-6
-"""Differences of height over the radius below which a skin is flat."""
+"""Difference of height over the radius below which a skin is flat."""
 _BEYOND = 1.3
-"""How far the profile goes, over the outermost known radius."""
+"""Extent of the profile, over the outermost known radius."""
 _ASIDE_MM = 4.0
-"""Standard deviation of how far a camera stands beside the axis, in each direction."""
+"""Standard deviation of the camera's offset from the axis, in each direction."""
 _LEAST_OFF_PX, _OFF, _BENT = 0.1, 3.0, 0.08
-"""Standard deviation of the centres of rings about their line: at least, and in mm over how far the radii are off."""
+"""Standard deviation of ring centres about their line: minimum (px), and slope.
+
+The slope is in mm per relative error of the radii, which is limited to the last value.
+"""
 _RIM = 0.98
-"""Share of the meridian's greatest radius beyond which nothing is printed."""
+"""Maximum radius of a print, over that of the meridian."""
 _STEP = 0.05
-"""Half the difference of radii over which the profile's slope is taken, mm."""
+"""Half the difference of radii for the slope of the profile, mm."""
 _ZOOM_SHARE = 0.2
-"""Share of a common growth of all rings that is the camera's, as far as a camera's distance is better known than a
-print's size: 4 % against 8 %."""
+"""Share of a common growth of all rings that is attributed to the camera.
+
+Its distance is known to 4 %, a print's size to 8 %.
+"""
 _ZOOM_SD = 0.035
-"""Standard deviation of what is then left."""
+"""Standard deviation of the remaining zoom error."""
 _NESTED = 0.7
-"""Distance of the centres of two neighbouring rings over that of their radii, at which they all but touch."""
+"""Distance of neighbouring ring centres over that of their radii, at which they count as crossing."""
 TWIST, _TWIST_POWER = 0.25, 20.0
-"""Greatest turn of a ring against the one inside, over the step of its dots; powers of ten that a step costs."""
+"""Maximum rotation between neighbouring rings over the marker step; penalty of a step, powers of ten."""
 
 
 @dataclass(frozen=True, eq=False)
 class RingFit:
-    """One ring of dots.
+    """One ring of markers.
 
     Attributes
     ----------
     weights
-        (7, 2) factors of `waves`, px.
-    blob
-        (n,) dot of each of its markers, -1 where there is none.
-    error_px
-        (n,) how far the dots lie from the ring; NaN where there is none.
+        (7, 2) coefficients of `ring_harmonics`, px.
+    blob, error_px
+        (n,) blob of each of its markers, -1 without one, and its distance from the ring, NaN without one.
     power
-        Power of ten of the number of such rings that as many dots strewn at random would show in one place.
+        Log10 of the number of false alarms: expected number of such rings among as many random blobs in one place.
     """
 
     weights: FloatArray
@@ -67,28 +70,28 @@ class RingFit:
 
     @property
     def count(self) -> int:
-        """Number of its dots that were seen."""
+        """Number of its blobs."""
         return int((self.blob >= 0).sum())
 
     @property
     def share(self) -> float:
-        """Share of its dots that were seen."""
+        """Share of its markers with a blob."""
         return float(np.mean(self.blob >= 0))
 
     @property
     def residual_px(self) -> float:
-        """Root of the mean squared distance of its dots from it; infinite without a dot."""
+        """Root mean square distance of its blobs from it; infinite without a blob."""
         off = self.error_px[np.isfinite(self.error_px)]
         return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
 
     @property
     def even(self) -> bool:
-        """Whether the dots lie as near to it as a print's do."""
+        """Whether the residual is small enough for a print."""
         return self.residual_px < _EVEN * 2.0 * np.pi * self.radius_px / len(self.blob)
 
     @property
     def turn(self) -> float:
-        """Angle from the first axis of the image to azimuth 0, of the turn that is nearest to its shape."""
+        """Angle from the image's first axis to azimuth 0, by the nearest rotation of its shape."""
         left, _, right = np.linalg.svd(self.weights[1:3])
         turn = left @ right
         return float(np.arctan2(turn[0, 1], turn[0, 0]))
@@ -101,36 +104,36 @@ class RingFit:
 
 @dataclass(frozen=True, eq=False)
 class RingsFit:
-    """The rings that were found from one seed, from the inside; the first is the dot in the middle."""
+    """Rings found from one seed, from the inside; the first is the centre marker."""
 
     rings: tuple[RingFit, ...]
 
     @property
     def count(self) -> int:
-        """Number of dots."""
+        """Number of blobs."""
         return int(sum((ring.blob >= 0).sum() for ring in self.rings))
 
     @property
     def power(self) -> float:
-        """Power of ten of the number of such prints among dots strewn at random, about one middle."""
+        """Log10 of the number of false alarms of the print, around one centre."""
         return float(sum(ring.power for ring in self.rings)) + _TWIST_POWER * float((self.twist**2).sum())
 
     @property
     def twist(self) -> FloatArray:
-        """(k - 1,) how far each ring is turned against the one inside, over the step of its dots."""
+        """Rotation (k - 1,) of each ring against the one inside, over the step of its markers."""
         turns = np.array([ring.turn for ring in self.rings[1:]])
         steps = np.array([2.0 * np.pi / len(ring.blob) for ring in self.rings[2:]])
         return np.asarray(((np.diff(turns) + np.pi) % (2.0 * np.pi) - np.pi) / steps)
 
     @property
     def even(self) -> bool:
-        """Whether all rings are, turned alike, and each within the next."""
+        """Whether all rings are even, equally rotated and nested."""
         turned_alike = not (np.abs(self.twist) > TWIST).any()
         return turned_alike and not self.crossing and all(ring.even for ring in self.rings[1:])
 
     @property
     def crossing(self) -> int:
-        """Number of the first ring that comes too near to the one inside; 0 where none does."""
+        """Number of the first ring too near to the one inside; 0 if all are nested."""
         for number, (ring, outer) in enumerate(pairwise(self.rings[1:]), 2):
             aside = float(np.linalg.norm(outer.weights[0] - ring.weights[0]))
             if aside > _NESTED * (outer.radius_px - ring.radius_px):
@@ -139,21 +142,16 @@ class RingsFit:
 
     @property
     def residual_px(self) -> float:
-        """Root of the mean squared distance of the dots from their rings, the middle left out."""
+        """Root mean square distance of the blobs from their rings, without the centre marker."""
         off = np.concatenate([ring.error_px[np.isfinite(ring.error_px)] for ring in self.rings[1:]])
         return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
 
 
 class Profile:
-    """The nominal camera's radius r in px of a ring of radius ρ in mm, from some known ones.
+    """Image radius r (px) by ring radius ρ (mm) in the nominal camera, interpolated from known rings.
 
-    The meridian is taken for a circle about the axis, ρ² + z² = p + q z, and the scale for 1/g = s + t z; what the
-    known rings are beside that is kept.
-
-    Parameters
-    ----------
-    rho, height, radius_px
-        (k,) radius and height of rings, mm, and their radius in the image, px.
+    The meridian is modelled as a circle about the axis, ρ² + z² = p + q z, and the scale by 1/g = s + t z; the
+    deviations of the known rings (k,) from this model are interpolated.
     """
 
     def __init__(self, rho: FloatArray, height: FloatArray, radius_px: FloatArray) -> None:
@@ -168,52 +166,48 @@ class Profile:
 
     @property
     def widest(self) -> float:
-        """Radius up to which the meridian is followed, mm."""
+        """Maximum radius of the meridian, mm."""
         p, q = self._circle
         reach = _RIM * float(np.sqrt(max(q * q / 4.0 + p, 0.0)))
         return float(self._rho[-1]) if self._flat is not None else max(reach, float(self._known.max()))
 
     def _heights(self, rho: FloatArray) -> FloatArray:
-        """Heights of the meridian, mm."""
+        """Return the heights of the meridian, mm."""
         if self._flat is not None:
             return np.full_like(rho, self._flat)
         p, q = self._circle
         return np.asarray(q / 2.0 + np.sqrt(np.maximum(q * q / 4.0 + p - rho**2, 0.0)))
 
     def scale(self, rho: FloatArray | float) -> FloatArray:
-        """Pixels of a millimetre along a ring of this radius, mm."""
+        """Return the scale along a ring of this radius (mm), px/mm."""
         rho = np.asarray(rho, float)
         model = self._factors[0] + self._factors[1] * self._heights(rho)
         return np.asarray(np.interp(rho, self._known, self._beside) / model)
 
     def slope(self, rho: float) -> float:
-        """Pixels of a millimetre outwards at this radius, mm."""
+        """Return the radial scale at this radius (mm), px/mm."""
         ends = np.array([rho - _STEP, rho + _STEP])
         return float(np.diff(ends * self.scale(ends))[0] / (2.0 * _STEP))
 
     def rho(self, radius_px: FloatArray | float) -> FloatArray:
-        """Radius in mm of a ring in the nominal image, px."""
+        """Return the radius (mm) of a ring of this radius in the nominal image, px."""
         return np.asarray(np.interp(radius_px, self._px, self._rho))
 
 
 @dataclass(frozen=True, eq=False)
 class RingModel:
-    """Centres and radii of the rings of a print, and what they say of another ring.
+    """Fitted centres and radii of the rings of a print.
 
     Attributes
     ----------
-    profile
-        That of the nominal camera.
-    zoom
-        Pixels of the image over those of the nominal camera.
+    profile, zoom
+        Profile of the nominal camera, and image scale over that of this camera.
     rho
-        (k,) radius of each ring, mm, for the nominal distance: without a common factor, which is the camera's.
-    drift
-        (2, 2) a in px and b in mm of the centres a + b g.
+        (k,) radius of each ring, mm, at the nominal distance: without the common factor of the camera.
+    drift, drift_sd
+        (2, 2) a in px and b in mm of the centres a + b g, and standard deviation of b, mm.
     left_px
-        (k, 2) centres beside that.
-    drift_sd
-        Standard deviation of b, mm.
+        (k, 2) residuals of the centres.
     """
 
     profile: Profile
@@ -224,13 +218,13 @@ class RingModel:
     drift_sd: float
 
     def centre_sd_px(self, expected_px: float) -> float:
-        """How far the centres scatter, where `expected_px` is what one would say beforehand."""
+        """Return the scatter of the centres, given a prior `expected_px`."""
         free = max(len(self.left_px) - 2, 0)
         square = (self.left_px**2).sum() / 2.0 + _PRIOR * expected_px**2
         return float(np.sqrt(square / (free + _PRIOR)))
 
     def radius_px(self, of_px: float, growth: float, share: float) -> float:
-        """Radius in the image of the ring `growth` times as wide on the dome as one of radius `of_px`.
+        """Return the image radius of a ring `growth` times as wide on the skin as one of image radius `of_px`.
 
         `share` multiplies the zoom.
         """
@@ -239,19 +233,19 @@ class RingModel:
         return float(zoom * rho * self.profile.scale(rho))
 
     def steeper(self, of_px: float, to_px: float) -> float:
-        """How many px farther outwards a print a millimetre aside moves dots at one radius (px) than at another."""
+        """Return the change of the radial scale (px/mm) from one image radius (px) to another."""
         slopes = [self.profile.slope(float(self.profile.rho(px / self.zoom))) for px in (of_px, to_px)]
         return self.zoom * abs(slopes[1] - slopes[0])
 
     def centre(self, rho: float) -> FloatArray:
-        """(2,) centre of a ring of this radius, mm."""
+        """Return the centre (2,) of a ring of this radius, mm."""
         return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
 
 
 def fit_ring_model(
     rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray
 ) -> RingModel:
-    """The law of some rings, from the innermost, the middle left out.
+    """Fit the model to rings, from the innermost, without the centre marker.
 
     `nominal_px` and `design_rho` are the design's radii (k,) in px of the nominal image and in mm.
     """
@@ -268,7 +262,7 @@ def fit_ring_model(
 
 
 def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, error_mm: float) -> tuple[FloatArray, float]:
-    """The line a + b g through the centres of rings, b held near zero as far as they scatter, and b's deviation."""
+    """Fit the line a + b g to ring centres, with a zero prior on b; return it and b's deviation."""
     middle = float(np.average(scale, weights=weight**2))
     expected = np.hypot(_LEAST_OFF_PX, error_mm * scale.mean())
     sd = expected
@@ -285,21 +279,14 @@ def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, error_mm:
 
 
 def extrapolate_ring(law: RingModel, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
-    """A ring outside the outermost one, as its own shape goes on.
-
-    Parameters
-    ----------
-    law, outer
-        The law of all rings, and the outermost.
-    design
-        Radii of the outermost ring and of the one that is wanted, mm.
+    """Extrapolate a ring from the outermost one, of radius `design[0]`, to the radius `design[1]`, mm.
 
     Returns
     -------
     ndarray
-        (7, 2) factors of `waves`, px.
+        (7, 2) coefficients of `ring_harmonics`, px.
     float
-        Standard deviation of its radius, px, since it is not known how much of the rings' size is the camera's.
+        Standard deviation of its radius by the unknown zoom, px.
     float
         Standard deviation of each coordinate of its centre, px.
     """

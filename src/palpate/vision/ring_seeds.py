@@ -1,4 +1,4 @@
-"""Seeds of a print of rings: three dots that could be neighbours on the innermost ring, and the others that agree."""
+"""Seeds of a print of rings: three possible neighbours on the innermost ring, confirmed by others."""
 
 from __future__ import annotations
 
@@ -9,37 +9,31 @@ from palpate.vision.fit_ring import RingFitter
 from palpate.vision.rings import ring_harmonics
 
 _NEAR = 8
-"""Neighbours of a dot among which those beside it on the innermost ring are looked for."""
+"""Number of a blob's neighbours among which those on the innermost ring are searched."""
 _SIDES = (0.65, 1.55)
 """Bounds of the ratio of two distances of neighbours on the innermost ring."""
 _AXES = 1.5
-"""Greatest ratio of the axes of the innermost ring as three of its dots give it."""
+"""Maximum axis ratio of the innermost ring through three of its blobs."""
 _SIZES = (0.55, 1.8)
 """Bounds of its radius over the design's in the nominal image."""
 _SEED = 0.3
-"""How far a dot of the innermost ring may lie from where three others put it, over the radius."""
+"""Maximum distance of a blob from its prediction by three others of its ring, over the radius."""
 
 
 def seed_rings(
     settler: RingFitter, azimuth: FloatArray, nominal: FloatArray, least: float
 ) -> tuple[list[FloatArray], int]:
-    """Innermost rings that three dots give and others confirm.
+    """Find innermost rings through three blobs that others confirm.
 
-    Parameters
-    ----------
-    settler
-        The dots.
-    azimuth, nominal
-        (n,) azimuths of the ring's markers, and (3, 2) the factors of `waves` in the nominal image.
-    least
-        Share of the ring and its middle that must have a dot.
+    The ring has markers at azimuths (n,) and coefficients (3, 2) of `ring_harmonics` in the nominal image; a minimum
+    share of the ring and its centre marker must have a blob.
 
     Returns
     -------
     list of ndarray
-        Factors (7, 2) of `waves`, those in the middle of the dots first, each set of dots once.
+        Coefficients (7, 2) of `ring_harmonics`, most central first, each set of blobs once.
     int
-        How many there were before.
+        Number of confirmed seeds before duplicates were removed.
     """
     blobs, phi = settler.blobs, azimuth
     handed = float(np.sign(np.linalg.det(nominal[1:])))
@@ -70,7 +64,7 @@ def seed_rings(
 def _confirmed(
     settler: RingFitter, weights: FloatArray, azimuth: FloatArray, least: float
 ) -> tuple[list[FloatArray], int]:
-    """Those of the seeds (n, 3, 2) that have dots enough, each set of dots once."""
+    """Return the seeds (n, 3, 2) with enough blobs, each set of blobs once."""
     if not len(weights):
         return [], 0
     radius = np.linalg.svd(weights[:, 1:], compute_uv=False).mean(axis=1)

@@ -1,4 +1,4 @@
-"""The rings of a layout: which marker is on which ring, and how a ring of dots is described."""
+"""Rings of a layout, and the description of a ring by harmonics."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray
 
 _SAME = 1e-4
-"""Difference of radii over the layout's size, and of azimuths, up to which markers share a ring evenly."""
+"""Tolerance of radii (over the layout's size) and azimuth steps of a ring."""
 _LEAST_DOTS = 4
-"""Fewer dots are not taken for a ring."""
+"""Minimum number of markers of a ring."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rings:
-    """Rings of evenly spaced markers about an axis, from the inside outwards.
+    """Rings of evenly spaced markers around an axis, from the inside outwards.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Rings:
     rho
         (k + 1,) distance of each ring from the axis, mm.
     height
-        (k + 1,) its height along the axis, mm; NaN for a middle without a marker.
+        (k + 1,) its height along the axis, mm; NaN for a centre without a marker.
     """
 
     number: NDArray[np.intp]
@@ -40,12 +40,12 @@ class Rings:
         return len(self.rho) - 1
 
     def members(self, ring: int) -> NDArray[np.intp]:
-        """Numbers of the markers of a ring."""
+        """Return the indices of the markers of a ring."""
         return np.flatnonzero(self.number == ring)
 
 
 def find_rings(positions: FloatArray) -> Rings | None:
-    """The rings of a layout (m, 3) mm; `None` where not all markers are on rings of four or more, or on the axis."""
+    """Find the rings of a layout (m, 3) mm; `None` unless all markers are on the axis or on rings."""
     x, y = positions[:, 0], positions[:, 1]
     rho, azimuth = np.hypot(x, y), np.arctan2(y, x) % (2.0 * np.pi)
     if not np.isfinite(rho).all() or len(rho) < _LEAST_DOTS or rho.max() == 0.0:
@@ -72,10 +72,10 @@ def _even(azimuth: FloatArray) -> bool:
 
 
 def ring_harmonics(azimuth: FloatArray, terms: int) -> FloatArray:
-    """(n, terms) 1, cos φ, sin φ, and of five or seven terms cos and sin of 2φ and 3φ: what a bent ring is made of.
+    """Return the harmonics (n, terms) 1, cos φ, sin φ, and for five or seven terms those of 2φ and 3φ.
 
-    With weights (3, 2) they are an ellipse of any centre on which the dots keep their order; the higher harmonics are
-    what perspective and distortion add.
+    Coefficients (3, 2) describe an ellipse of any centre on which the markers keep their order; the higher harmonics
+    describe perspective and distortion.
     """
     waves_of = [wave(k * azimuth) for k in range(1, terms // 2 + 1) for wave in (np.cos, np.sin)]
     return np.stack([np.ones_like(azimuth), *waves_of], axis=-1)

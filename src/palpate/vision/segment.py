@@ -1,4 +1,4 @@
-"""From grey levels to candidate blobs: what stands out from its surroundings, cut at half its height."""
+"""Segmentation of grey levels into candidate blobs, cut at half their height above the background."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from palpate.vision.opencv import blur, box, close, components, dilate, local_ma
 
 Image = NDArray[np.float32]
 _NOISE_ROWS = 24
-"""Rows in which the noise is measured: of 346 px each they give it to 2 %."""
+"""Rows in which the noise is measured: rows of 346 px give it to 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,15 +22,12 @@ class Segments:
     Attributes
     ----------
     labels
-        (h, w) number of the candidate + 1, 0 outside.
-    area_px
-        (n,) pixels.
-    middle_px
-        (n, 2) column and row of the mean pixel.
-    spread
-        (n, 3) covariance xx, xy, yy of the pixels, px².
+        (h, w) index of the candidate + 1, 0 outside.
+    area_px, middle_px, spread
+        (n,) number of pixels, (n, 2) column and row of the mean pixel, (n, 3) covariance xx, xy, yy of the pixels,
+        px².
     contrast
-        (n,) greatest height.
+        (n,) maximum height.
     at_border
         (n,) whether it touches the image's border.
     """
@@ -44,17 +41,17 @@ class Segments:
 
     @property
     def diameter_px(self) -> FloatArray:
-        """(n,) diameter of the disc of equal area."""
+        """Diameter (n,) of the disc of equal area."""
         return np.sqrt(4.0 / np.pi * self.area_px)
 
     @property
     def roundness(self) -> FloatArray:
-        """(n,) ratio of the axes, at most 1."""
+        """Ratio (n,) of the axes, at most 1."""
         return np.sqrt(self._variances()[0] / self._variances()[1])
 
     @property
     def fullness(self) -> FloatArray:
-        """(n,) area over that of the ellipse of equal spread: 1 for a disc, less for what is hollow or bent."""
+        """Area (n,) over that of the ellipse of equal spread: 1 for a disc, less for hollow or bent shapes."""
         small, large = self._variances()
         return self.area_px / (4.0 * np.pi * np.sqrt(small * large))
 
@@ -66,7 +63,7 @@ class Segments:
 
 @dataclass(frozen=True, eq=False)
 class Blobs:
-    """What was found in one image, from top to bottom.
+    """Blobs of one image, from top to bottom.
 
     Attributes
     ----------
@@ -77,7 +74,7 @@ class Blobs:
     contrast
         (n,) difference to the background, in grey levels of the image, positive.
     sigma_px
-        (n,) standard deviation of each coordinate that the image's own noise causes; NaN where not known.
+        (n,) standard deviation of each coordinate due to image noise; NaN if unknown.
     at_border
         (n,) whether the blob is cut by the image's border.
     noise
@@ -101,9 +98,9 @@ class Blobs:
 
 
 def measure_noise(image: Image) -> float:
-    """Standard deviation of a pixel's noise, from second differences (Immerkær 1996, by the median).
+    """Return the standard deviation of pixel noise, by the median of second differences (Immerkær 1996).
 
-    Never less than the rounding of whole numbers, 1/√12.
+    It is at least the rounding error of integers, 1/√12.
     """
     first = np.arange(0, image.shape[0] - 2, max((image.shape[0] - 2) // _NOISE_ROWS, 1))
     both = image[first] - 2.0 * image[first + 1] + image[first + 2]
@@ -113,19 +110,9 @@ def measure_noise(image: Image) -> float:
 
 
 def heights(image: Image, diameter_px: float) -> tuple[Image, float]:
-    """How much dots of a diameter stand out, and by what the noise was reduced.
+    """Return the heights (h, w) of dark blobs of one diameter (px), and the factor on the noise.
 
-    Parameters
-    ----------
-    image
-        (h, w), dots dark.
-    diameter_px
-        Their diameter.
-
-    Returns
-    -------
-    tuple
-        (h, w) closing of the smoothed image less the smoothed image; factor on the noise.
+    The height is the closing of the smoothed image minus the smoothed image.
     """
     sigma = max(0.15 * diameter_px, 0.6)
     smooth = blur(image, sigma)
@@ -135,18 +122,9 @@ def heights(image: Image, diameter_px: float) -> tuple[Image, float]:
 
 
 def segment(height: Image, diameter_px: float, least: float, share: float) -> Segments:
-    """Cut candidates out of an image of heights.
+    """Cut candidates out of an image of heights (h, w) by `heights`.
 
-    Parameters
-    ----------
-    height
-        (h, w) by `heights`.
-    diameter_px
-        Diameter of the dots.
-    least
-        Least height of a dot.
-    share
-        Least height over that of the median of the higher half of the candidates.
+    A blob has a minimum height, and a minimum share of the median height of the higher half of the candidates.
     """
     size = 2 * round(0.3 * diameter_px) + 1
     peak = local_maxima(height, size) & (height > least)
@@ -158,13 +136,13 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
 
 
 def _ridge(height: Image, peak: BoolArray, size: int) -> Image:
-    """The height of the nearest strong peak, spread over the dot about it; 0 elsewhere."""
+    """Return the height of the nearest strong peak, spread over the blob around it; 0 elsewhere."""
     return dilate(height * peak, 2 * size + 1)
 
 
 @kernel
 def _upper_halves(height: Image, ridge: Image, level: float) -> BoolArray:
-    """(h, w) where a dot is more than half as high as its peak, and as a dot must be."""
+    """Return a mask (h, w) of pixels above half the height of their peak and half of `level`."""
     mask = np.empty(height.shape, np.bool_)
     least = np.float32(0.5 * level)
     for y in range(height.shape[0]):
@@ -193,7 +171,7 @@ def _describe(labels: NDArray[np.int32], height: Image, level: float) -> Segment
 
 @kernel
 def _add_up(labels: NDArray[np.int32], height: Image, count: int) -> FloatArray:
-    """(count, 8) of every label: pixels, sums of x, y, x², xy, y², greatest height, pixels at the border."""
+    """Sum up each label (count, 8): pixels, x, y, x², xy, y², maximum height, pixels at the border."""
     sums = np.zeros((count, 8))
     rows, columns = labels.shape
     for y in range(rows):

@@ -1,7 +1,7 @@
-"""Two dots that run into one: recognised by area, length and a waist, and parted half way.
+"""Separation of two merged blobs, recognised by area, length and a waist.
 
-Two equal discs of radius R, a distance d apart, have the variances R²/4 + d²/4 along and R²/4 across, so the blob's
-own moments give d = 2 √(v₁ - v₂). A long single dot has no waist: it is widest in the middle.
+Two equal discs of radius R at a distance d have the variances R²/4 + d²/4 along and R²/4 across, so the blob's own
+moments give d = 2 √(v₁ - v₂). A long single blob has no waist: it is widest in the middle.
 """
 
 from __future__ import annotations
@@ -16,34 +16,22 @@ from palpate.vision.segment import Segments
 
 Image = NDArray[np.float32]
 _LEAST_AREA, _LARGEST_AREA = 1.4, 2.6
-"""Area of the blob over that of the median one: two discs less what they share."""
+"""Area of the blob over that of the median one: two discs without their intersection."""
 _ROUNDEST = 0.75
-"""Ratio of the axes above which a blob is one dot: two discs half a diameter apart have 0.71."""
+"""Axis ratio above which a blob is single: two discs half a diameter apart have 0.71."""
 _WAIST = 0.9
-"""Greatest height summed across the middle, over that across the two centres."""
+"""Maximum height summed across the middle, over that across the two centres."""
 _MARGIN_PX = 3
-"""Pixels beyond the blob that are given to the nearer dot, so that the other's edge is not fitted with it."""
+"""Margin around the blob that is assigned to the nearer centre, to exclude it from the second fit."""
 _BETWEEN_PX = 1.0
-"""Half width of the strip between the two that belongs to neither: there both blur into each other."""
+"""Half width of the strip that belongs to neither of two parts, because both blur into each other."""
 
 
 def split_merged(segments: Segments, height: Image, wanted: BoolArray) -> Segments:
-    """The candidates with every blob of two dots parted.
+    """Split every wanted (n,) candidate that consists of two blobs, by the image of heights (h, w).
 
-    Parameters
-    ----------
-    segments
-        Candidates of an image.
-    height
-        (h, w) the image of heights that they were cut from.
-    wanted
-        (n,) which candidates matter; the others are left as they are.
-
-    Returns
-    -------
-    Segments
-        The same object where nothing is merged. A parted blob keeps its number for one dot, the other is appended;
-        pixels between them belong to no dot and are marked by a label above all numbers.
+    Return the same object if nothing is merged. The first part keeps its index, the second is appended; pixels
+    between them have a label above all indices.
     """
     typical = float(np.median(segments.area_px)) if len(segments.area_px) else 0.0
     size = segments.area_px / max(typical, 1.0)
@@ -78,7 +66,7 @@ def split_merged(segments: Segments, height: Image, wanted: BoolArray) -> Segmen
 
 
 def _part(segments: Segments, height: Image, blob: int) -> tuple[FloatArray, FloatArray] | None:
-    """Centres of the two dots of a blob; `None` where it has no waist."""
+    """Return the centres of the two parts of a blob; `None` without a waist."""
     xx, xy, yy = segments.spread[blob]
     large, small = (xx + yy) / 2.0 + np.hypot((xx - yy) / 2.0, xy), (xx + yy) / 2.0 - np.hypot((xx - yy) / 2.0, xy)
     angle = 0.5 * np.arctan2(2.0 * xy, xx - yy)
@@ -100,7 +88,7 @@ def _part(segments: Segments, height: Image, blob: int) -> tuple[FloatArray, Flo
 
 
 def _relabel(labels: NDArray[np.int32], names: tuple[int, int, int], centres: FloatArray, radius: float) -> None:
-    """Give pixels of a blob, and the ground about it, to the nearer of two dots, those between them to nobody."""
+    """Label the pixels of a blob and its surroundings by the nearer of two centres, or as unassigned."""
     own, other, nobody = names
     apart = centres[1] - centres[0]
     length = float(np.linalg.norm(apart))
@@ -115,7 +103,7 @@ def _relabel(labels: NDArray[np.int32], names: tuple[int, int, int], centres: Fl
 
 
 def _window(shape: tuple[int, ...], middle: FloatArray, reach: float) -> tuple[int, int, int, int]:
-    """Rows and columns about a place: top, left, bottom, right."""
+    """Return rows and columns around a place: top, left, bottom, right."""
     column, row = middle
     top, left = max(int(row - reach), 0), max(int(column - reach), 0)
     return top, left, min(int(row + reach) + 2, shape[0]), min(int(column + reach) + 2, shape[1])

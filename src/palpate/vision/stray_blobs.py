@@ -8,30 +8,29 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from palpate.core import BoolArray, FloatArray, IntArray
 
 _NEIGHBOURS, _HEXAGON = 7, 1.35
-"""Neighbours looked at; maximum distance of the sixth over that of the first of a hexagonal lattice
-(1 of a hexagon, 1.41 of a square). Corners of a pressed square field end too few lines."""
+"""Number of neighbours; maximum distance of the sixth over that of the first in a hexagonal lattice.
+
+It is 1 for a hexagon, 1.41 for a square. Corners of a pressed square field end too few lines.
+"""
 _OFF, _SIZE = 0.22, 1.4
-"""Distance from the continued line of two neighbours, over theirs, and ratio of diameters, up to which
-a blob continues the lattice."""
+"""Limits of a blob that continues the lattice: distance from a line, and ratio of diameters.
+
+The distance is from the extrapolated line of two neighbours, over theirs.
+"""
 _LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
-"""Lines that an inner marker ends, the minimum share of such markers, the minimum number of blobs, and the
-number of inner ones looked at."""
+"""Lines that an inner marker ends, and minimum share of such markers.
+
+Then the minimum number of blobs, and the number of inner markers tested.
+"""
 _BEYOND, _WIDTH = 0.6, 2.5
-"""Distance beyond the hull, over the lattice step, from which a blob off its lines is no marker,
-and width of the border that is looked at, both over the step of the lattice."""
+"""Distance beyond the hull of a rejected blob, and width of the tested border, over the lattice step."""
 
 
 def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
-    """Return which blobs (n,) are outside a hexagonal lattice: beyond its hull, on under two lines.
+    """Return which blobs (n, 2), of diameters (n,), px, are outside a hexagonal lattice.
 
-    None does if the field is no such lattice, such as a square grid, rings or scattered markers.
-
-    Parameters
-    ----------
-    points
-        (n, 2) centres, px.
-    diameters
-        (n,) diameters, px.
+    They are beyond its hull, on fewer than two lines. All are inside if the field is not such a lattice, such as a
+    square grid, rings or scattered markers.
     """
     none = np.zeros(len(points), bool)
     if len(points) < _LEAST:
@@ -57,7 +56,7 @@ def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
 
 
 def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArray | None:
-    """Whether places are up to `margin` inside a hull or outside; if negative, at most that far out."""
+    """Return whether places are within `margin` of a hull or outside; if negative, at most that far out."""
     try:
         equations = ConvexHull(points).equations
     except QhullError:
@@ -69,7 +68,7 @@ def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArr
 def _count_lines(
     points: FloatArray, diameters: FloatArray, near: IntArray, trusted: BoolArray, rows: IntArray
 ) -> IntArray:
-    """(k,) lines of three that points by their numbers (k,) end; two are trusted and of like size."""
+    """Count the lines (k,) of three blobs that points (k,) end; the first two are trusted and similar."""
     first = near[rows, 1:]
     second = near[first][:, :, 1:]
     ends = 2.0 * points[first][:, :, None] - points[second]

@@ -1,8 +1,8 @@
-"""Identity through a press: which dot of this image is which marker.
+"""Marker tracking through a press: assignment of the blobs of each image to markers.
 
-Every marker is predicted from its last two images. Where predictions do not already lie on dots, the joint correction
-of those that agree with their neighbours moves them before the assignment of least squared distance is made. A marker
-without a dot is estimated by the motion model from those with one.
+Every marker is extrapolated from its last two images. If predictions do not coincide with blobs already, they are
+moved by the joint correction of markers that agree with their neighbours. Then the assignment of minimum squared
+distance is made. A marker without a blob is estimated by the motion model from those with one.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from palpate.vision.neighbours import agree, nearest, nearest_distance
 from palpate.vision.segment import Blobs
 
 _REACH = 0.45
-"""How far from its prediction a dot may lie, over the distance to the nearest other marker."""
+"""Maximum distance of a blob from its prediction, over the distance to the nearest other marker."""
 _JUMP = 0.25
-"""Median distance of dots from predictions, over the spacing, above which the image is called a jump."""
+"""Median distance of blobs from predictions, over the spacing, above which the markers have jumped."""
 _SURE, _SURE_SHARE = 0.2, 0.9
-"""Predictions need no correction where this share of them has a dot of its own within this share of the spacing."""
+"""Predictions need no correction if the second share of them has a blob within the first of a spacing."""
 _ROUGH = 0.6
-"""Roughness of the motion above which two markers have changed places: they differ by a spacing."""
+"""Roughness of the motion above which two markers have changed places, as they differ by a spacing."""
 _ALONE_PX, _LEAST_ROOM_PX = 50.0, 2.0
 """Bounds of the distance to the nearest other marker."""
 _ROUNDS, _NEIGHBOURS = 3, 7
-"""Rounds of the joint correction, and markers that agree on it."""
+"""Rounds of the joint correction, and number of markers that determine it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +44,11 @@ class TrackedMarkers:
     Attributes
     ----------
     positions_px
-        (m, 2) column and row; where no dot was found, the estimate of the motion model.
+        (m, 2) column and row; estimated by the motion model if no blob was found.
     found
-        (m,) whether a dot was found; the others are estimates.
+        (m,) whether a blob was found.
     blob
-        (m,) number of the dot, -1 where none was found.
+        (m,) index of the blob, -1 without one.
     jumped
         Whether the markers moved further than the prediction allows: a snap, a lost image or another sensor.
     """
@@ -61,16 +61,9 @@ class TrackedMarkers:
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Every marker through a sequence of images.
+    """All markers through a sequence of images; for the attributes of one image see `TrackedMarkers`.
 
-    Attributes
-    ----------
-    positions_px
-        (n, m, 2) column and row of every marker in every image.
-    found
-        (n, m) whether a dot was found; the others are estimates of the motion model.
-    jumped
-        (n,) whether the markers jumped (see `TrackedMarkers`).
+    `positions_px` is (n, m, 2), `found` (n, m) and `jumped` (n,).
     """
 
     positions_px: FloatArray
@@ -83,7 +76,7 @@ class Tracks:
 
 @dataclass(frozen=True, eq=False)
 class TrackState:
-    """Markers (m, 2) px in the last image and in the one before, from which those of the next are predicted."""
+    """Markers (m, 2) px in the last two images, from which those of the next image are predicted."""
 
     before_px: FloatArray
     last_px: FloatArray
@@ -91,14 +84,14 @@ class TrackState:
 
 @dataclass
 class Tracker:
-    """Follows markers from image to image.
+    """Tracker of markers from image to image.
 
     Attributes
     ----------
     motion
-        Model of the joint motion; its rest is where the markers were named.
+        Model of the joint motion; its rest positions are those of the assignment.
     state
-        After the last image that `step` was given; `follow` and `reassign` leave it alone.
+        State after the last image of `step`; `follow` and `reassign` do not change it.
     """
 
     motion: MotionModel
@@ -106,7 +99,9 @@ class Tracker:
     def __post_init__(self) -> None:
         if len(self.motion.rest_px) < 1:
             raise PalpateError(
-                "There is no marker to follow.", "Name the markers of a rest image first.", code="tracker-no-marker"
+                "There is no marker to track.",
+                "Assign the markers of a rest image first.",
+                code="tracker-no-marker",
             )
         self.state = self.begin()
         self._near = (
@@ -117,16 +112,16 @@ class Tracker:
         self._space = _room(self.motion.rest_px)
 
     def begin(self) -> TrackState:
-        """The state before any image: all markers at rest."""
+        """Return the state before any image: all markers at rest."""
         return TrackState(self.motion.rest_px, self.motion.rest_px)
 
     def step(self, blobs_px: FloatArray) -> TrackedMarkers:
-        """Find every marker among the dots (n, 2) of the next image, and go on from there."""
+        """Assign the blobs (n, 2) of the next image, and update the state."""
         sighting, self.state = self.follow(blobs_px, self.state)
         return sighting
 
     def follow(self, blobs_px: FloatArray, state: TrackState) -> tuple[TrackedMarkers, TrackState]:
-        """Find every marker among the dots (n, 2) of the image after a state; its sighting, and the next state."""
+        """Assign the blobs (n, 2) of the image after a state; return the markers and the next state."""
         blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
         predicted = 2.0 * state.last_px - state.before_px
         if not len(blobs_px):
@@ -146,9 +141,9 @@ class Tracker:
         return TrackedMarkers(positions, found, blob, jumped), TrackState(before, positions)
 
     def reassign(self, blobs_px: FloatArray, predicted_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
-        """Find every marker among the dots (n, 2) of an image about places (m, 2); its sighting, and the next state.
+        """Assign the blobs (n, 2) of an image near predicted places (m, 2); return markers and next state.
 
-        What foresees them answers for the roughness of the motion.
+        The roughness of the motion is not tested.
         """
         positions, blob, offset = self._try(predicted_px, np.ascontiguousarray(blobs_px))
         found = blob >= 0
@@ -156,7 +151,7 @@ class Tracker:
         return TrackedMarkers(positions, found, blob, jumped), TrackState(positions, positions)
 
     def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
-        """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
+        """Return positions and blobs of all markers from one prediction, and its error over the spacing."""
         space, (number, distance) = _room(predicted), nearest(predicted, blobs_px)
         near = np.bincount(number, minlength=len(blobs_px))
         if np.mean(distance < _SURE * space) > _SURE_SHARE and np.count_nonzero(near) > _SURE_SHARE * len(number):
@@ -173,7 +168,7 @@ class Tracker:
         return positions, blob, offset
 
     def _roughness(self, positions: FloatArray) -> float:
-        """Greatest difference of a marker's motion from the mean of its neighbours, over the spacing at rest."""
+        """Return the maximum difference of a marker's motion from its neighbours' mean, over the spacing."""
         if len(positions) < _NEIGHBOURS:
             return 0.0
         moved = positions - self.motion.rest_px
@@ -188,7 +183,7 @@ def _room(places: FloatArray) -> FloatArray:
 def _assign(
     predicted: FloatArray, blobs: FloatArray, reach: FloatArray, nearest_one: NDArray[np.intp]
 ) -> NDArray[np.intp]:
-    """Dots of all markers: the nearest within reach (m,), or where two want one, those of least squared distance."""
+    """Return the nearest blobs within reach (m,), or a minimum-squared-distance assignment on conflict."""
     wanted = nearest_one[nearest_one >= 0]
     if not len(wanted) or np.bincount(wanted).max() < 2:
         return nearest_one
@@ -203,16 +198,9 @@ def _assign(
 def find_markers(
     images: Iterable[NDArray[Any]], detector: Detector, naming: MarkerAssignment, motion: MotionModel | None = None
 ) -> Tracks:
-    """Find and follow all markers through images that begin near rest.
+    """Find and track all markers through images that begin near rest, from their assignment at rest.
 
-    Parameters
-    ----------
-    images
-        Images in order.
-    detector, naming
-        What finds the dots, and the names of the markers at rest.
-    motion
-        Model of the joint motion; without it any smooth one.
+    `motion` is the model of the joint motion; by default any smooth one.
     """
     tracker = Tracker(motion or MotionModel(naming.positions_px))
     seen = [tracker.step(_centres(detector.find(image))) for image in images]
