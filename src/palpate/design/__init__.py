@@ -1,4 +1,4 @@
-"""Design: skins, marker layouts, poses and the geometry of solids."""
+"""Skins, marker layouts, poses, and the geometry of solids."""
 
 from palpate.core import lazy_front
 

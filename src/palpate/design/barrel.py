@@ -1,4 +1,4 @@
-"""A barrel: a hollow tube of revolution that bulges, clamped at both ends and touched from its side, as a TacLINK.
+"""Barrel: a bulging tube of revolution, clamped at both ends and pressed from the side, like TacLINK.
 
      far end, z = H  |=.              .=|
                      |  \\            /  |
@@ -8,7 +8,7 @@
                             camera
 
 Both ends are open, so the meridian begins at the far end instead of an apex, and the disc has a hole: the ring
-``HOLE <= s <= 1`` is the map of both surfaces.
+``HOLE <= s <= 1`` maps both surfaces.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
 HOLE = 0.25
-"""Radius on the unit disc of the far end's circle."""
+"""Radius of the far end's circle on the unit disc."""
 _LEAST_BULGE = 1e-6
-"""Least bulge over the length: below it the arc's centre is so far that rounding shows."""
+"""Minimum ratio of bulge to length; below it, the arc's centre is so distant that rounding matters."""
 _TACLINK = "mesh of the authors' SimTacLS"
 
 
 @final
 class BarrelSpec(SkinSpec):
-    """A barrel between two clamps; its own numbers are those of TacLINK (Duong & Ho 2021)."""
+    """Barrel between two clamps; the defaults are those of TacLINK (Duong & Ho 2021)."""
 
     kind: Literal["barrel"] = "barrel"
     height: float = parameter(
@@ -50,7 +50,7 @@ class BarrelSpec(SkinSpec):
     thickness: float = parameter(
         3.361,
         unit="mm",
-        meaning="thickness of the wall, outward from the inner surface",
+        meaning="skin thickness, outward from the inner surface",
         source=_TACLINK,
         ge=0.2,
         le=30,
@@ -60,9 +60,9 @@ class BarrelSpec(SkinSpec):
         bulge = self.middle_radius - self.base_radius
         if not _LEAST_BULGE * self.height < bulge <= 0.5 * self.height:
             raise PalpateError(
-                f"A barrel {self.height:g} mm long that is {self.base_radius:g} mm in radius at its ends and "
+                f"A barrel of length {self.height:g} mm with a radius of {self.base_radius:g} mm at its ends and "
                 f"{self.middle_radius:g} mm halfway does not bulge, or by more than half its length.",
-                f"Take a radius halfway of more than {self.base_radius:g} mm, up to "
+                f"Use a radius halfway of more than {self.base_radius:g} mm, up to "
                 f"{self.base_radius + 0.5 * self.height:g} mm.",
                 code="barrel-not-bulging",
             )
@@ -72,17 +72,10 @@ class BarrelSpec(SkinSpec):
 @final
 @dataclass(frozen=True)
 class Barrel(Skin):
-    """Geometry of a barrel: with h = H/2 and the bulge b, an arc of radius ``R = (h² + b²)/2b`` about (-a, h).
+    """Geometry of a barrel: with h = H/2 and bulge b, an arc of radius ``R = (h² + b²)/2b`` about (-a, h).
 
-    The angle φ along the arc goes from the far end (below 0) over the middle (0) to the rim: a layer at the distance
-    ``ρ = R + λ T`` from the centre is ``(ρ cos φ - a, h - ρ sin φ)``.
-
-    Attributes
-    ----------
-    height, base_radius, thickness
-        Length between the clamps, radius of the inner surface at both ends, thickness of the wall, mm.
-    middle_radius
-        Radius of the inner surface halfway, mm.
+    The angle φ along the arc increases from the far end (negative) over the middle (0) to the rim. A layer at the
+    distance ``ρ = R + λ T`` from the centre is ``(ρ cos φ - a, h - ρ sin φ)``. For the dimensions see `BarrelSpec`.
     """
 
     height: float
@@ -110,7 +103,7 @@ class Barrel(Skin):
 
     @property
     def radius(self) -> float:
-        """See `Skin`: around, halfway, where it is least of the two."""
+        """See `Skin`: halfway, around the axis, its smaller radius of curvature."""
         return self.middle_radius
 
     @property
@@ -119,7 +112,7 @@ class Barrel(Skin):
 
     @property
     def outer_height(self) -> float:
-        """See `Skin`: of the far end."""
+        """See `Skin`: height of the far end."""
         return self.height
 
     @cached_property
@@ -130,11 +123,11 @@ class Barrel(Skin):
 
     @property
     def centre_radius(self) -> float:
-        """How far beyond the axis the arc's centre lies, a, mm."""
+        """Distance a of the arc's centre beyond the axis, mm."""
         return self.arc_radius - self.middle_radius
 
     def end_angle(self, layer: float, rim: Rim = Rim.FLAT) -> float:
-        """Angle φ (rad) at which a layer of the wall ends at the rim; at the far end it is minus that."""
+        """Return the angle φ (rad) at which a layer ends at the rim; at the far end it is the negative."""
         reach = self.arc_radius + (layer * self.thickness if rim is Rim.FLAT else 0.0)
         return float(np.arcsin(self.height / 2 / reach))
 
@@ -142,7 +135,7 @@ class Barrel(Skin):
         return type(self)(*(factor * size for size in asdict(self).values()))
 
     def _place(self, angle: FloatArray, layer: float) -> FloatArray:
-        """Distance from the axis and height (n, 2) mm at angles φ (n,) of a layer."""
+        """Return distance from the axis and height (n, 2) mm at angles φ (n,) of a layer."""
         reach = self.arc_radius + layer * self.thickness
         bulge = self.middle_radius - self.arc_radius * 2 * np.sin(angle / 2) ** 2  # R cos φ - a without cancellation
         across = bulge + layer * self.thickness * np.cos(angle)
@@ -156,7 +149,7 @@ class Barrel(Skin):
         return np.column_stack([place[:, :1] * direction, place[:, 1]])
 
     def _foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of points (n, 3) mm the angle φ (n,), the distance (n,) mm from the arc and the direction (n, 2)."""
+        """Return angle φ (n,), distance (n,) mm from the arc, and direction (n, 2) of points (n, 3) mm."""
         across = np.hypot(points[:, 0], points[:, 1])
         direction = np.where(across[:, None] > 0, points[:, :2] / np.maximum(across, 1e-300)[:, None], [1.0, 0.0])
         arm, drop = across + self.centre_radius, self.height / 2 - points[:, 2]
@@ -168,7 +161,7 @@ class Barrel(Skin):
         return np.asarray((HOLE + (1 - HOLE) * share)[:, None] * direction)
 
     def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """See `Skin`: in the half beyond the middle; nothing above what passes through the far end."""
+        """See `Skin`: in the half beyond the middle; NaN inside the opening of the far end."""
         rho, azimuth = np.broadcast_arrays(np.asarray(rho, float), np.asarray(azimuth, float))
         inside = (rho <= self.middle_radius * (1 + 1e-12)) & (rho >= self.base_radius * (1 - 1e-12))
         rise = np.maximum(self.arc_radius**2 - (rho + self.centre_radius) ** 2, 0.0)
@@ -203,7 +196,7 @@ class Barrel(Skin):
         return self._place(np.asarray(length) / self.arc_radius - self.end_angle(0.0), 0.0)[:, 0]
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """See `Skin`: on the closed lemon that the arc would make; what leaves by the far end hits nothing."""
+        """See `Skin`: a ray that leaves through the opening of the far end misses."""
         points = trace_rays(self._gap, lambda at: np.hypot(at[:, 0], at[:, 1]) <= self.base_radius, origin, rays)
         points[~(points[:, 2] <= self.height)] = np.nan
         return points
@@ -224,18 +217,18 @@ class Barrel(Skin):
         return float(np.pi / 2 + self.end_angle(0.0))
 
     def rim_slope(self, rim: Rim) -> float:
-        """See `Skin`; at the far end it is π less this."""
+        """See `Skin`; at the far end it is π minus this."""
         return float(np.pi / 2 + self.end_angle(1.0, rim))
 
     def clamp_depth(self, tilt: float, rim: Rim) -> float:
-        """See `Skin`: of a wall that moves along its own normal, to the nearer of both ends."""
+        """See `Skin`: for a wall that moves along its own normal, at the nearer end."""
         normal, end = np.array([np.sin(tilt), np.cos(tilt)]), self.end_angle(1.0, rim)
         edges = self._place(np.array([-end, end]), 1.0) @ normal
         touch = self.support_point(np.array([normal[0], 0.0, normal[1]]))
         return float(touch[[0, 2]] @ normal - edges.max())
 
     def meridian(self, offset: float, *, down: bool) -> Outline:
-        """See `Skin`: from the far end to the base, or back; both ends are as wide."""
+        """See `Skin`: from the far end to the base, or back; both ends are equally wide."""
         layer = offset / self.thickness
         end = self._place(np.array([self.end_angle(layer)]), layer)[0, 0]
         middle = (self.middle_radius + offset, self.height / 2)
@@ -243,5 +236,5 @@ class Barrel(Skin):
 
 
 def _across(angle: FloatArray, direction: FloatArray) -> FloatArray:
-    """Outward unit normals (n, 3) at angles φ (n,) and directions (n, 2)."""
+    """Return outward unit normals (n, 3) at angles φ (n,) and directions (n, 2)."""
     return np.column_stack([np.cos(angle)[:, None] * direction, -np.sin(angle)])

@@ -1,4 +1,4 @@
-"""Skins by name, and from a spec to a skin."""
+"""Registry of skins, and their construction from specs and texts."""
 
 from __future__ import annotations
 
@@ -45,18 +45,18 @@ def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
     Raises
     ------
     PalpateError
-        If there is no skin of that kind, or a number is missing, unknown or out of bounds.
+        If the kind is unknown, or a parameter is missing, unknown or out of bounds.
     """
     return spec_from_data(SKINS, data, "dome")
 
 
 def read_skin(text: str, sizes: SkinSpec) -> SkinSpec:
-    """Read a skin from words, ``KIND`` or ``KIND:NAME=VALUE,…``, with the sizes of a spec.
+    """Read a skin spec from a text ``KIND`` or ``KIND:NAME=VALUE,…``, with the sizes of a spec.
 
     Raises
     ------
     PalpateError
-        If it is not written so, or is no skin.
+        If the text has another form, or no skin has these dimensions.
 
     Examples
     --------

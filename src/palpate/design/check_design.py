@@ -1,4 +1,4 @@
-"""Limits of a design: what cannot be built, cannot be printed or is outside what the methods are made for."""
+"""Limits of a design: manufacture, print, and validity of the methods."""
 
 from __future__ import annotations
 
@@ -13,19 +13,7 @@ from palpate.design.skin import Skin
 
 
 def check_design(skin: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
-    """Report the limits that a dome and its markers meet.
-
-    Parameters
-    ----------
-    skin
-        The skin.
-    markers
-        Its markers.
-
-    Returns
-    -------
-    tuple of Finding
-        Errors first; empty where nothing is wrong.
+    """Report the limits that a skin and its markers exceed, errors first; empty if all are met.
 
     Examples
     --------
@@ -40,12 +28,12 @@ def check_design(skin: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
 
 
 def raise_on_errors(findings: Iterable[Finding]) -> None:
-    """Stop where a finding is an error.
+    """Raise the first finding that is an error.
 
     Raises
     ------
     PalpateError
-        With the sentence and the remedy of the first error.
+        With message and remedy of this finding.
     """
     for finding in findings:
         if finding.severity is Severity.ERROR:
@@ -57,15 +45,15 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
         yield Finding(
             Severity.WARNING,
             "wall-thicker-than-radius",
-            f"The wall is {skin.thickness:g} mm thick, its inner radius only {skin.radius:.4g} mm.",
-            f"Take less than {skin.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
+            f"The skin is {skin.thickness:g} mm thick, its inner radius only {skin.radius:.4g} mm.",
+            f"Use a thickness below {skin.radius:.4g} mm, or a larger dome.",
         )
     if skin.bulges and skin.hole:
         yield Finding(
             Severity.WARNING,
             "undercut",
             f"The barrel bulges: {2 * skin.widest[0]:.4g} mm wide halfway, {2 * skin.base_radius:g} mm at its ends.",
-            "A rigid core cannot be pulled straight: stretch the skin off it, or use a soft or split one.",
+            "A rigid core cannot be removed: stretch the skin off it, or use a soft or split core.",
         )
     elif skin.bulges:
         yield Finding(
@@ -73,7 +61,7 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
             "undercut",
             f"The dome bulges over its base: {2 * skin.widest[0]:.4g} mm wide at z = {skin.widest[1]:.4g} mm, "
             f"{2 * skin.base_radius:g} mm at the base.",
-            f"A rigid core cannot be pulled: use a soft or split core, or a height up to {skin.base_radius:g} mm.",
+            f"A rigid core cannot be removed: use a soft or split core, or a height up to {skin.base_radius:g} mm.",
         )
 
 
@@ -84,8 +72,8 @@ def _check_markers(skin: Skin, markers: MarkerLayout) -> Iterator[Finding]:
         yield Finding(
             Severity.ERROR,
             "ring-outside-dome",
-            f"{int(outside.sum())} markers are up to {farthest:.4g} mm from the axis, outside the dome, "
-            f"which reaches {skin.widest[0]:.4g} mm.",
+            f"{int(outside.sum())} markers are up to {farthest:.4g} mm from the axis, outside the skin, "
+            f"which extends to {skin.widest[0]:.4g} mm.",
             f"Keep ring diameters below {2 * skin.widest[0]:.4g} mm.",
         )
     pair = markers.closest_pair()
@@ -93,8 +81,8 @@ def _check_markers(skin: Skin, markers: MarkerLayout) -> Iterator[Finding]:
         yield Finding(
             Severity.WARNING,
             "dots-overlap",
-            f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but a dot is {markers.diameter:g} mm wide.",
-            f"Print dots below {pair[2]:.3g} mm, or spread the markers.",
+            f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but {markers.diameter:g} mm wide.",
+            f"Reduce the marker diameter below {pair[2]:.3g} mm, or increase the spacing.",
         )
     room = skin.distance_to_rim(markers.positions[~outside])
     near = room < markers.diameter / 2.0
@@ -103,6 +91,6 @@ def _check_markers(skin: Skin, markers: MarkerLayout) -> Iterator[Finding]:
             Severity.WARNING,
             "marker-near-rim",
             f"{int(near.sum())} markers are as near as {float(room.min()):.3g} mm to the rim, less than "
-            f"half a dot ({markers.diameter / 2.0:.3g} mm).",
-            "Move them towards the apex: a dot over the clamped rim is cut and hardly moves.",
+            f"half a marker ({markers.diameter / 2.0:.3g} mm).",
+            "Move them towards the apex: a marker over the clamped rim is cut and hardly moves.",
         )

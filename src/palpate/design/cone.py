@@ -1,4 +1,4 @@
-"""A skin that is a cone with a round or a flat tip; steep enough, a finger: a cylinder with a round end."""
+"""Cone with a round or a flat tip; a steep one is a finger, a cylinder with a round end."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from palpate.design.spec import TaperedSpec
 
 @final
 class ConeSpec(TaperedSpec):
-    """Cone with a round tip, or cut flat with a rounded edge.
+    """Cone with a round tip, or with a flat tip and a rounded edge.
 
-    With an edge radius of the base radius and no flat it is a cylinder with a hemispherical end.
+    If the edge radius is the base radius, without a flat, it is a cylinder with a hemispherical end.
     """
 
     kind: Literal["cone"] = "cone"
@@ -32,9 +32,9 @@ class ConeSpec(TaperedSpec):
         made = Cone(*sizes, self.flat_radius, self.edge_radius, self.taper)
         if made.edge_to_rim < self.edge_radius:
             raise PalpateError(
-                f"An edge of radius {self.edge_radius:g} mm passes outside the rim: from its middle it is "
-                f"{made.edge_to_rim:.4g} mm to there.",
-                "Take a smaller edge radius, or a larger base.",
+                f"An edge of radius {self.edge_radius:g} mm extends beyond the rim, which is only "
+                f"{made.edge_to_rim:.4g} mm from its centre.",
+                "Use a smaller edge radius, or a larger base.",
                 code="cone-edge-outside-rim",
             )
         return made
@@ -43,18 +43,12 @@ class ConeSpec(TaperedSpec):
 @final
 @dataclass(frozen=True)
 class Cone(RevolvedSkin):
-    """A flat, an arc and a straight flank that meet without a kink, over their length.
+    """A flat, an arc and a straight flank that meet smoothly, parametrised by their length.
 
-    From the arc's centre (f, H - e) it is ``D = √((B - f)² + (H - e)²)`` to the rim, at ``δ = atan((H - e)/(B - f))``
-    below the horizontal. The flank touches the arc where the normal leans by ``θ = δ + asin(e / D)``, and
-    is ``√(D² - e²)`` long.
-
-    Attributes
-    ----------
-    height, base_radius, thickness, taper
-        See `RevolvedSkin`, mm.
-    flat_radius, edge_radius
-        f and e, mm.
+    The distance from the arc's centre (f, H - e) to the rim is ``D = √((B - f)² + (H - e)²)``, at an angle
+    ``δ = atan((H - e)/(B - f))`` below the horizontal. The flank is tangent to the arc where the normal is inclined
+    by ``θ = δ + asin(e / D)``, and is ``√(D² - e²)`` long. f is `flat_radius`, e `edge_radius`; for the further
+    dimensions see `RevolvedSkin`.
     """
 
     height: float
@@ -81,7 +75,7 @@ class Cone(RevolvedSkin):
 
     @property
     def edge_to_rim(self) -> float:
-        """Distance from the middle of the edge to the rim, mm."""
+        """Distance from the centre of the edge to the rim, mm."""
         return float(np.hypot(self.base_radius - self.flat_radius, self.height - self.edge_radius))
 
     @property
@@ -92,13 +86,13 @@ class Cone(RevolvedSkin):
 
     @cached_property
     def _ends(self) -> tuple[float, float, float]:
-        """Length in mm along the meridian to the end of flat, arc and flank."""
+        """Length in mm along the meridian to the ends of flat, arc and flank."""
         arc = self.flat_radius + self.edge_radius * self.flank_slope
         return self.flat_radius, arc, arc + float(np.sqrt(max(self.edge_to_rim**2 - self.edge_radius**2, 0.0)))
 
     @property
     def breaks(self) -> tuple[float, float]:
-        """Parameters of the meridian at which the flat and the arc end."""
+        """Parameters of the meridian at the ends of flat and arc."""
         flat, arc, whole = self._ends
         return flat / whole, arc / whole
 
@@ -125,7 +119,7 @@ class Cone(RevolvedSkin):
         return np.asarray(whole**2 * bent * np.column_stack([-across, -down]))
 
     def meridian(self, offset: float, *, down: bool) -> Outline:
-        """Of an even wall in lines and an arc, which the CAD kernel keeps as they are."""
+        """See `Skin`: for an even skin, lines and an arc that the CAD kernel represents exactly."""
         edge, theta = self.edge_radius + offset, self.flank_slope
         foot = float(self.base_radius + offset / np.sin(theta))
         if (self.taper != 1.0 and offset > 0) or edge <= 0:

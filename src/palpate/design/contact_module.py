@@ -1,4 +1,4 @@
-"""The contact module: a skin and the flange by which it is clamped, cast in one piece.
+"""Contact module: a skin and its clamping flange, cast in one piece.
 
          .-''''-.
        .'  .--.  '.          outer and inner sphere of the dome
@@ -8,8 +8,8 @@
    /___|          |___\\      flange, its edges drafted
        <--- B --->
 
-All of it is the section along x, carried round the plan of the skin: turned, or stretched round a pad's. A barrel,
-open at its far end too, has the same flange there, upside down.
+The module is the section along x, swept around the plan of the skin: revolved, or stretched to the plan of a pad. A
+barrel, which is also open at its far end, has the same flange there, upside down.
 """
 
 from __future__ import annotations
@@ -30,14 +30,12 @@ class ContactModule:
 
     Attributes
     ----------
-    skin
-        The skin, possibly scaled.
-    flange_thickness
-        From z = 0 down.
+    skin, flange_thickness
+        The skin, possibly scaled, and the flange's thickness downward from z = 0.
     flange_radius, opening_radius
         Outer edge and opening at z = 0.
     flange_foot, opening_foot
-        The same at the foot of the flange, wider by the draft.
+        Outer edge and opening at the foot of the flange, wider by the draft.
     """
 
     skin: Skin
@@ -54,35 +52,35 @@ class ContactModule:
 
     @property
     def farthest(self) -> float:
-        """How much farther from the axis a point of the section may come than it is along x."""
+        """Maximum ratio of a swept point's distance from the axis to that along x."""
         return self.skin.plan.farthest
 
     @property
     def widest(self) -> float:
-        """Greatest distance from the axis of the section's outer surface over the flange, mm."""
+        """Maximum distance from the axis of the section's outer surface above the flange, mm."""
         skin = self.skin
         return (skin.outer_base_radius if skin.hole else skin.outer_widest[0]) / self.farthest
 
     @property
     def top(self) -> float:
-        """Height of the apex, or of the far face of the far end's flange, mm."""
+        """Height of the apex, or of the outer face of the far end's flange, mm."""
         return self.skin.outer_height + (self.flange_thickness if self.skin.hole else 0.0)
 
     def place(self, reach: float, azimuth_deg: float) -> Point:
-        """Where a point of the section, so far from the axis (mm), is carried: at an angle of the plan."""
+        """Return (x, y) of a point of the section, by its distance from the axis (mm) and angle of the plan."""
         x, y = reach * self.skin.plan.edge(np.radians([azimuth_deg]))[0][0]
         return float(x), float(y)
 
     def solid(self, outline: Outline | None = None) -> CadSolid:
-        """The solid of half a section, (x, z) mm; without one, the body of the module."""
+        """Sweep half a section, (x, z) mm, to a solid; by default that of the module."""
         return self.skin.solid(self.outline() if outline is None else outline)
 
     def prism(self, reach: float, low: float, high: float) -> CadSolid:
-        """What lies within the plan up to `reach` along x and between two heights, mm."""
+        """Return the solid inside the plan up to `reach` along x, between two heights, mm."""
         return self.solid([(0.0, low), (reach, low), (reach, high), (0.0, high)])
 
     def outline(self) -> Outline:
-        """Half the section of the module, (x, z) mm."""
+        """Return half the section of the module, (x, z) mm."""
         far = [(self.opening_foot, self.top)] if self.skin.hole else []
         return [
             *self._upper(),
@@ -93,7 +91,7 @@ class ContactModule:
         ]
 
     def _upper(self) -> Outline:
-        """The outer surface from its apex, or from the far flange's face, and the flange's edge down to its foot."""
+        """Return the outer surface from its apex or far flange, and the flange's edge down to its foot."""
         skin = self.skin
         outer = skin.meridian(skin.thickness, down=True)
         far: Outline = [(0.0, skin.outer_height)]
@@ -106,12 +104,12 @@ class ContactModule:
         return [*far, *outer, (self.flange_radius, 0.0), (self.flange_foot, self.foot)]
 
     def outside(self) -> Outline:
-        """Half the section of all that lies within the outer surface."""
+        """Return half the section of everything inside the outer surface."""
         far = [(0.0, self.top)] if self.skin.hole else []
         return [*far, *self._upper(), (0.0, self.foot)]
 
     def inside(self) -> Outline:
-        """Half the section of the hollow."""
+        """Return half the section of the cavity."""
         skin = self.skin
         far: Outline = [(0.0, skin.height)]
         if skin.hole:
@@ -120,21 +118,14 @@ class ContactModule:
 
 
 def build_contact_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> ContactModule:
-    """Lay out a module.
+    """Build the dimensions of a contact module from its skin and flange.
 
-    Parameters
-    ----------
-    skin
-        Its dome.
-    mount
-        Its flange.
-    scale
-        Factor on every length, for a mold whose part shrinks.
+    `scale` multiplies every length, for a mold whose part shrinks.
 
     Raises
     ------
     PalpateError
-        If the skin is no body of revolution and without a plan.
+        If the skin is not a body of revolution and has no plan.
 
     Examples
     --------
@@ -144,7 +135,7 @@ def build_contact_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Co
     (-3.0, (0.0, 22.0))
     """
     if type(skin).plan is Skin.plan and skin.symmetry is not Symmetry.REVOLVED:
-        skin.require_revolution("its flange and its mold would be turned", "Give its class a `plan`.")
+        skin.require_revolution("its flange and its mold are revolved", "Give its class a `plan`.")
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width

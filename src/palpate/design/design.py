@@ -1,4 +1,4 @@
-"""The design of a sensor: skin, markers, camera and elastomer in one value."""
+"""Design of a sensor: skin, markers, camera and material."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from palpate.design.spec import MarkerSpec, SkinSpec
 from palpate.material import Material, get_material
 
 DEFAULT_MATERIAL = "zaid_2024_ecoflex_00_30"
-"""Elastomer of a design whose material is not given."""
+"""Material of a design without an explicit one."""
 
 
 @dataclass(frozen=True)
 class Design:
-    """A sensor as designed.
+    """Design of a sensor.
 
     Attributes
     ----------
     skin_spec, markers, camera_spec
-        Specs of the skin, of its markers, and of the camera. Markers may be given as a layout instead.
+        Specs of skin, markers and camera; markers may be a layout instead.
     material
-        The elastomer, with the gel inside if there is any.
+        The elastomer, and the gel of a filled skin.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Design:
         camera_spec: CameraSpec = CameraSpec(),  # noqa: B008  (a spec is frozen)
         material: Material | None = None,
     ) -> Self:
-        """Return the design of a skin that is built already; without a material, of the default one."""
+        """Return the design of an existing skin, with the default material unless one is given."""
         return cls(skin_from_data(skin.spec_data), markers, camera_spec, material or get_material(DEFAULT_MATERIAL))
 
     @cached_property
@@ -71,5 +71,5 @@ class Design:
 
     @cached_property
     def camera(self) -> Camera:
-        """The camera, mounted as designed."""
+        """The camera at its design position."""
         return build_camera(self.camera_spec)

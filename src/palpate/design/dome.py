@@ -1,4 +1,4 @@
-"""The dome: a sector of a hollow sphere on a flat base.
+"""Dome: a hollow spherical cap on a flat base.
 
         .-''''''-.        outer surface, radius r + T
       .'  .----.  '.
@@ -7,7 +7,7 @@
     |_|     |H     |_|    base plane z = 0, clamped annulus
        <-B->
 
-The frame's origin is the middle of the base plane, z runs along the axis to the apex; lengths in mm.
+The origin is the centre of the base plane, z points along the axis to the apex; lengths in mm.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class DomeShape(StrEnum):
 
 @final
 class DomeSpec(SkinSpec):
-    """A dome: sector of a sphere with a wall of even thickness, measured on its inner surface."""
+    """Dome: spherical cap of constant thickness, with dimensions of its inner surface."""
 
     def build(self) -> Dome:
         return Dome(height=self.height, base_radius=self.base_radius, thickness=self.thickness)
@@ -45,12 +45,12 @@ class DomeSpec(SkinSpec):
 @final
 @dataclass(frozen=True)
 class Dome(Skin):
-    """Geometry of one dome.
+    """Geometry of a dome.
 
     Attributes
     ----------
     height, base_radius, thickness
-        H and B of the inner surface, and the wall's thickness T outward from it, mm.
+        H and B of the inner surface, and the skin thickness T outward from it, mm.
     """
 
     height: float
@@ -104,14 +104,14 @@ class Dome(Skin):
 
     @property
     def centre(self) -> FloatArray:
-        """(3,) mm, centre of both spheres."""
+        """Common centre (3,) of the spheres, mm."""
         return np.array([0.0, 0.0, self.center_z])
 
     def scaled(self, factor: float) -> Self:
         return type(self)(factor * self.height, factor * self.base_radius, factor * self.thickness)
 
     def rim_angle(self, radius: float, rim: Rim) -> float:
-        """Polar angle in rad at which the sphere of this radius (mm) ends at the base."""
+        """Return the polar angle in rad at which the sphere of this radius (mm) ends at the base."""
         on = radius if rim is Rim.FLAT else self.radius
         return float(np.arccos(np.clip((self.radius - self.height) / on, -1.0, 1.0)))
 
@@ -131,7 +131,7 @@ class Dome(Skin):
         return np.asarray(s[:, None] * direction)
 
     def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """``z = (H - r) + √(r² - ρ²)``."""
+        """See `Skin`: ``z = (H - r) + √(r² - ρ²)``."""
         rho, azimuth = np.broadcast_arrays(np.asarray(rho, float), np.asarray(azimuth, float))
         inside = rho <= self.widest[0] * (1.0 + 1e-12)
         drop = np.sqrt(np.where(inside, np.maximum(self.radius**2 - rho**2, 0.0), np.nan))
@@ -161,7 +161,7 @@ class Dome(Skin):
         return np.asarray(self.radius * np.sin(length / self.radius))
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """The farther crossing of ``|o + s d - c| = r``."""
+        """See `Skin`: the second intersection with ``|o + s d - c| = r``."""
         return np.asarray(origin + leave_sphere(origin - self.centre, rays, self.radius)[:, None] * rays)
 
     def support_point(self, normal: FloatArray) -> FloatArray:
@@ -175,7 +175,7 @@ class Dome(Skin):
         return self.rim_angle(self.outer_radius, rim)
 
     def clamp_depth(self, tilt: float, rim: Rim) -> float:
-        """``d = R (1 - cos(theta_rim - t)) / cos t`` with the polar angle theta_rim of the outer rim."""
+        """See `Skin`: ``d = R (1 - cos(theta_rim - t)) / cos t`` with the outer rim's polar angle theta_rim."""
         theta = self.rim_angle(self.outer_radius, rim)
         return float(self.outer_radius * (1.0 - np.cos(theta - tilt)) / np.cos(tilt))
 

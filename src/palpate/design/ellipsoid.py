@@ -1,4 +1,4 @@
-"""A skin that is the cap of an ellipsoid of revolution: flatter or steeper at the apex than a dome of its height."""
+"""Skin as the cap of an ellipsoid of revolution, flatter or steeper at the apex than a dome."""
 
 from __future__ import annotations
 
@@ -32,15 +32,9 @@ class EllipsoidSpec(TaperedSpec):
 class Ellipsoid(RevolvedSkin):
     """Cap of an ellipsoid with the semi-axes a across and k a along its axis, cut at z = 0.
 
-    From ``z0 + k a = H`` and ``B²/a² + z0²/(k a)² = 1``: ``z0 = (H² - k² B²) / (2 H)``, ``a = (H - z0) / k``; with
-    k = 1 that is the sphere of `Dome`.
-
-    Attributes
-    ----------
-    height, base_radius, thickness, taper
-        See `RevolvedSkin`, mm.
-    aspect
-        k, semi-axis along the axis over that across: below 1 flatter at the apex than a sphere.
+    From ``z0 + k a = H`` and ``B²/a² + z0²/(k a)² = 1``: ``z0 = (H² - k² B²) / (2 H)``, ``a = (H - z0) / k``; k = 1
+    gives the sphere of `Dome`. k is `aspect`, below 1 flatter at the apex than a sphere; for the further dimensions
+    see `RevolvedSkin`.
     """
 
     height: float
@@ -86,14 +80,14 @@ class Ellipsoid(RevolvedSkin):
         return curve + np.array([0.0, self.centre_height if order == 0 else 0.0])
 
     def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """``z = z0 + k √(a² - ρ²)``."""
+        """See `Skin`: ``z = z0 + k √(a² - ρ²)``."""
         rho, azimuth = np.broadcast_arrays(np.asarray(rho, float), np.asarray(azimuth, float))
         inside = rho <= self.widest[0] * (1.0 + 1e-9)
         rise = self.aspect * np.sqrt(np.where(inside, np.maximum(self.semi_axis**2 - rho**2, 0.0), np.nan))
         return np.stack([rho * np.cos(azimuth), rho * np.sin(azimuth), self.centre_height + rise], axis=-1)
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """The farther crossing of a sphere of radius a, where all is divided by k along the axis."""
+        """See `Skin`: the second intersection with a sphere of radius a, after division by k along the axis."""
         start = pass_base(lambda at: np.hypot(at[:, 0], at[:, 1]) <= self.base_radius, origin, rays)
         round_, middle = np.array([1.0, 1.0, 1.0 / self.aspect]), np.array([0.0, 0.0, self.centre_height])
         far = leave_sphere((start - middle) * round_, rays * round_, self.semi_axis)

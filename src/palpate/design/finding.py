@@ -1,4 +1,4 @@
-"""A finding: one limit that a design meets, with the numbers and what to do about it."""
+"""Finding: one limit that a design exceeds, with values and remedy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Severity(StrEnum):
-    """How much a finding weighs: an error stops the chain, a warning questions the part, a note informs."""
+    """Severity of a finding: an error stops the computation, a warning questions the part, a note informs."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -16,18 +16,9 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One limit that a design meets.
+    """One limit that a design exceeds, with a permanent short `code` such as ``"ring-outside-dome"``.
 
-    Attributes
-    ----------
-    severity
-        How much it weighs.
-    code
-        Short name that does not change, e.g. ``"ring-outside-dome"``.
-    message
-        One sentence with the numbers and their units.
-    remedy
-        What to change.
+    The `message` is one sentence with the numbers and their units, the `remedy` a recommended change.
     """
 
     severity: Severity

@@ -1,17 +1,17 @@
-"""A flat pad of gel on a window, such as tactile cameras look through: a rectangle with round corners and edges.
+"""Flat pad of gel on a window, as in tactile cameras: a rectangle with rounded corners and edges.
 
           ____________          z = H + T, flat
         .'            '.
        /                \\       flanks over a rounded edge
       /__________________\\      z = 0: the rim is a superellipse of half width B along x and k B along y
 
-It is a cone with a flat whose distance from the axis is measured by the pseudo-radius of its plan, a
-`palpate.design.superellipse`: with the meridian (ρ, z)(t) of the cone and the edge w(φ) of the plan, its surfaces are
+It is a cone with a flat whose distance from the axis is replaced by the pseudo-radius of its plan, a
+`palpate.design.superellipse`. With the meridian (ρ, z)(t) of the cone and the edge w(φ) of the plan, its surfaces are
 
     x(t, φ) = (ρ(t) w(φ), z(t))
 
-flat, at the height of the design, where the cone is. Across its flanks and edges the wall is thicker than there, for
-it is stretched with the plan: by up to `Superellipse.farthest`, at the corners.
+It is flat, at the height of the design, where the cone is. At its flanks and edges the skin is stretched with the
+plan, and thicker: at the corners by the ratio of their distance to the half width.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from palpate.design.spec import SkinSpec
 from palpate.design.superellipse import Superellipse
 
 _NEWTON = 20
-"""Steps to the nearest point."""
+"""Maximum number of Newton steps to the nearest point."""
 _SINGULAR = 1e-12
-"""Least determinant of their matrix over the square of its trace that is solved."""
+"""Minimum determinant of a Newton matrix over the square of its trace; below, no step is made."""
 _BEYOND = 1.25
-"""Parameter to which the cone's meridian goes on below the rim."""
+"""Parameter up to which the cone's meridian is continued below the rim."""
 _GAUSS = np.polynomial.legendre.leggauss(16)
 
 
 @final
 class FlatPadSpec(SkinSpec):
-    """Flat pad, a rectangle with round corners; `base_radius` is half its width along x at the rim."""
+    """Flat pad, a rectangle with rounded corners; `base_radius` is half its width along x at the rim."""
 
     kind: Literal["pad"] = "pad"
     stretch: float = parameter(1.2, unit="1", meaning="length along y over width along x", ge=1, le=2.5)
@@ -68,9 +68,9 @@ class FlatPadSpec(SkinSpec):
         ).build()
         if section.bulges or self.flat_radius >= self.base_radius:
             raise PalpateError(
-                f"A flat of half width {self.flat_radius:g} mm with an edge of {self.edge_radius:g} mm hangs over a "
+                f"A flat of half width {self.flat_radius:g} mm with an edge of {self.edge_radius:g} mm overhangs a "
                 f"base of half width {self.base_radius:g} mm.",
-                "Take a smaller flat or edge, or a larger base: a pad stands on its window.",
+                "Use a smaller flat or edge, or a larger base.",
                 code="pad-overhangs",
             )
         return FlatPad(**self.model_dump(exclude={"kind"}))
@@ -84,11 +84,11 @@ class FlatPad(Skin):
     Attributes
     ----------
     height, base_radius, thickness
-        Of the marked surface's flat over the base, of half its rim along x, and of the wall over the flat, mm.
+        Height of the marked flat over the base, half width of the rim along x, skin thickness at the flat, mm.
     stretch, squareness
         k and n of the plan.
     flat_radius, edge_radius
-        Of the section along x, see `Cone`, mm; along y they are k times as long.
+        Dimensions of the section along x, see `Cone`, mm; along y they are k times as long.
     """
 
     height: float
@@ -101,12 +101,12 @@ class FlatPad(Skin):
 
     @cached_property
     def cone(self) -> Cone:
-        """The section along x, as a body of revolution."""
+        """Section along x, as a body of revolution."""
         return Cone(self.height, self.base_radius, self.thickness, self.flat_radius, self.edge_radius)
 
     @cached_property
     def plan(self) -> Superellipse:
-        """The plan, for a half width of 1."""
+        """Plan, for a half width of 1."""
         return Superellipse(self.stretch, self.squareness)
 
     @property
@@ -145,7 +145,7 @@ class FlatPad(Skin):
 
     @property
     def rim_thickness(self) -> float:
-        """See `Skin`: the greatest around, at the corners."""
+        """See `Skin`: the maximum, at the corners."""
         return self.plan.farthest * self.thickness
 
     def reach(self, azimuth: ArrayLike) -> FloatArray:
@@ -162,7 +162,7 @@ class FlatPad(Skin):
         return np.column_stack([np.hypot(round_one[:, 0], round_one[:, 1])[:, None] * edge, round_one[:, 2]])
 
     def _round(self, points: FloatArray) -> FloatArray:
-        """Points (n, 3) carried from the pad to its cone."""
+        """Map points (n, 3) from the pad to its cone."""
         return np.column_stack([self.plan.level(points[:, :2]), points[:, 2]])
 
     def disc(self, points: FloatArray) -> FloatArray:
@@ -175,12 +175,12 @@ class FlatPad(Skin):
         return np.concatenate([place, height[..., None]], axis=-1)
 
     def _surface(self, t: FloatArray, angle: FloatArray) -> FloatArray:
-        """Points (n, 3) mm of the inner surface at parameters and angles of the disc (n,)."""
+        """Return points (n, 3) mm of the inner surface at parameters and angles of the disc (n,)."""
         curve = self.cone.curve(t)
         return np.column_stack([curve[:, :1] * self.plan.edge(angle)[0], curve[:, 1]])
 
     def _foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Parameter and angle of the disc (n,) of the inner surface's nearest point, by Newton's method."""
+        """Return the disc's parameter and angle (n,) of the inner surface's nearest point (Newton's method)."""
         start = self.cone.disc(self._round(points))
         t, angle = np.hypot(start[:, 0], start[:, 1]), np.arctan2(start[:, 1], start[:, 0])
         for _ in range(_NEWTON):
@@ -191,7 +191,7 @@ class FlatPad(Skin):
         return t, angle
 
     def _step(self, points: FloatArray, t: FloatArray, angle: FloatArray) -> FloatArray:
-        """Newton's step (n, 2) of parameter and angle; without curvatures where with them it would go uphill."""
+        """Return the Newton step (n, 2) of parameter and angle, without curvature terms if that is an ascent."""
         (rho, z), (by_rho, by_z), (bend_rho, bend_z) = (self.cone.curve(t, order).T for order in range(3))
         edge, turn, bend = self.plan.edge(angle)
         gap, height = points[:, :2] - rho[:, None] * edge, points[:, 2] - z
@@ -208,7 +208,7 @@ class FlatPad(Skin):
         return np.asarray(np.linalg.solve(own, push[..., None])[..., 0])
 
     def _normals(self, t: FloatArray, angle: FloatArray) -> FloatArray:
-        """Outward unit normals (n, 3): those of the meridian, along the gradient of the pseudo-radius."""
+        """Return outward unit normals (n, 3): those of the meridian, along the gradient of the pseudo-radius."""
         slope = self.cone.curve(t, 1)
         way = -slope[:, 1:] * self.plan.gradient(self.plan.edge(angle)[0])
         normal = np.column_stack([way, slope[:, 0]])
@@ -230,7 +230,7 @@ class FlatPad(Skin):
         return np.asarray(gap.reshape(points.shape[:-1]))
 
     def _gap(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance (n,) from the cone of points (n, 3) carried to it, and its slope (n, 3), nowhere above 1."""
+        """Return the distance (n,) of mapped points (n, 3) from the cone, and its gradient, at most 1 long."""
         far, slope = self.cone.gap(self._round(points))
         lean = np.hypot(slope[:, 0], slope[:, 1])[:, None] * self.plan.gradient(points[:, :2])
         return far, np.column_stack([lean, slope[:, 2]])
@@ -253,13 +253,13 @@ class FlatPad(Skin):
         return self.cone.at_arc_length(length)
 
     def _along(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Parameter (n,) of points (n, 3), and how much longer their meridian is across than the cone's (n,)."""
+        """Return the parameter (n,) of points (n, 3), and the horizontal scale (n,) of their meridian."""
         disc = self.disc(points)
         edge = self.plan.edge(np.arctan2(disc[:, 1], disc[:, 0]))[0]
         return np.hypot(disc[:, 0], disc[:, 1]), np.linalg.norm(edge, axis=1)
 
     def _length(self, t: FloatArray, scale: FloatArray) -> FloatArray:
-        """Length (n,) mm from the apex to parameters (n,) of meridians so much longer across (n,)."""
+        """Return the length (n,) mm from the apex to parameters (n,) of meridians of a horizontal scale (n,)."""
         flat, arc = np.minimum(np.array(self.cone.breaks)[:, None], t)
         total = scale * self.cone.curve(flat)[:, 0]
         for low, high in ((flat, arc), (arc, t)):
@@ -275,23 +275,23 @@ class FlatPad(Skin):
         return np.array([*(place[0] * self.plan.support_point(normal[:2])), place[2]])
 
     def support_height(self, normals: FloatArray) -> FloatArray:
-        """See `Skin`: on the edge, ``f s + H - e + (e + T) √(1 + s²)`` with the slope s of the wall over its plan."""
+        """See `Skin`: on the edge, ``f s + H - e + (e + T) √(1 + s²)`` with the wall's slope s over its plan."""
         slope = self.plan.support(normals[:, :2]) / normals[:, 2]
         edge = self.edge_radius + self.thickness
         return np.asarray(self.flat_radius * slope + self.height - self.edge_radius + edge * np.hypot(1.0, slope))
 
     @property
     def inner_slope(self) -> float:
-        """See `Skin`: in the middle of the sides along y, where it is greatest."""
+        """See `Skin`: the maximum, in the middle of the sides along y."""
         return self.cone.inner_slope
 
     def rim_slope(self, rim: Rim) -> float:
-        """See `Skin`: least, at the corners."""
+        """See `Skin`: the minimum, at the corners."""
         slope = self.cone.rim_slope(rim)
         return float(np.arctan2(np.sin(slope), self.plan.farthest * np.cos(slope)))
 
     def clamp_depth(self, tilt: float, rim: Rim) -> float:
-        """See `Skin`: at the azimuth at which it comes first."""
+        """See `Skin`: at the azimuth with the minimum."""
         lean = np.arctan(self.plan.farthest * np.tan(tilt))
         return self.cone.clamp_depth(float(lean), rim)
 
@@ -301,5 +301,5 @@ class FlatPad(Skin):
 
 
 def _matrix(first: FloatArray, mixed: FloatArray, second: FloatArray) -> FloatArray:
-    """Symmetric matrices (n, 2, 2)."""
+    """Return symmetric matrices (n, 2, 2)."""
     return np.stack([np.stack([first, mixed], axis=-1), np.stack([mixed, second], axis=-1)], axis=-2)

@@ -1,12 +1,12 @@
-"""How a line lies that crosses a skin, as numbers without a jump: a bar or an edge of offset o and angle φ.
+"""Pose of a line across a skin, a bar or an edge of offset o and angle φ, by continuous numbers.
 
-The line (o, φ) is the line (-o, φ + 180°), so neither number alone can be learnt. What is the same for both and
-changes evenly is
+The lines (o, φ) and (-o, φ + 180°) are the same, so neither number alone can be estimated. Continuous and equal for
+both descriptions are
 
     (x, y) = o (-sin φ, cos φ),    (c, s) = (90/π)° (cos 2φ, sin 2φ) :
 
-the line's point nearest to the axis, and its direction, doubled. The second is needed where the line passes near the
-axis; a turn of the line by a small angle moves (c, s) by as many degrees.
+the line's point nearest to the axis, and its doubled direction. The second is needed if the line passes near the
+axis; rotation of the line by a small angle moves (c, s) by as many degrees.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike
 from palpate.core import FloatArray
 
 LONGEST_DEG = 90.0 / np.pi
-"""Length of the direction's vector."""
+"""Length of the direction vector."""
 
 
 def direction_vector(angle_deg: FloatArray) -> FloatArray:
-    """Doubled directions (..., 2) in degrees of lines at angles (...) from x.
+    """Return the doubled directions (..., 2) in degrees of lines at angles (...) from x.
 
     Examples
     --------
@@ -33,17 +33,9 @@ def direction_vector(angle_deg: FloatArray) -> FloatArray:
 
 
 def offset_and_angle(poses: ArrayLike) -> FloatArray:
-    """Offset and angle of lines.
+    """Return offset and angle (..., 2) of lines (..., 5) by `palpate.design.PoseSpace.for_lines`.
 
-    Parameters
-    ----------
-    poses
-        (..., 5) by `palpate.design.PoseSpace.for_lines`.
-
-    Returns
-    -------
-    ndarray
-        (..., 2): offset in mm to the left of the direction, and the direction's angle from x, from -90° to 90°.
+    The offset is in mm to the left of the direction, the direction's angle from x from -90° to 90°.
 
     Examples
     --------
@@ -57,9 +49,9 @@ def offset_and_angle(poses: ArrayLike) -> FloatArray:
 
 
 def line_error(estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
-    """Errors (..., 2) of lines, offset in mm and angle in degrees; poses and estimates (..., 5).
+    """Return the errors (..., 2) of lines, offset (mm) and angle (degrees), for (..., 5) arguments.
 
-    A line read as 89° that lies at -89° is 2° off, and its offset counts from the same side.
+    An estimate of 89° for a line at -89° has an error of 2°, and its offset is counted in the same direction.
     """
     found, true = offset_and_angle(estimates), offset_and_angle(poses)
     turned = found[..., 1] - true[..., 1]

@@ -1,4 +1,4 @@
-"""A layout of markers: where the dots of the undeformed inner surface are."""
+"""Marker layout: positions of the markers on the undeformed inner surface."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray
 
 PRINT_TOLERANCE = 0.2
-"""How far from its place a dot may be printed, mm; our choice, for instructions and inspection."""
+"""Maximum print error of a marker, mm; our choice, for instructions and inspection."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,10 @@ class MarkerLayout:
     Attributes
     ----------
     positions
-        (n, 3) centres of the dots, mm, in the dome's frame: the apex first, then ring by ring from azimuth 0,
-        or in the order of the file. z is NaN for a marker that lies outside the dome (`check_design` reports
-        it).
+        (n, 3) centres, mm, in the skin's frame: the apex first, then ring by ring from azimuth 0, or in the order of
+        the file. z is NaN for a marker outside the skin (`check_design` reports it).
     diameter
-        Diameter of a dot, mm.
+        Diameter of a marker, mm.
     """
 
     positions: FloatArray
@@ -34,11 +33,11 @@ class MarkerLayout:
 
     @property
     def on_dome(self) -> BoolArray:
-        """(n,) whether the marker lies on the dome."""
+        """Whether each marker (n,) is on the skin."""
         return np.isfinite(self.positions[:, 2])
 
     def closest_pair(self) -> tuple[int, int, float] | None:
-        """Numbers of the two nearest markers on the dome and their distance, mm; `None` below two."""
+        """Return the indices of the two nearest markers on the skin and their distance, mm; `None` below two."""
         from scipy.spatial import cKDTree
 
         index = np.flatnonzero(self.on_dome)

@@ -1,8 +1,8 @@
-"""The orientation mark: one more dot, outside the others, that breaks the symmetry of the rings.
+"""Orientation mark: an additional marker outside the layout that breaks the symmetry of the rings.
 
-Rings of 6, 12, 18, … dots that all begin at azimuth 0 look the same turned by 60° and in a mirror through every 30°.
-A dot at 15° lies as far from all of those as it can. Rows about a barrel turn by the step between their dots,
-so a quarter of it does the same there, between the last row and the rim.
+Rings of 6, 12, 18, … markers that all begin at azimuth 0 are symmetric under rotation by 60° and mirroring every 30°.
+A marker at 15° is as far from all symmetry planes as possible. Rows around a barrel are symmetric under rotation by
+their marker step, so the mark is at a quarter of it, between the last row and the rim.
 """
 
 from __future__ import annotations
@@ -15,18 +15,14 @@ from palpate.design.skin import Skin
 
 AZIMUTH_DEG = 15.0
 _CLEARANCE = 1.4
-"""Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
+"""Distance from the outermost markers, over the diameter of a marker, if the skin is large enough."""
 
 
 def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
-    """Place the mark beyond the outermost dots; where there is less room, half way to where the skin is widest there.
+    """Return the centre (3,) mm of the mark, outside the outermost markers.
 
-    Of a barrel the outermost are those nearest to the rim, and half way is to the rim.
-
-    Returns
-    -------
-    ndarray
-        (3,) mm, centre of the mark.
+    It is at most halfway to the skin's maximum radius there. On a barrel the outermost markers are those nearest to
+    the rim, and the limit is halfway to the rim.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Outlines of sections: points joined by lines, arcs and smooth curves. Numbers only; the CAD kernel draws them."""
+"""Outlines of sections: points joined by lines, arcs and smooth curves, independent of the CAD kernel."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Arc:
-    """An arc of an outline: through one point to its end, both (x, z) or (x, y) mm."""
+    """Arc of an outline through one point to its end, both (x, z) or (x, y) mm."""
 
     through: Point
     end: Point
@@ -21,7 +21,7 @@ class Arc:
 
 @dataclass(frozen=True)
 class SmoothCurve:
-    """A smooth curve of an outline through points in their order, (x, z) or (x, y) mm; it ends at the last."""
+    """Smooth curve of an outline through ordered points, (x, z) or (x, y) mm; it ends at the last."""
 
     through: tuple[Point, ...]
 
@@ -32,10 +32,10 @@ class SmoothCurve:
 
 
 Outline = Sequence[Point | Arc | SmoothCurve]
-"""An outline: a point, then straight lines to points, arcs and curves; a closed one is joined to its first point."""
+"""A point, then straight lines to points, arcs and curves; a closed outline ends at its first point."""
 
 Plan = Callable[[FloatArray], tuple[FloatArray, ...]]
-"""A closed plan about the axis, seen from above: places (n, 2) at angles (n,) in rad, and their first derivative.
+"""Closed plan about the axis, from above: places (n, 2) at angles (n,) in rad, first derivative.
 
-Its quarters may end without curvature, as those of a rectangle with round corners do.
+The curvature may be zero at the ends of a quarter, as for a rectangle with rounded corners.
 """

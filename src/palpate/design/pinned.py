@@ -1,13 +1,13 @@
-"""A dome whose markers are the tips of pins that stand on its inner surface, as on a TacTip.
+"""Dome whose markers are the tips of pins on its inner surface, like a TacTip.
 
-        .-''''''-.        wall: a dome's
+        .-''''''-.        skin: a dome's
       .' | | | |  '.
      / \\ ' ' ' '  / \\     pins along the inner normals; their tips lie on a sphere about the same centre
     |   '         '   |
     |_|             |_|
 
-Where the wall turns, a tip moves by the length of its pin times the turn besides: pins magnify small tilts. They are
-rigid, and bear nothing.
+Rotation of the skin additionally moves a tip by the length of its pin times the angle: pins magnify small tilts. They
+are rigid and carry no load.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
 _LONGEST = 0.8
-"""Greatest length of a pin over the height of the dome: the tips stay apart, and that at the apex over the base."""
+"""Maximum length of a pin over the height of the dome, so that tips stay apart and above the base."""
 
 
 @final
 class PinnedSpec(SkinSpec):
-    """A dome with pins inside: the markers are their tips."""
+    """Dome with pins inside, whose tips are the markers."""
 
     kind: Literal["pinned"] = "pinned"
-    pin: float = parameter(2.0, unit="mm", meaning="length of a pin, inward from the wall", gt=0, le=20)
+    pin: float = parameter(2.0, unit="mm", meaning="length of a pin, inward from the skin", gt=0, le=20)
 
     def build(self) -> PinnedDome:
         if self.height > self.base_radius:
             raise PalpateError(
-                f"A dome {self.height:g} mm high on a base radius of {self.base_radius:g} mm bulges: no core with "
-                "pins leaves it.",
-                f"Take a height up to {self.base_radius:g} mm.",
+                f"A dome with a height of {self.height:g} mm on a base radius of {self.base_radius:g} mm bulges: a "
+                "core with pins cannot be removed.",
+                f"Use a height up to {self.base_radius:g} mm.",
                 code="dome-bulges",
             )
         if self.pin > _LONGEST * self.height:
             raise PalpateError(
                 f"Pins {self.pin:g} mm long in a dome {self.height:g} mm high meet in its middle or reach its base.",
-                f"Take at most {_LONGEST * self.height:.3g} mm.",
+                f"Use at most {_LONGEST * self.height:.3g} mm.",
                 code="pins-too-long",
             )
         return PinnedDome(self.height, self.base_radius, self.thickness, self.pin)
@@ -56,15 +56,7 @@ class PinnedSpec(SkinSpec):
 @final
 @dataclass(frozen=True)
 class PinnedDome(Skin):
-    """Geometry of a dome with pins: the wall is a dome's, the marked surface the sphere of the tips.
-
-    Attributes
-    ----------
-    height, base_radius, thickness
-        Of the wall, see `Dome`, mm.
-    pin
-        Length of a pin, mm.
-    """
+    """Geometry of a dome with pins: a dome, whose marked surface is the sphere of the tips."""
 
     height: float
     base_radius: float

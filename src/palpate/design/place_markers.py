@@ -1,4 +1,4 @@
-"""From a spec to markers on the inner surface of a dome."""
+"""Placement of markers on the inner surface of a skin."""
 
 from __future__ import annotations
 
@@ -15,26 +15,16 @@ from palpate.design.spec import MarkerSpec
 
 
 def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
-    """Place the markers of `spec` on the inner surface, carried there along the dome's axis.
+    """Place the markers of `spec` on the inner surface, projected along the skin's axis.
 
-    Parameters
-    ----------
-    skin
-        The skin.
-    spec
-        Rings or a free layout. Every ring starts at azimuth 0.
-
-    Returns
-    -------
-    MarkerLayout
-        The apex and the rings, or the points of the file; a marker outside the dome has no height (NaN) and
-        is reported by `check_design`.
+    They are the apex and the rings, each from azimuth 0, the rows, or the points of the file. A marker outside the
+    skin has no height (NaN) and is reported by `check_design`.
 
     Raises
     ------
     PalpateError
-        If the file of a free layout cannot be read, does not lie on the dome, or has another number of
-        markers than the spec asks for; or rows are asked of a skin with an apex, or rings of one without.
+        If the file of a free layout cannot be read, does not lie on the skin, or has another number of markers than
+        the spec; or if rows are requested for a skin with an apex, or rings for one without.
 
     Examples
     --------
@@ -52,23 +42,23 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
     if "count" in spec.model_fields_set and spec.count != len(positions):
         raise PalpateError(
             f"{spec.file} has {len(positions)} markers, but count is {spec.count}.",
-            "Leave count out: the file gives it.",
+            "Leave count out; the file determines it.",
             code="marker-count-differs",
         )
     return MarkerLayout(positions=positions, diameter=spec.diameter)
 
 
 def _rows(skin: Skin, spec: MarkerSpec) -> FloatArray:
-    """Rows about the middle of a tube's meridian, from the far end on."""
+    """Place rows symmetric about the middle of a tube's meridian, from the far end on."""
     if not skin.hole:
         raise PalpateError(
-            f"{skin.name} has an apex: rows of markers go around a tube.",
+            f"{skin.name} has an apex; rows of markers need a tube.",
             "Give rings: ring_diameters.",
             code="rows-need-tube",
         )
     if spec.rows is None or spec.around is None or spec.pitch is None:
         raise PalpateError(
-            f"{skin.name} has no apex about which rings of markers lie.",
+            f"{skin.name} has no apex; rings of markers need one.",
             "Give rows around it: markers: [{rows: 16, around: 16, pitch: 15 mm}], or a file.",
             code="rings-need-apex",
         )
@@ -77,7 +67,7 @@ def _rows(skin: Skin, spec: MarkerSpec) -> FloatArray:
     if 2 * place[-1] >= length:
         raise PalpateError(
             f"{spec.rows} rows {spec.pitch:g} mm apart do not fit on a meridian of {length:.4g} mm.",
-            f"Take a pitch below {length / max(spec.rows - 1, 1):.4g} mm, or fewer rows.",
+            f"Use a pitch below {length / max(spec.rows - 1, 1):.4g} mm, or fewer rows.",
             code="rows-too-long",
         )
     radius = skin.hole + (1 - skin.hole) * (0.5 + place / length)

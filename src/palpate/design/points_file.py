@@ -1,4 +1,4 @@
-"""Free layouts and followed points: tables with the columns x, y and z and their unit."""
+"""Tables of points, for free layouts and tracked points: columns x, y and z with their unit."""
 
 from __future__ import annotations
 
@@ -12,31 +12,22 @@ from palpate.core.units import split_unit
 from palpate.design.skin import Skin
 
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
-"""mm a unit."""
+"""Length of each unit in mm."""
 ON_SURFACE = 0.05
-"""A point given with its height must lie this near the inner surface, mm."""
+"""Maximum distance from the inner surface of a point with a height, mm."""
 
 
 def read_points(path: Path, skin: Skin) -> FloatArray:
-    """Read points of the inner surface from a table with a header.
+    """Read points (n, 3) mm of the inner surface from a table with a header.
 
-    Parameters
-    ----------
-    path
-        Table with the columns ``x_mm, y_mm`` and, if wished, ``z_mm``, in any order, unit and dialect.
-    skin
-        The dome that carries the points. Without ``z_mm`` a point is carried up along the axis.
-
-    Returns
-    -------
-    ndarray
-        (n, 3) points, mm; z is NaN where a point without ``z_mm`` is outside the dome.
+    The columns are ``x_mm, y_mm`` and optionally ``z_mm``, in any order, unit and dialect. A point without ``z_mm``
+    is projected along the axis; outside the skin its z is NaN.
 
     Raises
     ------
     PalpateError
-        If the file is missing, is no such table, or a height in it is off the inner surface; the message
-        names the line.
+        If the file is missing or not such a table, or a point is not on the inner surface; the message contains the
+        line.
     """
     table = _read_table(path)
     if table.shape[1] == 2:
@@ -44,17 +35,17 @@ def read_points(path: Path, skin: Skin) -> FloatArray:
     off = np.abs(skin.distance(table))
     below = skin.distance_to_rim(table) < -ON_SURFACE
     for row in np.flatnonzero((off > ON_SURFACE) | below):
-        where = "below the base plane" if below[row] else f"{off[row]:.3g} mm off the inner surface"
+        where = "below the base plane" if below[row] else f"{off[row]:.3g} mm from the inner surface"
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
-            f"The inner surface is that of {skin.name}, z >= 0; leave out z_mm to have points carried there.",
+            f"The inner surface is that of {skin.name}, z >= 0; leave out z_mm to project points onto it.",
             code="point-below-base" if below[row] else "point-off-surface",
         )
     return table
 
 
 def _read_table(path: Path) -> FloatArray:
-    """(n, 2) or (n, 3) x, y and, if the file has it, z, mm."""
+    """Return x, y and, if the file has it, z, mm: (n, 2) or (n, 3)."""
     table = named_table(path)
     found: dict[str, FloatArray] = {}
     for at, name in enumerate(table.header):
@@ -72,13 +63,15 @@ def _read_table(path: Path) -> FloatArray:
             row = int(np.argmax(~np.isfinite(numbers)))
             text = table.faults[at].text if at in table.faults else str(table.columns[at][row])
             raise PalpateError(
-                f"{path}:{table.lines[row]}: {name} is '{text}', no number.", "Write numbers.", code="row-not-numbers"
+                f"{path}:{table.lines[row]}: {name} is '{text}', not a number.",
+                "Write numbers.",
+                code="row-not-numbers",
             )
         found[axis] = _MM[unit] * numbers
     if not {"x", "y"} <= set(found):
         raise PalpateError(
             f"{path} has the columns {', '.join(table.header)}.",
-            "They must be x_mm, y_mm and, if wished, z_mm.",
+            "The required columns are x_mm, y_mm and optionally z_mm.",
             code="columns-wrong",
         )
     return np.stack([found[axis] for axis in sorted(found)], axis=1)

@@ -1,7 +1,7 @@
-"""Where a wall stands: tilt and azimuth, its rotation vector, its normal, and turns about the axis.
+"""Pose of a wall: tilt and azimuth, rotation vector, normal, and rotations about the axis.
 
-A wall is turned by a rotation vector (rx, ry, 0) = tilt (cos azimuth, sin azimuth, 0): azimuth is the direction of
-the axis about which it is turned, seen from above, from x towards y. So at azimuth 0 the wall rises towards +y.
+A wall is rotated by a rotation vector (rx, ry, 0) = tilt (cos azimuth, sin azimuth, 0). The azimuth is the direction
+of the rotation axis, seen from above, from x towards y. At azimuth 0 the wall rises towards +y.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from palpate.core import FloatArray
 
 
 def rotation_vector(tilt: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-    """Components (..., 2) of the rotation vector, in the unit of the tilt (...); azimuth (...) in rad.
+    """Return components (..., 2) of the rotation vector, in the unit of the tilt; azimuth in rad.
 
     Examples
     --------
@@ -26,15 +26,15 @@ def rotation_vector(tilt: ArrayLike, azimuth: ArrayLike) -> FloatArray:
 
 
 class PoseDensity(StrEnum):
-    """How samples are spread over tilts, or over offsets from the axis."""
+    """Distribution of samples over tilts, or over offsets from the axis."""
 
     UNIFORM_TILT = "uniform_tilt"
-    """Tilts are uniform."""
+    """Uniform in tilt."""
     UNIFORM_DISC = "uniform_disc"
-    """Poses are uniform by area of their disc, so large tilts are more frequent."""
+    """Uniform by area of the disc of poses, so large tilts are more frequent."""
 
     def radius(self, share: ArrayLike, reach: float, inner: float = 0.0) -> FloatArray:
-        """Radii (...) from `inner` to `reach`, in their unit, for uniform shares (...) from 0 to 1.
+        """Return radii (...) from `inner` to `reach`, in their unit, for uniform shares (...) from 0 to 1.
 
         Examples
         --------
@@ -48,9 +48,9 @@ class PoseDensity(StrEnum):
 
 
 def wall_normal(rx: float, ry: float) -> FloatArray:
-    """Outward normal (3,) of the wall for its rotation vector (rx, ry) in radians.
+    """Return the outward normal (3,) of the wall for its rotation vector (rx, ry) in radians.
 
-    ``n = cos(t) e_z + sin(t) (ry, -rx, 0) / t`` with ``t = |(rx, ry)|``: e_z turned by the rotation vector.
+    ``n = cos(t) e_z + sin(t) (ry, -rx, 0) / t`` with ``t = |(rx, ry)|``: e_z rotated by the rotation vector.
 
     Examples
     --------
@@ -64,7 +64,9 @@ def wall_normal(rx: float, ry: float) -> FloatArray:
 
 
 def turn_about_axis(azimuth: float) -> FloatArray:
-    """Rotation (3, 3) about z by an angle in rad, ``turned_from_plain``: its columns are the turned frame's axes.
+    """Return the rotation (3, 3) about z by an angle in rad, ``turned_from_plain``.
+
+    Its columns are the axes of the rotated frame.
 
     Examples
     --------

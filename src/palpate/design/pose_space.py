@@ -1,6 +1,6 @@
-"""What a sensor estimates: names, units, bounds and error of the components of a pose, declared once.
+"""Pose spaces: names, units, bounds and errors of the components that a sensor estimates.
 
-Networks, intervals, readings, tables, grids and the metadata of models read them from here.
+Networks, intervals, readings, tables, grids and the metadata of models use these declarations.
 """
 
 from __future__ import annotations
@@ -18,18 +18,16 @@ from palpate.design.pose import rotation_vector
 
 
 class PoseComponent(NamedTuple):
-    """One number of a pose.
+    """One component of a pose.
 
     Attributes
     ----------
-    axis
-        Short name, e.g. ``rx``.
-    unit
-        Of the number, ``deg`` or ``mm``.
+    axis, unit
+        Short name, e.g. ``rx``, and ``deg`` or ``mm``.
     label
         Name in the paper's tables, e.g. ``roll``.
     bounds
-        Least and greatest value that an obstacle's spec allows.
+        Minimum and maximum that an obstacle's spec allows.
     """
 
     axis: str
@@ -39,31 +37,31 @@ class PoseComponent(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Column of tables, e.g. ``rx_deg``."""
+        """Column name, e.g. ``rx_deg``."""
         return f"{self.axis}_{self.unit}"
 
     @property
     def unit_symbol(self) -> str:
-        """Unit as it stands behind a number: ``°`` or `` mm``."""
+        """Unit for display after a number: ``°`` or `` mm``."""
         return "°" if self.unit == "deg" else f" {self.unit}"
 
 
 @dataclass(frozen=True)
 class PoseSpace:
-    """The components of a pose in their order; the first two are Cartesian parts of one polar quantity.
+    """Ordered components of a pose; the first two are Cartesian parts of one polar quantity.
 
     Attributes
     ----------
     components
-        First the two that turn with the azimuth, then the depth.
+        First the two that rotate with the azimuth, then the depth.
     polar
         Name of the length of the first two, e.g. ``angle``.
     turn_deg
-        Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
+        Rotation of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
     is_line
-        Whether the obstacle is a line: the last two components then tell its direction (`palpate.design.line_pose`).
+        Whether the obstacle is a line, whose direction is in the last two components (`palpate.design.line_pose`).
     is_side
-        Whether it comes to a skin's side: poses then fill a ring about the straight one rather than a disc.
+        Whether it presses a skin's side; the poses then fill an annulus about the straight one instead of a disc.
     """
 
     components: tuple[PoseComponent, ...]
@@ -74,12 +72,12 @@ class PoseSpace:
 
     @staticmethod
     def from_names(names: Sequence[str]) -> PoseSpace:
-        """The space whose components have these names, as a file gives them; one of another package has no bounds.
+        """Return the space whose components have the names of a file; unknown ones have no bounds.
 
         Raises
         ------
         PalpateError
-            If there are fewer than three, or a name is not an axis and a unit.
+            If there are fewer than three, or a name does not consist of axis and unit.
         """
         for space in (TILT_SPACE, OFFSET_SPACE, _LINE_DEPTH):
             if space.names == tuple(names):
@@ -87,7 +85,7 @@ class PoseSpace:
         parts = [name.rpartition("_") for name in names]
         if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
             raise PalpateError(
-                f"No pose has the components {', '.join(names)}.",
+                f"Unknown pose components {', '.join(names)}.",
                 "Make the file again.",
                 code="pose-components-unknown",
             )
@@ -95,17 +93,17 @@ class PoseSpace:
 
     @staticmethod
     def for_lines() -> PoseSpace:
-        """The space of obstacles that lie level, bars and edges: place, depth, and the direction doubled."""
+        """Return the space of level bars and edges: position, depth, and doubled direction."""
         return _LINE_DEPTH
 
     @staticmethod
     def for_side_walls() -> PoseSpace:
-        """The space of walls that come to a skin's side: components as of any wall, of a rotation by some 90°."""
+        """Return the space of walls at a skin's side: components of any wall, for rotations of about 90°."""
         return _SIDE_DEPTH
 
     @staticmethod
     def from_axes(parts: Sequence[tuple[str, str]]) -> PoseSpace:
-        """The space of any components, each an axis and a unit; their bounds are not known.
+        """Return a space of any components, each an axis and a unit, without bounds.
 
         Examples
         --------
@@ -123,30 +121,30 @@ class PoseSpace:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Columns: ``rx_deg, ry_deg, depth_mm``."""
+        """Column names: ``rx_deg, ry_deg, depth_mm``."""
         return tuple(component.name for component in self.components)
 
     @property
     def half_width_names(self) -> tuple[str, ...]:
-        """Columns of the half-widths of intervals: ``rx_half_width_deg`` …"""
+        """Column names of the interval half-widths: ``rx_half_width_deg`` …"""
         return tuple(f"{component.axis}_half_width_{component.unit}" for component in self.components)
 
     @property
     def errors(self) -> tuple[tuple[str, tuple[int, ...], str], ...]:
-        """What errors are measured: name, columns of the poses, unit; the polar quantity first."""
+        """Evaluated errors: name, columns of the poses, unit; the polar quantity first."""
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
 
     def fits(self, axes: Iterable[str]) -> bool:
-        """Whether these are the axes of its errors."""
+        """Return whether these are the axes of its errors."""
         return {name for name, _, _ in self.errors} == set(axes)
 
     def cartesian(self, radial: float, turn_deg: float) -> FloatArray:
-        """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
+        """Return the first two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
         return rotation_vector(radial, np.radians(turn_deg - self.turn_deg))
 
     def poses(self, parts: FloatArray, depths: FloatArray) -> FloatArray:
-        """Poses (n, k) of first two components (n, 2) and depths (n,) mm; a line lies across the way to it."""
+        """Return poses (n, k) of first two components (n, 2) and depths (n,) mm; lines are normal to (x, y)."""
         poses = np.column_stack([parts, depths])
         if not self.is_line:
             return poses
@@ -154,12 +152,12 @@ class PoseSpace:
         return np.column_stack([poses, direction_vector(azimuth + self.turn_deg)])
 
     def pose(self, radial: float, turn_deg: float, depth: float) -> FloatArray:
-        """Pose (k,) of an obstacle from its `radial`, its `turn_deg` and its depth in mm."""
+        """Return the pose (k,) of an obstacle from its `radial`, its `turn_deg` and its depth in mm."""
         pose = np.append(self.cartesian(radial, turn_deg), depth)
         return np.append(pose, direction_vector(np.array(turn_deg))) if self.is_line else pose
 
     def line(self, poses: ArrayLike) -> FloatArray:
-        """Offset (mm) and angle (degrees) (..., 2) of poses (..., 5) of lines (`palpate.design.line_pose`).
+        """Return offset (mm) and angle (degrees) (..., 2) of line poses (..., 5) (`palpate.design.line_pose`).
 
         Raises
         ------
@@ -170,7 +168,7 @@ class PoseSpace:
         return offset_and_angle(poses)
 
     def line_error(self, estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
-        """Errors (..., 2) of lines in offset (mm) and angle (degrees), of estimates and poses (..., 5).
+        """Return errors (..., 2) of lines in offset (mm) and angle (degrees); estimates and poses (..., 5).
 
         Raises
         ------
@@ -184,12 +182,12 @@ class PoseSpace:
         if not self.is_line:
             raise PalpateError(
                 f"{', '.join(self.names)} are not the pose of a line.",
-                "Take presses of a bar or an edge.",
+                "Use presses of a bar or an edge.",
                 code="pose-not-line",
             )
 
     def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:
-        """Length (n,) of the error in the first two components, of poses (n, k): degrees of an angle, or mm."""
+        """Return the length (n,) of the error of the first two components of poses (n, k), degrees or mm."""
         return np.asarray(np.hypot(*(np.asarray(estimates) - poses)[:, :2].T))
 
 
@@ -203,13 +201,13 @@ TILT_SPACE = PoseSpace(
     "angle",
     turn_deg=0.0,
 )
-"""A flat wall: the components of its rotation vector, and how far it came."""
+"""Flat wall: the components of its rotation vector, and its depth."""
 OFFSET_SPACE = PoseSpace(
     (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH),
     "offset",
     turn_deg=-90.0,
 )
-"""An obstacle beside the axis: where it stands, and how far it came."""
+"""Obstacle with an offset from the axis: its position, and its depth."""
 _SIDE_DEPTH = PoseSpace(
     (
         PoseComponent("rx", "deg", "roll", (-120.0, 120.0)),
@@ -220,7 +218,7 @@ _SIDE_DEPTH = PoseSpace(
     TILT_SPACE.turn_deg,
     is_side=True,
 )
-"""A wall beside the axis; files name its components as those of any wall, and are read as such."""
+"""Wall at the side; files name its components like those of any wall, and are read as such."""
 _LINE_DEPTH = PoseSpace(
     (
         *OFFSET_SPACE.components,
@@ -231,4 +229,4 @@ _LINE_DEPTH = PoseSpace(
     turn_deg=-90.0,
     is_line=True,
 )
-"""An obstacle that lies level, a bar or an edge: its point nearest to the axis, how far it came, its direction."""
+"""Level bar or edge: its point nearest to the axis, its depth, its direction."""

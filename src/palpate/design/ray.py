@@ -1,6 +1,6 @@
-"""Where rays leave a skin: by its distance, or anything that grows no faster, first; then by Newton's method.
+"""Intersections of rays with a skin from inside, by sphere tracing and Newton's method.
 
-What is a sphere, or is one where it is stretched along its axis, is left where a quadratic says.
+Spheres, and ellipsoids after scaling, are solved by a quadratic equation.
 """
 
 from __future__ import annotations
@@ -12,28 +12,22 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, IntArray
 
 Gap = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""From points (n, 3) mm to how far outside the surface they are (n,), and the slope (n, 3) of that."""
+"""Function of points (n, 3) mm: distance (n,) outside the surface, or less, and its gradient (n, 3)."""
 Within = Callable[[FloatArray], BoolArray]
 
 _FIRST, _NEWTON, _MARCH = 4, 8, 60
-"""Steps along a ray, each as long as the gap: before Newton's, of these, and where they fail."""
+"""Steps along a ray: sphere tracing, Newton's method, and sphere tracing if that did not converge."""
 _GRAZING, _HIT_MM = 0.05, 1e-9
-"""Least slope of the gap along a ray that a step is taken by, and gap at which a ray has hit."""
+"""Minimum slope of the gap along a ray in a step, and maximum gap of a solution."""
 
 
 def trace_rays(gap: Gap, within: Within, origin: FloatArray, rays: FloatArray) -> FloatArray:
-    """Points (n, 3) mm where rays leave a surface from inside: sphere tracing (Hart 1996), then Newton's method.
+    """Return the points (n, 3) mm where rays leave a surface from inside.
 
-    The gap is as steep along a ray as its slope leans to it; where that does not end, after a longer march.
-
-    Parameters
-    ----------
-    gap
-        Gap of the surface, which changes no faster than its distance.
-    within
-        Whether points (n, 3) mm at the base or above, from where rays start, are inside (n,).
-    origin, rays
-        See `Skin.hit`; a ray that does not pass the base is NaN.
+    Sphere tracing (Hart 1996) is followed by Newton's method; rays that do not converge repeat it with more tracing.
+    The gap of the surface must not change faster than its distance. `within` returns whether points (n, 3) at or
+    above the base, from where rays start, are inside (n,). For `origin` and `rays` see `Skin.hit`; a ray that does
+    not pass the base is NaN.
     """
     unit = rays / np.linalg.norm(rays, axis=1)[:, None]
     points = pass_base(within, origin, unit)
@@ -47,7 +41,7 @@ def trace_rays(gap: Gap, within: Within, origin: FloatArray, rays: FloatArray) -
 
 
 def _go(gap: Gap, points: FloatArray, unit: FloatArray, which: IntArray, march: int) -> None:
-    """Move points along their rays, first by so many steps of their gap, then by Newton's."""
+    """Move points along their rays, first by `march` steps of their gap, then by Newton's method."""
     for step in range(march + _NEWTON if len(which) else 0):
         far, slope = gap(points[which])
         steep = (slope * unit[which]).sum(axis=1) if step >= march else np.ones(len(far))
@@ -55,10 +49,7 @@ def _go(gap: Gap, points: FloatArray, unit: FloatArray, which: IntArray, march: 
 
 
 def pass_base(within: Within, origin: FloatArray, rays: FloatArray) -> FloatArray:
-    """Points (n, 3) mm where rays pass the base, or where they start above it; NaN where they are not inside there.
-
-    The parameters are those of `trace_rays`.
-    """
+    """Return points (n, 3) mm where rays pass the base or start above it; NaN if they are outside there."""
     points = np.broadcast_to(np.asarray(origin, float), rays.shape).copy()
     enter = np.where(points[:, 2] < 0, -points[:, 2] / np.where(rays[:, 2] > 0, rays[:, 2], np.nan), 0.0)
     points = points + enter[:, None] * rays
@@ -67,12 +58,9 @@ def pass_base(within: Within, origin: FloatArray, rays: FloatArray) -> FloatArra
 
 
 def leave_sphere(start: FloatArray, rays: FloatArray, radius: float) -> FloatArray:
-    """How many times (n,) its length each ray goes to the farther crossing of ``|s + x d| = r``; NaN if it misses.
+    """Return the multiple (n,) of each ray to the second root of ``|s + x d| = r``; NaN if it misses.
 
-    Parameters
-    ----------
-    start, rays, radius
-        Where rays start (n, 3) or (3,), seen from the sphere's centre, and where they go (n, 3); radius in mm.
+    Rays have start points (n, 3) or (3,) relative to the sphere's centre, and directions (n, 3); the radius is in mm.
     """
     along, square = (rays * start).sum(axis=1), (rays**2).sum(axis=1)
     root = along**2 - square * ((start**2).sum(axis=-1) - radius**2)

@@ -1,9 +1,9 @@
-"""Skins of revolution by their meridian: what `Skin` asks, answered by numbers for any smooth curve.
+"""Skins of revolution: numerical geometry of `Skin` for any smooth meridian.
 
-The meridian runs from the apex (parameter 0) to the rim (1) and may go on a little beyond. The wall lies between it
-and the curve at the distance of its thickness along the normals, which changes from apex to rim by the taper. Points
-are carried to the meridian by their distance from the axis and their height; the nearest point is found from a table
-and by Newton's method.
+The meridian runs from the apex (parameter 0) to the rim (1) and may extend slightly beyond. The skin lies between it
+and the curve at the distance of its thickness along the normals; the thickness changes from apex to rim by the taper.
+Points are mapped to the plane of the meridian by their distance from the axis and their height. The nearest point is
+found from a table and by Newton's method.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 _TABLE = 2001
-"""Points of the tables along the meridian."""
+"""Number of points of the tables along the meridian."""
 _BEYOND = 1.25
-"""Parameter to which the tables reach."""
+"""Parameter up to which the tables extend."""
 _NEWTON, _STILL = 8, 1e-9
-"""Most steps to the parameter of a place, and a step after which the next, its square, is nothing."""
+"""Maximum number of Newton steps, and a step size after which the next, its square, is negligible."""
 _SECTION = 33
-"""Points of the curve that the CAD kernel is given."""
+"""Number of points of the curve for the CAD kernel."""
 
 
 class RevolvedSkin(Skin):
-    """A skin of revolution; a final one gives its meridian with first and second derivative.
+    """Skin of revolution; a subclass gives its meridian with first and second derivative.
 
     Attributes
     ----------
     taper
-        Thickness of the wall at the rim over that at the apex: ``T(t) = T (1 + (taper - 1) t²)``.
+        Ratio of the skin thickness at the rim to that at the apex: ``T(t) = T (1 + (taper - 1) t²)``.
     """
 
     taper: float = 1.0
@@ -51,14 +51,14 @@ class RevolvedSkin(Skin):
 
     @abstractmethod
     def curve(self, t: FloatArray, order: int = 0) -> FloatArray:
-        """Meridian (n, 2) mm as distance from the axis and height, or a derivative of it, at parameters (n,)."""
+        """Return the meridian (n, 2) mm (distance from the axis, height) or a derivative at parameters (n,)."""
 
     @property
     def symmetry(self) -> Symmetry:
         return Symmetry.REVOLVED
 
     def wall_thickness(self, t: FloatArray) -> FloatArray:
-        """Thickness (n,) mm along the normals at parameters (n,)."""
+        """Return the thickness (n,) mm along the normals at parameters (n,)."""
         return np.asarray(self.thickness * (1.0 + (self.taper - 1.0) * t**2))
 
     @property
@@ -66,17 +66,17 @@ class RevolvedSkin(Skin):
         return self.thickness * self.taper
 
     def _outside(self, t: FloatArray, layer: float = 1.0) -> FloatArray:
-        """The surface (n, 2) mm of a layer of the wall at parameters (n,)."""
+        """Return points (n, 2) mm of a layer at parameters (n,)."""
         return np.asarray(self.curve(t) + layer * self.wall_thickness(t)[:, None] * self._normals(t))
 
     def _hollow(self, t: FloatArray) -> FloatArray:
-        """Curvature κ (n,) 1/mm of the meridian at parameters (n,), positive where it is hollow from outside."""
+        """Return the curvature κ (n,) 1/mm of the meridian, positive if concave from outside."""
         slope, bend = self.curve(t, 1), self.curve(t, 2)
         turn: FloatArray = slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]
         return np.asarray(turn / np.linalg.norm(slope, axis=1) ** 3)
 
     def _outer_slopes(self, t: FloatArray) -> FloatArray:
-        """Derivative (n, 2) mm of the outer surface at parameters (n,): ``c' + T' ν + T ν'`` with ``ν' = -κ c'``."""
+        """Return the derivative (n, 2) mm of the outer surface: ``c' + T' ν + T ν'`` with ``ν' = -κ c'``."""
         steeper = 2.0 * self.thickness * (self.taper - 1.0) * t
         longer = 1.0 - self.wall_thickness(t) * self._hollow(t)
         return np.asarray(longer[:, None] * self.curve(t, 1) + steeper[:, None] * self._normals(t))
@@ -95,7 +95,7 @@ class RevolvedSkin(Skin):
 
     @cached_property
     def _near(self) -> cKDTree:
-        """Finds the nearest of every tenth point of the table."""
+        """Search tree of every tenth point of the table."""
         from scipy.spatial import cKDTree
 
         return cKDTree(self._table[1][::10])
@@ -117,7 +117,7 @@ class RevolvedSkin(Skin):
         return float(outer[best, 0]), float(max(outer[best, 1], 0.0))
 
     def _end(self, layer: float, rim: Rim) -> float:
-        """Parameter at which a layer of the wall meets the base."""
+        """Return the parameter at which a layer meets the base."""
         if rim is Rim.RADIAL or layer == 0.0:
             return 1.0
         t, _, _ = self._table
@@ -138,7 +138,7 @@ class RevolvedSkin(Skin):
         return np.column_stack([place[:, :1] * direction, place[:, 1]])
 
     def _foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Parameter (n,) of the meridian's nearest point, and direction (n, 2) about the axis, of points (n, 3)."""
+        """Return the parameter (n,) of the meridian's nearest point, and direction (n, 2) about the axis."""
         rho = np.hypot(points[:, 0], points[:, 1])
         direction = np.divide(points[:, :2], rho[:, None], out=np.zeros((len(points), 2)), where=rho[:, None] > 0)
         place = np.column_stack([rho, points[:, 2]])
@@ -186,7 +186,7 @@ class RevolvedSkin(Skin):
         return self.gap(points.reshape(-1, 3))[0].reshape(points.shape[:-1])
 
     def gap(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance (n,) mm of points (n, 3) mm from the inner surface, positive outside, and its normals (n, 3)."""
+        """Return the distance (n,) mm of points (n, 3) mm from the inner surface, and its normals (n, 3)."""
         t, direction = self._foot(points)
         normals = self._spread(self._normals(t), direction)
         return ((points - self._spread(self.curve(t), direction)) * normals).sum(axis=1), normals
@@ -219,7 +219,7 @@ class RevolvedSkin(Skin):
         return self._outside(self._table[0])
 
     def _highest(self, way: FloatArray) -> FloatArray:
-        """Parameter (1,) at which the outer surface is farthest along a way (2,), nearest to the apex of several."""
+        """Return the parameter (1,) of the outer surface's extreme point in a direction, nearest to the apex."""
         t, height = self._table[0], self._outer_table @ way
         best = int(np.flatnonzero(height >= height.max() - 1e-12 * self.base_radius)[0])
         low, high = float(t[max(best - 1, 0)]), float(t[min(best + 1, len(t) - 1)])
@@ -254,7 +254,7 @@ class RevolvedSkin(Skin):
         return [SmoothCurve(tuple((float(x), float(z)) for x, z in points))]
 
     def _parallel(self, offset: float) -> FloatArray:
-        """Points (n, 2) mm of the curve `offset` mm outside the meridian, from the axis to the base."""
+        """Return points (n, 2) mm of the curve `offset` mm outside the meridian, from the axis to the base."""
         t = self._table[0]
         height = (self.curve(t) + offset * self._normals(t))[:, 1]
         end = float(np.interp(0.0, -height[len(t) // 2 :], t[len(t) // 2 :])) if offset else 1.0
@@ -263,5 +263,5 @@ class RevolvedSkin(Skin):
 
 
 def plain_numbers(kind: str, numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """Numbers of a skin of revolution as a spec reads them; an even wall is not mentioned."""
+    """Return the parameters of a skin of revolution as its spec reads them; a taper of 1 is left out."""
     return {"kind": kind, **{name: value for name, value in numbers.items() if name != "taper" or value != 1.0}}

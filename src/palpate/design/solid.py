@@ -1,7 +1,7 @@
-"""Solids: revolved, lofted, joined and cut; measured, meshed and written. The only file that knows the CAD kernel.
+"""Solids by a CAD kernel: revolved, lofted, joined and cut; measured, meshed and written.
 
-A solid is immutable; every verb returns a new one. Lengths in mm, angles in degrees. The kernel (build123d on Open
-CASCADE) is loaded when the first solid is made, and its absence is a `MissingExtraError`.
+Only this file uses the kernel (build123d on Open CASCADE). It is loaded when the first solid is made; its absence is
+a `MissingExtraError`. A solid is immutable; every method returns a new one. Lengths in mm, angles in degrees.
 """
 
 from __future__ import annotations
@@ -20,51 +20,43 @@ from palpate.core import FloatArray, IntArray, PalpateError, load_extra
 from palpate.design.outline import Arc, Outline, Plan, Point, SmoothCurve
 
 _LINEAR_MM, _ANGULAR_RAD = 0.02, 0.1
-"""Greatest distance and angle between a mesh and its solid."""
+"""Maximum distance and angle between a mesh and its solid."""
 _FINER = (1.0, 2.0, 4.0, 8.0)
-"""Factors by which both are divided until the volume is met: smooth curves need more than arcs."""
+"""Factors by which both are divided until the volume is accurate; smooth curves need more than arcs."""
 _VOLUME = 2e-3
-"""Greatest share by which a mesh may miss the volume of its solid."""
+"""Maximum relative volume error of a mesh."""
 _MERGE_MM = 1e-6
 _CURVE_POINTS = 40
 _QUARTER, _BENDS = 33, 9
-"""Points of a quarter of a plan, and sections of a bent edge of an outline, through which smooth curves are laid."""
+"""Points per quarter of a plan, and sections of a bent edge of an outline, for smooth curves."""
 _INTEGRAL = 1e-7
-"""Relative error at which the integral of a volume is refined no more."""
+"""Relative error at which the refinement of a volume integral ends."""
 
 
 @dataclass(frozen=True)
 class SurfaceMesh:
-    """Triangles of a solid's surface.
-
-    Attributes
-    ----------
-    points
-        (n, 3) mm.
-    triangles
-        (m, 3) numbers of points, counter-clockwise seen from outside.
-    """
+    """Points (n, 3) mm and triangles (m, 3) of a solid's surface, counter-clockwise seen from outside."""
 
     points: FloatArray
     triangles: IntArray
 
     @property
     def volume(self) -> float:
-        """Enclosed volume, mm³, by the divergence theorem; negative where the triangles face inward."""
+        """Enclosed volume, mm³, by the divergence theorem; negative if the triangles face inward."""
         a, b, c = np.moveaxis(self.points[self.triangles], 1, 0)
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
     @property
     def is_watertight(self) -> bool:
-        """Whether every edge belongs to exactly two triangles, which run through it in opposite directions."""
+        """Whether every edge belongs to exactly two triangles, with opposite directions."""
         edges = np.concatenate([self.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
         forward = {tuple(edge) for edge in edges.tolist()}
         return len(forward) == len(edges) and all((b, a) in forward for a, b in forward)
 
     def welded(self, tolerance: float = _MERGE_MM) -> SurfaceMesh:
-        """The mesh with points closer than `tolerance` mm merged, and without what has then no area or use.
+        """Merge points closer than `tolerance` mm, and remove degenerate triangles and unused points.
 
-        Where a face of revolution meets its axis the kernel repeats the pole, and triangles there have no area.
+        The kernel repeats the pole of a face of revolution, and triangles there have no area.
         """
         grid = np.round(self.points / tolerance)
         _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
@@ -74,20 +66,14 @@ class SurfaceMesh:
         return SurfaceMesh(self.points[first][used], triangles.reshape(-1, 3).astype(np.int64))
 
     def turned(self, rotation: FloatArray) -> SurfaceMesh:
-        """The mesh rotated by (3, 3) and set down on z = 0."""
+        """Rotate the mesh by (3, 3) and place it on z = 0."""
         points = self.points @ rotation.T
         return SurfaceMesh(points - [0.0, 0.0, points[:, 2].min()], self.triangles)
 
 
 @dataclass(frozen=True)
 class CadSolid:
-    """One body.
-
-    Attributes
-    ----------
-    shape
-        Of the CAD kernel.
-    """
+    """One body, with its shape of the CAD kernel."""
 
     shape: Any
 
@@ -98,7 +84,7 @@ class CadSolid:
 
     @property
     def bounds(self) -> FloatArray:
-        """(2, 3) mm: least and greatest coordinates."""
+        """Minimum and maximum coordinates (2, 3), mm."""
         box = self.shape.bounding_box()
         return np.array([tuple(box.min), tuple(box.max)])
 
@@ -108,19 +94,19 @@ class CadSolid:
         return len(self.shape.solids())
 
     def join(self, *others: CadSolid) -> CadSolid:
-        """Unite with others."""
+        """Unite with further solids."""
         return CadSolid(self.shape.fuse(*(other.shape for other in others)).clean())
 
     def cut(self, *others: CadSolid) -> CadSolid:
-        """Take others away."""
+        """Subtract further solids."""
         return CadSolid(self.shape.cut(*(other.shape for other in others)))
 
     def overlap(self, other: CadSolid) -> float:
-        """Volume shared with another solid, mm³."""
+        """Return the volume shared with another solid, mm³."""
         return sum(_volume(body) for body in self._shared(other))
 
     def common(self, other: CadSolid) -> CadSolid:
-        """What two solids share."""
+        """Return the intersection with another solid."""
         shared = self._shared(other)
         if len(shared) != 1:
             raise PalpateError(
@@ -135,21 +121,21 @@ class CadSolid:
         return list(shared.solids()) if shared else []
 
     def distance(self, other: CadSolid) -> float:
-        """Least distance to another solid, mm; zero where they touch."""
+        """Return the minimum distance to another solid, mm; zero if they touch."""
         return float(self.shape.distance_to(other.shape))
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> CadSolid:
-        """Move."""
+        """Move the solid."""
         cad = _cad()
         return CadSolid(self.shape.moved(cad.Location((x, y, z))))
 
     def turned(self, axis: str, angle_deg: float) -> CadSolid:
-        """Turn about the axis x, y or z."""
+        """Rotate the solid about the axis x, y or z."""
         cad = _cad()
         return CadSolid(self.shape.rotate(getattr(cad.Axis, axis.upper()), angle_deg))
 
     def look(self, origin: Sequence[float]) -> list[FloatArray]:
-        """Lines seen from far off at `origin` (3,) mm, hidden ones left out: polylines (n, 2) mm, z upward."""
+        """Return the visible lines from a distant `origin` (3,) mm: polylines (n, 2) mm, z upward."""
         visible, _ = self.shape.project_to_viewport(tuple(origin), viewport_up=(0, 0, 1))
         lines = []
         for edge in visible:
@@ -159,17 +145,12 @@ class CadSolid:
         return lines
 
     def mesh(self) -> SurfaceMesh:
-        """Mesh the surface.
-
-        Returns
-        -------
-        SurfaceMesh
-            Watertight, facing outward, within 0.2 % of the volume.
+        """Mesh the surface: watertight, facing outward, within 0.2 % of the volume.
 
         Raises
         ------
         PalpateError
-            If it is not.
+            If no such mesh is found.
         """
         mesher = load_extra("OCP.BRepMesh", "cad").BRepMesh_IncrementalMesh
         for finer in _FINER:
@@ -180,27 +161,27 @@ class CadSolid:
             if mesh.is_watertight and abs(mesh.volume / self.volume - 1) <= _VOLUME:
                 return mesh
         raise PalpateError(
-            f"The mesh of a solid is open or misses its volume, {mesh.volume:.6g} of {self.volume:.6g} mm³.",
+            f"The mesh of a solid is open or its volume wrong: {mesh.volume:.6g} instead of {self.volume:.6g} mm³.",
             "Change a dimension by some hundredths of a millimetre, and report this.",
             code="solid-mesh-open",
         )
 
 
 def revolve(outline: Outline) -> CadSolid:
-    """Turn an outline of (x, z), x >= 0, about the z axis."""
+    """Revolve an outline of (x, z), x >= 0, about the z axis."""
     cad = _cad()
     return CadSolid(cad.revolve(_face(outline, lambda point: (point[0], 0.0, point[1])), axis=cad.Axis.Z))
 
 
 def loft(outline: Outline, plan: Plan) -> CadSolid:
-    """Carry an outline of (x, z) round a plan of places w(φ): each of its points goes along ``(x w(φ), z)``.
+    """Sweep an outline of (x, z) around a plan of places w(φ): each point traces ``(x w(φ), z)``.
 
-    With the unit circle as plan it is turned, see `revolve`, which is exact where this lays smooth curves.
+    For the unit circle use `revolve`, which is exact; this function interpolates by smooth curves.
 
     Raises
     ------
     PalpateError
-        If the outline meets the axis elsewhere than level, or closes nothing.
+        If the outline meets the axis at an angle, or is not closed.
     """
     cad = _cad()
     faces: list[Any] = []
@@ -215,7 +196,7 @@ def loft(outline: Outline, plan: Plan) -> CadSolid:
             continue
         if at[:, 0].min() <= _MERGE_MM:
             raise PalpateError(
-                "An outline leaves the axis aslant, which no plan closes.",
+                "An outline meets the axis at an angle; no plan can close it there.",
                 "Begin it with a flat.",
                 code="outline-leaves-axis-aslant",
             )
@@ -223,15 +204,15 @@ def loft(outline: Outline, plan: Plan) -> CadSolid:
     shells = cad.Face.sew_faces(faces)
     if len(shells) != 1:
         raise PalpateError(
-            f"A solid came out in {len(shells)} shells.",
-            "Check the outline: it must be closed.",
+            f"A solid has {len(shells)} shells instead of one.",
+            "Check that the outline is closed.",
             code="solid-in-several-shells",
         )
     return CadSolid(cad.Solid(cad.Shell(shells[0])))
 
 
 def _ring(plan: Plan, at: Sequence[float]) -> Any:
-    """A plan, by four splines, as a wire at (x, z): so many times as wide, so high."""
+    """Return a plan of a width and a height, (x, z), as a wire of four splines."""
     cad = _cad()
     wide, height = at
     edges = []
@@ -245,27 +226,27 @@ def _ring(plan: Plan, at: Sequence[float]) -> Any:
 
 
 def extrude(outline: Outline, height: float) -> CadSolid:
-    """Pull an outline of (x, y) from z = 0 up to `height`, or down where it is negative."""
+    """Extrude an outline of (x, y) from z = 0 to `height`, downward if negative."""
     cad = _cad()
     face = _face(outline, lambda point: (point[0], point[1], 0.0))
     return CadSolid(cad.extrude(face, amount=height, dir=(0, 0, 1)))
 
 
 def cylinder(radius: float, low: float, high: float, at: Point = (0.0, 0.0)) -> CadSolid:
-    """Cylinder along z about `at` (x, y), from z = `low` to `high`."""
+    """Return a cylinder along z about `at` (x, y), from z = `low` to `high`."""
     cad = _cad()
     return CadSolid(cad.Solid.make_cylinder(radius, high - low, cad.Plane((*at, low))))
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> CadSolid:
-    """Box between two corners (3,) mm."""
+    """Return a box between two corners (3,) mm."""
     cad = _cad()
     size = np.subtract(high, low)
     return CadSolid(cad.Solid.make_box(*(float(value) for value in size), cad.Plane(tuple(map(float, low)))))
 
 
 def gather(parts: Sequence[CadSolid]) -> CadSolid:
-    """Several solids as one, each as it is, to be looked at together."""
+    """Combine several solids, unchanged, for display."""
     return CadSolid(_cad().Compound([body for part in parts for body in part.shape.solids()]))
 
 
@@ -297,12 +278,12 @@ def _face(outline: Outline, place: Any) -> Any:
 
 
 def _edges(outline: Outline, place: Any) -> list[Any]:
-    """The edges of a closed outline, one after the other."""
+    """Return the edges of a closed outline in order."""
     cad = _cad()
     first = outline[0]
     if isinstance(first, Arc | SmoothCurve):
         raise PalpateError(
-            "An outline begins with an arc or a curve.", "Begin with a point.", code="outline-begins-with-curve"
+            "An outline begins with an arc or a curve.", "Begin it with a point.", code="outline-begins-with-curve"
         )
     edges, here = [], first
     for item in [*outline[1:], first]:
@@ -318,9 +299,9 @@ def _edges(outline: Outline, place: Any) -> list[Any]:
 
 
 def _volume(shape: Any) -> float:
-    """Volume, mm³.
+    """Return the volume, mm³.
 
-    The kernel's plain integral misses lofted solids by up to 5 %, its refined one revolved splines by 1e-5.
+    The kernel's plain integral is wrong by up to 5 % for lofted solids, its refined one by 1e-5 for revolved splines.
     """
     spline = _cad().GeomType.BSPLINE
     if all(face.geom_type != spline for face in shape.faces()):
@@ -336,6 +317,6 @@ def _cad() -> Any:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Keep the kernel's chatter, written by C++ to the terminal, off it."""
+    """Suppress the kernel's output to the terminal, written by C++."""
     with Path(os.devnull).open("w") as nothing, contextlib.redirect_stdout(nothing):
         yield

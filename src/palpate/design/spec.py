@@ -76,7 +76,7 @@ _ROWS = ("rows", "around", "pitch")
 
 
 class MarkerSpec(Spec):
-    """Markers on the inner surface: preset rings, rings of given diameters, rows around a tube, or a free layout."""
+    """Markers on the inner surface: preset or given rings, rows around a tube, or a free layout."""
 
     count: int = parameter(
         169,

@@ -1,4 +1,4 @@
-"""A skin whose meridian is a spline through points: any smooth shape of revolution."""
+"""Skin whose meridian is a spline through points: any smooth shape of revolution."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _SAMPLES = 400
 _FLAT = 0.01
-"""Height over the radius of curvature at the apex below which it is flat."""
+"""Ratio of height to radius of curvature at the apex below which it counts as flat."""
 _TIGHTEST = 0.9
-"""Greatest share of a hollow's radius of curvature that the wall may fill: beyond 1 the outer surface folds."""
+"""Maximum ratio of skin thickness to a concave radius of curvature; above 1 the outer surface folds."""
 
 
 @final
@@ -43,7 +43,7 @@ class SplineSpec(TaperedSpec):
         if isinstance(points, str):
             raise PydanticCustomError(
                 "points-as-words",
-                "'{points}' are no pairs of numbers; write the skin into a study: points: [[0.5, 0.9], [0.85, 0.5]]",
+                "'{points}' are not pairs of numbers; write the skin into a study: points: [[0.5, 0.9], [0.85, 0.5]]",
                 {"points": points},
             )
         return points
@@ -69,14 +69,10 @@ class SplineSpec(TaperedSpec):
 @final
 @dataclass(frozen=True)
 class Spline(RevolvedSkin):
-    """Cubic spline over the length of its chords, level at the apex; its last two pieces are one.
+    """Cubic spline over the length of its chords, level at the apex, not-a-knot at the rim.
 
-    Attributes
-    ----------
-    height, base_radius, thickness, taper
-        See `RevolvedSkin`, mm.
-    points
-        (rho, z) between apex and rim, over base radius and height.
+    `points` are (rho, z) between apex and rim, over base radius and height; for the further dimensions see
+    `RevolvedSkin`.
     """
 
     height: float
@@ -100,7 +96,7 @@ class Spline(RevolvedSkin):
 
     @property
     def radius(self) -> float:
-        """``1 / -κ`` at the apex, or the least of the meridian where the apex is flat or hollow."""
+        """See `Skin`: ``1 / -κ`` at the apex, or the minimum of the meridian if the apex is flat or concave."""
         round_ = -self._hollow(np.linspace(0.0, 1.0, _SAMPLES))
         return float(1.0 / (round_[0] if round_[0] * self.height > _FLAT else round_.max()))
 
@@ -128,7 +124,7 @@ class Spline(RevolvedSkin):
         return np.asarray(np.where((beyond > 0) & (order > 1), 0.0, found))
 
     def refuse(self) -> None:
-        """Refuse a meridian that crosses the axis or the base, or is so hollow that the wall would fold.
+        """Reject a meridian that crosses the axis or the base, or is too concave for the skin thickness.
 
         Raises
         ------
@@ -140,14 +136,14 @@ class Spline(RevolvedSkin):
         if curve[1:, 0].min() <= 0 or curve[:-1, 1].min() <= 0:
             raise PalpateError(
                 f"The meridian of {self.name} crosses the axis or the base between its points.",
-                "Set more points, or points farther from them.",
+                "Use more points, or points at a greater distance from them.",
                 code="meridian-crosses-axis",
             )
         fill = float((hollow * self.wall_thickness(t)).max())
         if fill > _TIGHTEST:
             raise PalpateError(
-                f"The meridian is hollow with a radius of {1 / hollow.max():.3g} mm, and its wall "
-                f"{self.thickness:g} mm thick: the outer surface would fold.",
-                "Take a thinner wall or points that bend less.",
+                f"The meridian is concave with a radius of {1 / hollow.max():.3g} mm, and the skin thickness is "
+                f"{self.thickness:g} mm: the outer surface would fold.",
+                "Use a thinner skin, or points of a less curved meridian.",
                 code="meridian-too-hollow",
             )

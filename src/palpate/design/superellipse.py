@@ -1,15 +1,15 @@
-"""The plan of a pad: a superellipse, from an ellipse to a rectangle with round corners.
+"""Superellipse: the plan of a pad, from an ellipse to a rectangle with rounded corners.
 
 Its half axes are 1 along x and k along y, its exponent is n. The *pseudo-radius* of a point
 
     R(x, y) = (|x|ⁿ + |y/k|ⁿ)^(1/n)
 
-is 1 on the plan and grows in proportion along every ray. How far the plan reaches along a way m is the dual norm of m
-(Rockafellar, *Convex Analysis*, 1970, §15),
+is 1 on the plan and increases in proportion along every ray. The extent of the plan in a direction m is the dual norm
+of m (Rockafellar, *Convex Analysis*, 1970, §15),
 
     h(m) = (|m_x|^q + |k m_y|^q)^(1/q),      1/n + 1/q = 1
 
-For n above 2 the plan has no curvature where it meets the axes: a line across an axis touches a flat side there.
+For n above 2 the plan has no curvature at the axes: it is flat there.
 """
 
 from __future__ import annotations
@@ -25,15 +25,7 @@ from palpate.core import FloatArray
 @final
 @dataclass(frozen=True)
 class Superellipse:
-    """A superellipse with the half axes 1 along x and k along y.
-
-    Attributes
-    ----------
-    stretch
-        k, at least 1.
-    exponent
-        n, at least 2.
-    """
+    """Superellipse with the half axes 1 along x and k = `stretch` ≥ 1 along y, and n = `exponent` ≥ 2."""
 
     stretch: float
     exponent: float
@@ -49,9 +41,9 @@ class Superellipse:
 
     @property
     def farthest(self) -> float:
-        """Greatest distance of the plan from its middle, which is also the greatest h of a unit vector.
+        """Maximum distance of the plan from its centre, which is also the maximum of h for unit vectors.
 
-        By Hölder's inequality ``(1 + kᵖ)^(1/p)`` with ``p = 2n/(n - 2)``; of an ellipse k.
+        By Hölder's inequality ``(1 + kᵖ)^(1/p)`` with ``p = 2n/(n - 2)``; k for an ellipse.
         """
         if self.exponent == 2.0:
             return self.stretch
@@ -59,25 +51,25 @@ class Superellipse:
         return float(self.stretch * (1.0 + self.stretch**-power) ** (1.0 / power))
 
     def pseudo_radius(self, places: FloatArray) -> FloatArray:
-        """R (...) of places (..., 2), in their unit."""
+        """Return R (...) of places (..., 2), in their unit."""
         return _norm(places / self._axes, self.exponent)
 
     def level(self, places: FloatArray) -> FloatArray:
-        """Places (n, 2) moved along y and along their rays until their distance from the middle is their R."""
+        """Map places (n, 2) along y and along their rays so that their distance from the centre is their R."""
         flat = places / self._axes
         length = np.linalg.norm(flat, axis=-1)
         share = np.divide(self.pseudo_radius(places), length, out=np.zeros_like(length), where=length > 0)
         return np.asarray(share[..., None] * flat)
 
     def gradient(self, places: FloatArray) -> FloatArray:
-        """Derivative (n, 2) of R by the place, at places (n, 2); zero in the middle."""
+        """Return the gradient (n, 2) of R at places (n, 2); zero at the centre."""
         flat = places / self._axes
         radius = np.maximum(_norm(flat, self.exponent), np.finfo(float).tiny)[:, None]
         share = np.abs(flat / radius) ** (self.exponent - 1.0)
         return np.asarray(np.sign(flat) * share / self._axes)
 
     def edge(self, angle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (n, 2) of the plan at angles (n,) in rad of the disc it is made of, and two derivatives by them.
+        """Return points (n, 2) of the plan at angles (n,) in rad of the unit disc, and two derivatives.
 
         With d = (cos φ, sin φ) and q = |d|ₙ they are ``(1, k) d / q``.
         """
@@ -93,11 +85,11 @@ class Superellipse:
         return scale * ray, scale * (turned - along * ray), scale * curved
 
     def support(self, ways: FloatArray) -> FloatArray:
-        """h (...) of ways (..., 2)."""
+        """Return h (...) of directions (..., 2)."""
         return _norm(np.asarray(ways, float) * self._axes, self._dual)
 
     def support_point(self, way: FloatArray) -> FloatArray:
-        """The point (2,) of the plan that lies farthest along a way (2,); the middle where that has no length."""
+        """Return the extreme point (2,) of the plan in a direction (2,); the centre for a zero vector."""
         reach = np.asarray(way, float) * self._axes
         length = float(_norm(reach, self._dual))
         if length == 0.0:
@@ -110,7 +102,7 @@ class Superellipse:
 
 
 def _norm(places: FloatArray, exponent: float) -> FloatArray:
-    """Norm (...) of vectors (..., 2), without losing small ones to their powers."""
+    """Return the norm (...) of vectors (..., 2) without underflow of powers."""
     most = np.abs(places).max(axis=-1)
     share = np.abs(places) / np.where(most > 0, most, 1.0)[..., None]
     return np.asarray(most * (share**exponent).sum(axis=-1) ** (1.0 / exponent))
