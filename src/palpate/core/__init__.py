@@ -1,4 +1,4 @@
-"""What every stage stands on: parameters, errors, seeds, the artefact store, provenance. No physics."""
+"""Foundations of every stage: parameters, errors, seeds, the artefact store, provenance. No physics."""
 
 from palpate.core.lazy_front import lazy_front
 

@@ -1,4 +1,4 @@
-"""Array types of every stage; shapes and units stand where they are used."""
+"""Array types of every stage; shapes and units are documented at each use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Versions of computed artefacts: the behaviour stamp of a stage, the numeric libraries, and the plug-ins.
+"""Versions of artefacts: the behaviour stamp of a stage, numeric libraries, and plug-ins.
 
 `behaviour.json` contains, for each stage, the results of small reference cases. The stamp of a stage is the hash of
 its results. A test computes the cases again and fails if a result differs beyond rounding; then
@@ -23,7 +23,7 @@ BEHAVIOUR_FILE = Path(__file__).with_name("behaviour.json")
 """Results of the reference cases: stage → case → name → numbers."""
 
 _LIBRARIES = ("numpy", "scipy", "numba", "py-mkl-pardiso", "rslab")
-"""Distributions that decide the digits of a result: arrays, compiled kernels, sparse linear solvers."""
+"""Distributions that affect the digits of a result: arrays, compiled kernels, sparse linear solvers."""
 _VISION, _TRAINING = ("opencv-python-headless", "opencv-python"), ("torch",)
 _STAGE_LIBRARIES = {
     "detections": _VISION,
@@ -35,7 +35,7 @@ _STAGE_LIBRARIES = {
     "recorded_estimator": (*_VISION, *_TRAINING),
     "baseline": (*_VISION, *_TRAINING),
 }
-"""Further distributions that decide the results of a stage."""
+"""Further distributions that affect the results of a stage."""
 
 
 def stage_version(stage: str, *parts: object) -> str:
@@ -59,7 +59,7 @@ def stage_version(stage: str, *parts: object) -> str:
 
 @cache
 def behaviour_stamp(stage: str) -> str:
-    """Hash of the reference results of a stage, 16 hexadecimal digits.
+    """Return the hash of the reference results of a stage, 16 hexadecimal digits.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def _plugin_version(part: object) -> str:
 
 @cache
 def _package_version(top: str) -> str:
-    """Distributions of a top-level module with their versions; its source's hash if it is not installed."""
+    """Return the distributions of a top-level module with versions; its source's hash if not installed."""
     names = sorted(set(packages_distributions().get(top, ())))
     if names:
         return ", ".join(f"{name} {installed_version(name)}" for name in names)

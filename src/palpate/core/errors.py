@@ -1,4 +1,4 @@
-"""The one family of errors that reaches a user: a sentence with the number, the remedy, and a code to search for."""
+"""Errors for the user: a sentence with the value, the remedy, and a code to search for."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from typing import Any
 
 
 class PalpateError(Exception):
-    """Something the user can mend. The command line prints it on one screen and exits with code 2.
+    """Error that the user can correct. The command line prints it on one screen and exits with code 2.
 
     Parameters
     ----------
     problem
-        One sentence that says what is wrong, with the offending number and its unit.
+        One sentence that states the problem, with the value and its unit.
     remedy
-        What to do about it, in one sentence; empty where the sentence already says so.
+        Recommended action, in one sentence; empty if the problem contains it.
     code
-        Short name of the kind of error that does not change, e.g. ``"column-missing"``.
+        Permanent short name of the kind of error, e.g. ``"column-missing"``.
     """
 
     def __init__(self, problem: str, remedy: str = "", *, code: str) -> None:
@@ -29,7 +29,7 @@ class PalpateError(Exception):
 
     @classmethod
     def of(cls, error: BaseException) -> PalpateError:
-        """Return an error of this family as it is, and any other one as a sentence with its kind."""
+        """Return an error of this family unchanged, and any other one as a sentence with its kind."""
         if isinstance(error, PalpateError):
             return error
         first = next(iter(str(error).strip().splitlines()), "")
@@ -38,20 +38,12 @@ class PalpateError(Exception):
 
 
 def _unpickle(kind: type[PalpateError], args: tuple[Any, ...]) -> PalpateError:
-    """An error as it was, whatever its class is made from."""
+    """Rebuild an error without calling its class's constructor."""
     return kind.__new__(kind, *args)
 
 
 class MissingExtraError(PalpateError):
-    """An optional library is not installed.
-
-    Parameters
-    ----------
-    library
-        Name of the library that could not be imported.
-    extra
-        The extra of this package that installs it.
-    """
+    """Error of an optional library that is not installed, with the extra that installs it."""
 
     code = "extra-missing"
 

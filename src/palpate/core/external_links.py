@@ -1,4 +1,4 @@
-"""A file must hold what it shows: HDF5 would follow links into any other file of this machine without a word."""
+"""Rejection of HDF5 files with links, which HDF5 would follow into any file of this machine."""
 
 from __future__ import annotations
 
@@ -12,14 +12,10 @@ if TYPE_CHECKING:
 
 
 def reject_external_links(file: h5py.File, path: Path) -> None:
-    """Refuse an HDF5 file of which a part lies in another: external and virtual members, and raw data outside.
+    """Raise an error if a part of an HDF5 file is in another file.
 
-    Parameters
-    ----------
-    file
-        The open file; nothing of its members is read.
-    path
-        Where it lies, for the message.
+    External and virtual members and external raw data are rejected; the members of the open file are not read. `path`
+    is that of the message.
 
     Raises
     ------
@@ -30,18 +26,18 @@ def reject_external_links(file: h5py.File, path: Path) -> None:
         member = _find_outside(file)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(
-            f"{path} is a damaged HDF5 file: {error}.", "Make it again.", code="hdf5-damaged"
+            f"{path} is a damaged HDF5 file: {error}.", "Make the file again.", code="hdf5-damaged"
         ) from None
     if member:
         raise PalpateError(
-            f"{path}: {member} lies in another file.",
-            "Use only files that hold all of their data.",
+            f"{path}: {member} is stored in another file.",
+            "Use only files that contain all of their data.",
             code="hdf5-outside-link",
         )
 
 
 def _find_outside(file: h5py.File) -> str:
-    """Name of a member that lies in another file; empty where there is none."""
+    """Return the name of a member that is stored in another file, or an empty text."""
     import h5py
 
     groups: list[tuple[str, h5py.Group]] = [("", file)]

@@ -1,4 +1,4 @@
-"""Optional libraries: loaded where they are used, and missed with the command that installs them."""
+"""Optional libraries: loaded on use; the error contains the command that installs them."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def load_extra(module: str, extra: str, library: str = "") -> Any:
     extra
         The extra of this package that installs it.
     library
-        Name under which people know it; without one, `module`.
+        Name for messages; by default `module`.
 
     Raises
     ------
     MissingExtraError
         If it is not installed.
     PalpateError
-        If it is, but lacks a library of the system, such as libGL.so.1.
+        If it is installed, but lacks a library of the system, such as libGL.so.1.
     """
     try:
         return importlib.import_module(module)

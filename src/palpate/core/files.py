@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all, and the one sentence where they cannot be written."""
+"""Atomic files and folders, and the error if they cannot be written."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     import h5py
 
 DRAFT = ".writing-"
-"""Beginning of the names of what is not yet whole."""
+"""Prefix of the names of incomplete files and folders."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 """Error numbers of a disk that is full, by its size or a quota, or read-only."""
 
 
 def is_disk_full(error: BaseException | None) -> bool:
-    """Whether an error, or one that caused it, is that of a full or read-only disk."""
+    """Return whether an error, or one that caused it, is that of a full or read-only disk."""
     while error is not None and getattr(error, "errno", None) not in _FULL:
         error = error.__cause__
     return error is not None
@@ -33,7 +33,7 @@ def is_disk_full(error: BaseException | None) -> bool:
 
 @contextmanager
 def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") -> Iterator[None]:
-    """Let every `OSError` of the block be a `PalpateError` that names what cannot be written, why, and the remedy."""
+    """Raise every `OSError` of the block as a `PalpateError` with the path, the reason and the remedy."""
     try:
         yield
     except OSError as error:
@@ -46,9 +46,10 @@ def wrap_write_errors(what: Path | str, remedy: str = "Choose another file.") ->
 
 @contextmanager
 def create_hdf5(path: Path) -> Iterator[h5py.File]:
-    """A new HDF5 file, which is written to the disk when the block ends well.
+    """Create an HDF5 file, which is written to the disk if the block ends without an error.
 
-    HDF5 itself ends the process with a segmentation fault when the disk is full; here that is an `OSError`.
+    It is built in memory, because HDF5 crashes with a segmentation fault if the disk is full; here that is an
+    `OSError`.
     """
     import h5py
 
@@ -61,7 +62,7 @@ def create_hdf5(path: Path) -> Iterator[h5py.File]:
 
 @contextmanager
 def atomic_write(path: Path, remedy: str = "Choose another file.") -> Iterator[Path]:
-    """A path of the same name in a folder beside; what is written there takes its place when the block ends well.
+    """Yield a path in a temporary folder; a file written there replaces `path` if the block succeeds.
 
     Raises
     ------
@@ -74,7 +75,7 @@ def atomic_write(path: Path, remedy: str = "Choose another file.") -> Iterator[P
 
 @contextmanager
 def atomic_write_into(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """An empty folder inside `folder`, which is made; its files move up by name when the block ends well.
+    """Yield an empty folder inside `folder`, which is created; its files move up if the block succeeds.
 
     Raises
     ------
@@ -89,16 +90,18 @@ def atomic_write_into(folder: Path, remedy: str = "Choose another folder.") -> I
 
 @contextmanager
 def atomic_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A folder beside the one asked for, which takes its place when the block ends well and vanishes when not.
+    """Yield a temporary folder, which becomes `folder` if the block succeeds and is removed otherwise.
 
     Raises
     ------
     PalpateError
-        If `folder` holds something, or cannot be written.
+        If `folder` is not empty, or cannot be written.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise PalpateError(
-            f"{folder} exists and is not an empty folder.", "Choose another, or remove it.", code="folder-exists"
+            f"{folder} exists and is not an empty folder.",
+            "Choose another folder, or remove it.",
+            code="folder-exists",
         )
     with wrap_write_errors(folder, remedy):
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -122,6 +125,6 @@ def _drafts(folder: Path) -> Iterator[Path]:
 
 
 def natural_key(name: str) -> list[tuple[int, str]]:
-    """Key by which ``frame_2`` comes before ``frame_10``: numbers count as such."""
+    """Return a sort key by which ``frame_2`` comes before ``frame_10``: numbers are compared by value."""
     parts = re.findall(r"([0-9]+)|([^0-9]+)", name)
     return [*((int(digits), "") if digits else (-1, text) for digits, text in parts), (-2, name)]

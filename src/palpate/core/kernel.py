@@ -1,9 +1,8 @@
-"""Compiled kernels: one typed door to numba, with the machine code kept on disk.
+"""Compiled kernels: a typed interface to numba, with machine code cached on disk.
 
-numba keeps a function's machine code as long as the function's own file stays as it is, and forgets that other
-files are compiled into it: a changed material law would go on unnoticed in the elements. So the machine code lies in
-a folder named by all sources that hold kernels, and any change among them makes a new one. A kernel of another
-package has those of that package in the name of its folder as well.
+numba's cache is valid as long as the function's own file is unchanged, and ignores other files that are compiled into
+it: elements would keep an old material law. So the cache folder is named by a hash of all sources with kernels, and
+any change creates a new one. For a kernel of another package, the name includes a hash of that package as well.
 """
 
 from __future__ import annotations
@@ -23,25 +22,27 @@ from typing import Any, TypeVar, cast
 F = TypeVar("F", bound=Callable[..., Any])
 
 _FOLDER = threading.Lock()
-"""Held while numba's folder is that of a kernel, which is a setting of the whole process."""
+"""Lock of numba's cache folder, a setting of the whole process, while it is that of a kernel."""
 _MARK = "@kernel"
 _PREFIX = "kernels-"
 STALE_S = 30 * 86_400.0
-"""Time without a use after which the machine code of other sources is removed, s. Twice as long keeps some 10 MB a
-version longer; half as long compiles again, in a minute, what is run once in three weeks."""
+"""Time without use after which the machine code of other sources is removed, s.
+
+Twice this time would keep some 10 MB per version longer; half of it would recompile, in a minute, code used every
+three weeks.
+"""
 
 
 def kernel(function: F) -> F:
-    """Compile `function` by numba to a disk cache, when it is first called; numba is not imported before.
+    """Compile `function` by numba to a disk cache on its first call; numba is not imported before.
 
-    Floating point may be re-associated, never made unsafe: NaN and infinity keep their meaning, so an inverted
-    element can be seen.
+    Floating point may be re-associated, but NaN and infinity are preserved, so that inverted elements are detected.
     """
     return cast(F, _Kernel(function))
 
 
 class _Kernel:
-    """A function that is compiled when it is first called, by Python or by another kernel."""
+    """Function that is compiled on its first call, by Python or by another kernel."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
@@ -71,7 +72,7 @@ class _Kernel:
 
 @cache
 def _import_numba() -> Any:
-    """numba, which from here on takes a kernel for its compiled function where another kernel uses it."""
+    """Import numba, and register the type by which a kernel can call another kernel."""
     import numba
     from numba.core import types
     from numba.extending import typeof_impl
@@ -85,7 +86,7 @@ def _import_numba() -> Any:
 
 @cache
 def _keep_fresh(folder: Path) -> None:
-    """Say that a folder of machine code is in use, once a process, and remove those beside it that are not."""
+    """Mark a folder of machine code as used, once per process, and remove unused ones next to it."""
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
@@ -93,24 +94,11 @@ def _keep_fresh(folder: Path) -> None:
 
 
 def remove_stale(place: Path, keep: Iterable[str], older_s: float = STALE_S) -> tuple[str, ...]:
-    """Remove folders of machine code that nothing has used for a while.
+    """Remove unused folders of machine code from `place`, except those named `keep`; return their names.
 
-    A folder is renamed before it is emptied, so that no other process sees a part of one; what it has loaded already
-    it keeps, and what it misses it compiles. Where two remove at once, one of them finds nothing to rename.
-
-    Parameters
-    ----------
-    place
-        Where the folders lie.
-    keep
-        Names of folders that stay, however old.
-    older_s
-        Time in s without a use or a new file after which a folder goes.
-
-    Returns
-    -------
-    tuple[str, ...]
-        Names of those that were removed.
+    A folder is removed if it has not been used, and has no new file, for `older_s` seconds. It is renamed before it
+    is deleted, so that no other process sees a part of it; a process keeps the code it has loaded and compiles the
+    rest again. If two processes remove at once, one of them finds nothing to rename.
     """
     removed, kept, now = [], set(keep), time.time()
     for folder in sorted(place.glob(f"{_PREFIX}*")):
@@ -136,7 +124,7 @@ def _stamp(function: Callable[..., Any], package: Path) -> str:
 
 @cache
 def kernel_stamp(package: Path) -> str:
-    """Hash of every source file below `package` that holds kernels."""
+    """Return the hash of every source file below `package` that contains kernels."""
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()

@@ -1,4 +1,4 @@
-"""Specs that are chosen by a kind: from plain values, or from words, of any registry of them."""
+"""Specs chosen by kind from a registry, from plain values or from a text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ S = TypeVar("S", bound=Spec)
 
 
 def spec_from_data(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str) -> S:
-    """Read a spec from plain values.
+    """Build a spec from plain values.
 
     Parameters
     ----------
@@ -24,12 +24,12 @@ def spec_from_data(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: st
     data
         Values of its fields, and its ``kind``.
     oldest
-        The kind of values that name none, and whose spec has no field for it.
+        Kind of values without one, whose spec has no field for it.
 
     Raises
     ------
     PalpateError
-        If there is no such kind, or a number is missing, unknown or out of bounds.
+        If the kind is unknown, or a value is missing, unknown or out of bounds.
     """
     kind = kinds.get(str(data.get("kind", oldest)))
     own = {name: value for name, value in data.items() if name != "kind" or "kind" in kind.model_fields}
@@ -40,18 +40,18 @@ def spec_from_data(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: st
         where = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
             f"The {kinds.noun}'s {where or 'numbers'}: {first['msg']}.",
-            f"Its numbers are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
+            f"Its parameters are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
             code=first["type"],
         ) from None
 
 
 def data_from_text(noun: str, text: str) -> dict[str, Any]:
-    """Plain values of words ``KIND`` or ``KIND:NAME=VALUE,…``.
+    """Return the plain values of a text ``KIND`` or ``KIND:NAME=VALUE,…``.
 
     Raises
     ------
     PalpateError
-        If they are not written so.
+        If the text has another form.
 
     Examples
     --------

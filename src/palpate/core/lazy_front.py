@@ -1,7 +1,7 @@
 """Public names of a subpackage, imported on first use, so that a command loads only its own modules.
 
-The stub `__init__.pyi` names them, as in scientific Python's SPEC 1: tools and
-type checkers read the stub as they read an `__init__.py` of imports.
+The stub `__init__.pyi` lists them, as in scientific Python's SPEC 1: tools and type checkers read it like an
+`__init__.py` of imports.
 """
 
 from __future__ import annotations
@@ -36,14 +36,9 @@ class _LazyFront(ModuleType):
 
 
 def lazy_front(package: str, file: str) -> None:
-    """Let a package import each name of its stub when it is first used.
+    """Make a package, by its ``__name__`` and ``__file__``, import each name of its stub on first use.
 
-    Parameters
-    ----------
-    package
-        ``__name__`` of the package.
-    file
-        ``__file__`` of its ``__init__.py``; the stub ``__init__.pyi`` is in the same folder.
+    The stub ``__init__.pyi`` is in the same folder.
     """
     module = sys.modules[package]
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text("utf-8"))

@@ -1,4 +1,4 @@
-"""Write and read named arrays: numbers, truth values and texts, in one HDF5 file."""
+"""Named arrays of numbers, truth values and texts in one HDF5 file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
 
 
 def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Read what `write_arrays` wrote.
+    """Read a file of `write_arrays`.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Declare each number once: default, unit, bounds, meaning and source stand at one field.
+"""Parameters declared once: default, unit, bounds, meaning and source at one field.
 
-A *spec* is a frozen record of what a person may choose. Its fields are declared by `parameter`; validation,
-command-line help and the tables of the documentation are all read from that one place.
+A *spec* is a frozen record of the choices of a user. Its fields are declared by `parameter`; validation, command-line
+help and the tables of the documentation are derived from this declaration.
 
     >>> class HoleSpec(Spec):
     ...     diameter: float = parameter(6.0, unit="mm", meaning="bore", gt=0, le=20)
@@ -22,7 +22,7 @@ from pydantic_core import PydanticCustomError
 from palpate.core.renamed_keys import RENAMED_KEYS
 
 _QUANTITY = re.compile(r"^\s*((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*([^\d\s].*?)\s*$")
-"""A number that is read to its end, then a unit: a number alone is none."""
+"""A complete number followed by a unit; a number alone does not match."""
 
 
 def parameter(
@@ -34,20 +34,20 @@ def parameter(
     flag: str = "",
     **bounds: float,
 ) -> Any:
-    """Declare one number of a spec.
+    """Declare one parameter of a spec.
 
     Parameters
     ----------
     default
-        Value used when nothing is chosen; `...` makes the parameter required.
+        Default value; `...` makes the parameter required.
     unit
         Unit of the value as printed ("mm", "deg", "px", "MPa", "1" for a pure number).
     meaning
         One phrase for help texts and documentation.
     source
-        Where the default comes from, if it is not our own choice.
+        Source of the default, if it is not our own choice.
     flag
-        Name on the command line without its dashes, where it is not the field's own (`flag_name`).
+        Name on the command line without dashes, if it is not derived from the field's (`flag_name`).
     **bounds
         Any of `gt`, `ge`, `lt`, `le`, in the same unit.
     """
@@ -63,10 +63,10 @@ _UNIT_ENDINGS = ("_deg", "_px", "_percent")
 
 
 class Spec(BaseModel):
-    """What a person may choose for one stage: frozen, unknown keys refused, units checked.
+    """Choices of a user for one stage: frozen, unknown keys rejected, units checked.
 
-    A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is refused, and so is a number
-    that is not finite. An empty text is none, where a field may be none.
+    A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is rejected, and so is a number
+    that is not finite. An empty text is read as `None` if the field allows it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -92,7 +92,7 @@ class Spec(BaseModel):
 
 @dataclass(frozen=True)
 class ParameterDoc:
-    """One row of a table of parameters, read from the field that declares it.
+    """One row of a table of parameters, from the declaration of a field.
 
     Attributes
     ----------
@@ -101,9 +101,9 @@ class ParameterDoc:
     help
         Meaning, unit and bounds in one sentence, e.g. ``"Bore (mm; > 0, <= 20)."``: help of the flag.
     default
-        Value used when nothing is chosen, or `None` for a required field.
+        Default value, or `None` for a required field.
     bounds
-        Bounds as printed, e.g. ``"> 0, <= 20"``; empty where there are none.
+        Bounds as printed, e.g. ``"> 0, <= 20"``; may be empty.
     """
 
     name: str
@@ -149,7 +149,7 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterDoc, ...]:
 
 
 def flag_name(spec: type[BaseModel], name: str) -> str:
-    """Name of a field on the command line, without dashes: its declared flag, or its name without the unit.
+    """Return the name of a field on the command line: its declared flag, or its name without the unit.
 
     Examples
     --------
@@ -164,7 +164,7 @@ def flag_name(spec: type[BaseModel], name: str) -> str:
 
 
 def _declared(spec: type[BaseModel], name: str) -> dict[str, Any]:
-    """What `parameter` wrote down about a field; empty for a field that it did not declare."""
+    """Return the declaration of a field by `parameter`; empty for other fields."""
     field = spec.model_fields.get(name)
     extra = field.json_schema_extra if field is not None else None
     return dict(extra) if isinstance(extra, dict) else {}

@@ -26,12 +26,7 @@ class _Piece:
 class Progress:
     """Progress of work in pieces, some at the same time; this class shows nothing, its subclasses do.
 
-    Costs are expected seconds of one worker, or any other measure of equal work.
-
-    Parameters
-    ----------
-    clock
-        Returns the time, s.
+    Costs are expected seconds of one worker, or any other measure of equal work; `clock` returns the time, s.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -109,7 +104,7 @@ class Progress:
 
 
 def _duration_text(seconds: float) -> str:
-    """A time in s, from two minutes on in min, from two hours on in h."""
+    """Return a time in s, from two minutes in min, from two hours in h."""
     if seconds < 120:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,4 +1,4 @@
-"""Where a number came from: versions of the program, of Python and of the libraries that matter."""
+"""Provenance of results: versions of the program, of Python and of the libraries that affect results."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "pydantic", "py-mkl-pardiso", "r
 
 
 def installed_version(distribution: str) -> str | None:
-    """Version of an installed distribution, or `None`; nothing is imported."""
+    """Return the version of an installed distribution, or `None`, without importing it."""
     try:
         return metadata.version(distribution)
     except metadata.PackageNotFoundError:
@@ -18,9 +18,7 @@ def installed_version(distribution: str) -> str | None:
 
 
 def provenance() -> dict[str, str]:
-    """Versions of palpate, Python, the platform and `LIBRARIES`, as name → version.
-
-    A library that is not installed is left out.
+    """Return the versions of palpate, Python, the platform and installed `LIBRARIES`, as name → version.
 
     Examples
     --------

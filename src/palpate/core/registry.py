@@ -1,13 +1,12 @@
-"""Registries: implementations of one contract by name, the package's own and those of installed packages.
+"""Registries: implementations of one contract by name, of this package and of installed packages.
 
 An installed package offers an implementation by an entry point (PyPA, *Entry points specification*) in the group of
-the contract; its `pyproject.toml` says
+the contract, declared in its `pyproject.toml`:
 
     [project.entry-points."palpate.laws"]
     isihara = "my_package.isihara:Isihara"
 
-Nothing is imported before it is asked for by its name, so a front door opens fast and a package that cannot be
-loaded stands in nobody's way who does not ask for it.
+An implementation is imported when its name is requested, so a defective package affects only its own names.
 """
 
 from __future__ import annotations
@@ -33,14 +32,14 @@ class Registry(Generic[T]):
     group
         Entry point group, e.g. ``palpate.laws``.
     noun
-        What one implementation is called in errors, e.g. ``law``.
+        Name of an implementation in errors, e.g. ``law``.
     own
-        The package's own: name → ``module:attribute``. They keep their names: an entry point of the same name is an
-        error, so that a name in a file means the same everywhere.
+        Implementations of this package: name → ``module:attribute``. An entry point of the same name is an error, so
+        that a name in a file has the same meaning everywhere.
     fits
-        Whether what an entry point loads is such an implementation.
+        Returns whether a loaded entry point is such an implementation.
     remedy
-        What else helps someone whose name is unknown, one sentence.
+        Additional remedy for an unknown name, one sentence.
 
     Examples
     --------
@@ -67,11 +66,11 @@ class Registry(Generic[T]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every name: the package's own in their order, then those of other packages, sorted."""
+        """All names: those of this package in their order, then those of other packages, sorted."""
         return (*self._own, *sorted(set(self._offered) - set(self._own)))
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is such a name; it need not be loadable."""
+        """Return whether a name exists; its implementation may fail to load."""
         return name in self._own or name in self._offered
 
     def get(self, name: str) -> T:
@@ -80,11 +79,11 @@ class Registry(Generic[T]):
         Raises
         ------
         PalpateError
-            If there is none (the error lists the names), two packages offer it, or it cannot be loaded.
+            If the name is unknown (the error lists the names), two packages offer it, or it cannot be loaded.
         """
         if name not in self:
             raise PalpateError(
-                f"There is no {self.noun} '{name}'.",
+                f"Unknown {self.noun} '{name}'.",
                 f"Choose one of {', '.join(self.names)}. {self._remedy}",
                 code="kind-unknown",
             )
@@ -93,14 +92,14 @@ class Registry(Generic[T]):
         return self._loaded[name]
 
     def available(self) -> Iterator[tuple[str, T]]:
-        """Names with their implementations; what cannot be loaded is left out, and `get` says why."""
+        """Yield names with their implementations; those that cannot be loaded are left out (see `get`)."""
         for name in self.names:
             with suppress(PalpateError):
                 yield name, self.get(name)
 
     @cached_property
     def _offered(self) -> dict[str, list[EntryPoint]]:
-        """Entry points of other packages by name; the same one found twice on the path counts once."""
+        """Entry points of other packages by name; duplicates on the path count once."""
         offered: dict[str, list[EntryPoint]] = {}
         for point in entry_points(group=self.group):
             same = offered.setdefault(point.name, [])
@@ -113,7 +112,7 @@ class Registry(Generic[T]):
         if len(points) + (name in self._own) > 1:
             sources = (["palpate"] if name in self._own else []) + [_package(point) for point in points]
             raise PalpateError(
-                f"The {self.noun} '{name}' is offered by {' and '.join(sources)}.",
+                f"The {self.noun} '{name}' is provided by {' and '.join(sources)}.",
                 "Uninstall or rename all but one.",
                 code="kind-offered-twice",
             )
@@ -125,13 +124,13 @@ class Registry(Generic[T]):
         except Exception as error:  # whatever another package's import does
             raise PalpateError(
                 f"The {self.noun} '{name}' of {_package(points[0])} cannot be loaded: {error}.",
-                f"Reinstall {_package(points[0])} with what it needs, or choose another {self.noun}.",
+                f"Reinstall {_package(points[0])} with its dependencies, or choose another {self.noun}.",
                 code="kind-unloadable",
             ) from error
         if self._fits is not None and not self._fits(loaded):
             raise PalpateError(
-                f"{points[0].value} of {_package(points[0])} is no {self.noun}.",
-                f"An entry point of {self.group} must name what the suite in palpate.testing accepts.",
+                f"{points[0].value} of {_package(points[0])} is not a {self.noun}.",
+                f"An entry point of {self.group} must pass the test suite in palpate.testing.",
                 code="kind-wrong-type",
             )
         return cast(T, loaded)

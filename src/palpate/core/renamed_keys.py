@@ -1,4 +1,4 @@
-"""Renamed keys of files: keys of a spec are refused with the new name, columns of results are still read in 0.3."""
+"""Renamed keys of files: old keys of a spec are rejected, old columns of results are read until 0.4."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ RENAMED_KEYS: dict[str, dict[str, str]] = {
     "VirtualBenchSpec": _BENCH,
     "WallSpec": {"bend": "curvature", "drift": "lateral_rate", "drift_across": "lateral_rate_across"},
 }
-"""Class of a spec → old key → new key; the old one is refused (`yaml-key-renamed`)."""
+"""Class of a spec → old key → new key; the old one is rejected (`yaml-key-renamed`)."""
 
 RENAMED_COLUMNS = {
     "built_worst_deg": "built_p95_deg",
@@ -79,11 +79,11 @@ RENAMED_COLUMNS = {
     "ending": "outcome",
     "most_force_n": "max_force_n",
 }
-"""Old name of a result's column or JSON key → new name. Old names are read, with a warning, until 0.4."""
+"""Old name of a result's column or JSON key → new name; old names are read, with a warning, until 0.4."""
 
 
 def new_column(name: str, columns: Mapping[str, Any]) -> str:
-    """Return the column of a table that a name means; an old name gives a warning.
+    """Return the current name of a table's column; an old name gives a warning.
 
     Examples
     --------

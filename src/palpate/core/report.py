@@ -126,7 +126,7 @@ class Report:
         *notes: str,
         details: Container[str] = (),
     ) -> Report:
-        """Table of rows whose values stand in the order of the columns.
+        """Build a table from rows whose values are in the order of the columns.
 
         A text among `headings` is the heading of its column, which is not deciding if it is among `details`.
         """
@@ -196,7 +196,7 @@ def page_markdown(parts: Iterable[str | Report]) -> str:
 
 
 def plain_page(parts: Iterable[str | Report]) -> Iterator[str | Report]:
-    """Yield the parts of a page as a terminal shows them: without marks of headings and stress, and pictures."""
+    """Yield the parts of a page for a terminal: without marks of headings and emphasis, and images."""
     texts: list[str] = []
     for part in (*parts, None):
         if isinstance(part, str):
@@ -220,15 +220,7 @@ def report_html(report: Report) -> str:
 
 
 class CsvWriter:
-    """CSV (RFC 4180, lines end in ``\\n``), written row by row.
-
-    Parameters
-    ----------
-    file
-        Text file, opened with ``newline=""``.
-    columns
-        Names of the columns, which become the first line.
-    """
+    """CSV (RFC 4180, lines end in ``\\n``), written row by row to a file opened with ``newline=""``."""
 
     def __init__(self, file: TextIO, columns: Sequence[str]) -> None:
         self._columns = columns
@@ -256,14 +248,7 @@ def csv_text(rows: Iterable[Mapping[str, Value]]) -> str:
 def write_csv(path: Path, rows: Iterable[Mapping[str, Value] | Sequence[Value]], columns: Sequence[str]) -> None:
     """Write a CSV file, replacing it; its rows may come one by one.
 
-    Parameters
-    ----------
-    path
-        The file.
-    rows
-        Values by column, or in the order of the columns.
-    columns
-        Names of the columns.
+    A row has values by column, or in the order of the columns.
 
     Raises
     ------
@@ -376,16 +361,9 @@ def _blocks(report: Report, columns: Sequence[Column], width: int) -> list[str]:
 
 
 def wrapped(text: str, width: int | None, indent: str = "") -> list[str]:
-    """Return the lines of a text; a word that is longer than a line stays whole.
+    """Return the lines of a text of at most `width` characters; a longer word stays whole.
 
-    Parameters
-    ----------
-    text
-        The text; its own line ends stay.
-    width
-        Maximum length of a line; `None` for any.
-    indent
-        Start of the second and later lines.
+    The text's own line ends stay; the second and later lines begin with `indent`.
     """
     if width is None:
         return text.split("\n")

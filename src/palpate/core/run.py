@@ -66,10 +66,8 @@ class Outcome:
 
     Attributes
     ----------
-    value
-        Returned by the work; `None` after a failure.
-    reason
-        Empty, or one sentence on the failure.
+    value, reason
+        Returned by the work, `None` after a failure; empty, or one sentence on the failure.
     trace
         Traceback of an unexpected error, or of the place where a worker was stopped.
     seconds
@@ -198,10 +196,7 @@ class WorkerPool(ABC):
 class LocalWorkers(WorkerPool):
     """Processes on this machine, each with one thread; the death of one stops no more than its call.
 
-    Parameters
-    ----------
-    workers
-        Number of processes; each starts with its first call.
+    A process starts with its first call.
     """
 
     def __init__(self, workers: int) -> None:
@@ -240,12 +235,7 @@ class LocalWorkers(WorkerPool):
 class _Worker:
     """One process, started with its first call and again after its death.
 
-    Attributes
-    ----------
-    call
-        Call at work; `None` if it is idle.
-    pipe
-        This end of the connection to the process.
+    `call` is the call at work, `None` if it is idle; `pipe` is this end of the connection to the process.
     """
 
     def __init__(self, traces: Path) -> None:

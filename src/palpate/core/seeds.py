@@ -1,4 +1,4 @@
-"""Randomness as an argument: each stage draws from its own stream, named below the study's seed."""
+"""Random streams: each stage draws from its own, named by labels below the study's seed."""
 
 from __future__ import annotations
 
@@ -11,19 +11,10 @@ if TYPE_CHECKING:
 
 
 def child_seed(seed: int, *labels: str | float) -> int:
-    """Seed of the stream called `labels` below `seed`; other labels give an independent stream.
+    """Return the seed of the stream `labels` below `seed`; other labels give an independent stream.
 
-    Parameters
-    ----------
-    seed
-        Seed of the parent, any integer.
-    *labels
-        Words and numbers that name the stream, e.g. ``"dataset", 20.0, 2.0``.
-
-    Returns
-    -------
-    int
-        A seed in 0 … 2³² − 1, the same on every machine and Python version.
+    Labels are words and numbers, e.g. ``"dataset", 20.0, 2.0``. The seed, in 0 … 2³² − 1, is the same on every
+    machine and Python version.
 
     Examples
     --------
@@ -37,7 +28,7 @@ def child_seed(seed: int, *labels: str | float) -> int:
 
 
 def generator(seed: int, *labels: str | float) -> np.random.Generator:
-    """Random generator of the stream called `labels` below `seed` (see `child_seed`).
+    """Return the random generator of the stream `labels` below `seed` (see `child_seed`).
 
     Examples
     --------

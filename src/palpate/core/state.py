@@ -1,4 +1,4 @@
-"""Vectors whose entries have names."""
+"""Vectors with named entries."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from palpate.core.arrays import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A vector, or vectors along the last axis of an array, whose entries have names.
+    """Vector, or vectors along the last axis of an array, with named entries.
 
     Attributes
     ----------

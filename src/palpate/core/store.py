@@ -1,13 +1,13 @@
-"""The artefact store: what a stage made is kept under a key of everything that could change it.
+"""Artefact store: results of stages under a key of everything that affects them.
 
     key = SHA-256 of (kind, spec, keys of the inputs, version of the code that matters)
 
     ROOT/<kind>/<key[:2]>/<key><suffix>          the artefact
     ROOT/<kind>/<key[:2]>/<key>.manifest.json   its checksum, spec, inputs and versions
 
-An artefact appears whole or not at all: it is written to a temporary file, flushed to the disk and renamed.
-Its checksum is verified when it is looked up to be read; a broken file is set aside as ``*.broken``, with the
-reason beside it as ``*.broken.reason``, and made again. While a run is planned, the size is enough: `holds`.
+An artefact is written atomically: to a temporary file, which is flushed to the disk and renamed. Its checksum is
+verified by `find`, before it is read. A corrupt file is renamed to ``*.broken``, with the reason in
+``*.broken.reason``, and made again. While a run is planned, only the size is checked (`has`).
 """
 
 from __future__ import annotations
@@ -32,35 +32,35 @@ KEY_LENGTH = 32
 """Hexadecimal digits of a key: 128 bits."""
 
 MANIFEST, BROKEN, REASON, LOCK = ".manifest.json", ".broken", ".broken.reason", ".lock"
-"""Endings of what lies beside an artefact."""
+"""Suffixes of the files that accompany an artefact."""
 
 _HEAD_BYTES = 512
-"""The first bytes of a manifest hold the artefact's size, so that planning need not read its whole spec."""
+"""Length of a manifest's beginning that contains the artefact's size; planning reads no more."""
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 _KEY = re.compile(rf"[0-9a-f]{{2,{KEY_LENGTH}}}")
 _SIZE = re.compile(rb'"sha256": "[0-9a-f]{64}",\s*"bytes": (\d+)')
 
 
 class StoreError(PalpateError):
-    """The store cannot be written: nothing more can be kept until somebody has made room."""
+    """Error of a store that cannot be written."""
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """Everything that decides what an artefact contains.
+    """Everything that affects the content of an artefact.
 
     Attributes
     ----------
     kind
-        Name of the stage's noun, e.g. ``"press"``; also the folder in the store.
+        Name of the artefact, e.g. ``"press"``; also the folder in the store.
     spec
-        What was chosen, as JSON data.
+        Parameters, as JSON data.
     inputs
         Keys of the artefacts that the stage reads.
     version
-        Version of the code that matters.
+        Version of the relevant code.
     key
-        Checksum of these, under which the artefact lies.
+        Checksum of these, under which the artefact is stored.
     """
 
     kind: str
@@ -81,50 +81,50 @@ class Recipe:
 
 @dataclass(frozen=True)
 class ArtefactStore:
-    """A folder of artefacts, each under the key of its recipe.
+    """Folder of artefacts, each under the key of its recipe.
 
     Attributes
     ----------
     root
-        Folder of the store; made when the first artefact is written.
+        Folder of the store; created when the first artefact is written.
     """
 
     root: Path
 
     def path(self, recipe: Recipe, suffix: str = ".h5") -> Path:
-        """Where the artefact of `recipe` lies, whether or not it exists.
+        """Return the path of the artefact of `recipe`, whether or not it exists.
 
         Raises
         ------
         PalpateError
-            If the kind is no plain name: it is a folder in the store.
+            If the kind, a folder in the store, is not a plain name.
         """
         return self.locate(recipe.kind, recipe.key, suffix)
 
     def locate(self, kind: str, key: str, suffix: str = ".h5") -> Path:
-        """Where the artefact of a kind and key lies, whether or not it exists; never outside the store.
+        """Return the path of an artefact by kind and key, whether or not it exists; never outside the store.
 
         Raises
         ------
         PalpateError
-            If the kind is no plain name, or the key none of hexadecimal digits.
+            If the kind is not a plain name, or the key not hexadecimal.
         """
         if _KIND.fullmatch(kind) is None:
             raise PalpateError(
-                f"The kind of artefact {kind!r} is no plain name.",
-                "Take letters and digits.",
+                f"The artefact kind {kind!r} is not a plain name.",
+                "Use letters and digits.",
                 code="artefact-kind-malformed",
             )
         if _KEY.fullmatch(key) is None:
             raise PalpateError(
-                f"'{key[:40]}' is no key of an artefact.", "Run the study again.", code="artefact-key-malformed"
+                f"'{key[:40]}' is not an artefact key.", "Run the study again.", code="artefact-key-malformed"
             )
         return self.root / kind / key[:2] / f"{key}{suffix}"
 
     def find(self, recipe: Recipe, suffix: str = ".h5") -> Path | None:
-        """Path of a whole artefact, or `None` where there is none; a broken one is set aside on the way.
+        """Return the path of a valid artefact, or `None`; a corrupt one is quarantined.
 
-        The whole file is read for its checksum; who reads it afterwards reads what was verified.
+        The checksum of the whole file is verified.
         """
         path = self.path(recipe, suffix)
         if not path.is_file():
@@ -136,9 +136,9 @@ class ArtefactStore:
         return None
 
     def has(self, recipe: Recipe, suffix: str = ".h5") -> bool:
-        """Whether there is an artefact that is whole as far as its size can tell; nothing of it is read.
+        """Return whether an artefact exists with the size in its manifest; its content is not read.
 
-        One whose size is wrong is set aside. A changed bit is noticed when the artefact is read, see `find`.
+        One of another size is quarantined. A changed bit is detected when the artefact is read, see `find`.
         """
         path = self.path(recipe, suffix)
         try:
@@ -156,15 +156,15 @@ class ArtefactStore:
 
     @contextmanager
     def lease(self, recipe: Recipe) -> Iterator[bool]:
-        """Hold the right to make an artefact, so that two runs of one study do not make it twice.
+        """Take the right to make an artefact, so that two runs of one study do not make it twice.
 
-        The lock is the system's: it ends with its process, however that ends, and knows no clock. Where the file
-        system has no locks, everyone gets the right; then an artefact may be made twice, but never half.
+        The lock is the operating system's, and ends with its process. If the file system has no locks, every process
+        gets the right; then an artefact may be made twice, but never in part.
 
         Yields
         ------
         bool
-            Whether the right was free; without it, somebody else makes the artefact now.
+            Whether the right was free; otherwise another process is making the artefact.
 
         Raises
         ------
@@ -182,21 +182,9 @@ class ArtefactStore:
                 lock.release()
 
     def write(self, recipe: Recipe, writer: Callable[[Path], None], suffix: str = ".h5") -> Path:
-        """Let `writer` write the artefact to a temporary path, then put it under its key.
+        """Write an artefact by `writer` to a temporary path, move it to the path of its key, and return that.
 
-        Parameters
-        ----------
-        recipe
-            What decides the content.
-        writer
-            Called with the path to write to; the path has the right suffix and does not exist.
-        suffix
-            Ending of the file's name.
-
-        Returns
-        -------
-        Path
-            Where the artefact now lies.
+        The path that `writer` gets has the suffix and does not exist.
 
         Raises
         ------
@@ -235,12 +223,12 @@ class ArtefactStore:
 
 
 def manifest_path(path: Path) -> Path:
-    """Where the manifest of the artefact at `path` lies."""
+    """Return the path of the manifest of the artefact at `path`."""
     return path.with_suffix(MANIFEST)
 
 
 def find_corruption(path: Path) -> str:
-    """Say in one sentence why the artefact at `path` cannot be trusted; empty where it can."""
+    """Return the reason why the artefact at `path` is corrupt, in one sentence; empty if it is valid."""
     try:
         manifest = json.loads(manifest_path(path).read_bytes())
     except FileNotFoundError:
@@ -248,7 +236,7 @@ def find_corruption(path: Path) -> str:
     except (OSError, ValueError, RecursionError):
         return "Its manifest cannot be read."
     if not isinstance(manifest, dict) or not isinstance(manifest.get("sha256"), str):
-        return "Its manifest names no checksum."
+        return "Its manifest has no checksum."
     if (manifest.get("kind"), manifest.get("key")) != (path.parents[1].name, path.stem):
         return "Its manifest is that of another artefact."
     size, recorded = path.stat().st_size, manifest.get("bytes")
@@ -257,12 +245,12 @@ def find_corruption(path: Path) -> str:
     if isinstance(recorded, int) and recorded != size:
         return f"It has {size} bytes instead of {recorded}."
     if _checksum(path) != manifest["sha256"]:
-        return "Its content has changed: the checksum is another one."
+        return "Its content has changed: the checksum differs."
     return ""
 
 
 def quarantine(path: Path, reason: str) -> None:
-    """Take a broken artefact out of the way, with the reason beside it; one in a read-only folder stays."""
+    """Rename a corrupt artefact, and write the reason next to it; in a read-only folder it stays."""
     try:
         os.replace(path, path.with_name(path.name + BROKEN))
         path.with_name(path.name + REASON).write_text(reason + "\n")

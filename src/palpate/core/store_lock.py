@@ -1,7 +1,7 @@
-"""Locks of the operating system on files and folders: they end with their process and need no clock.
+"""Operating system locks on files and folders, which end with their process.
 
-``flock`` holds on one machine and, by byte ranges, on NFS version 4. Where a system or file system has no locks,
-every lock is granted: then work may be done twice, but files still appear whole by their renaming.
+``flock`` works on one machine and, by byte ranges, on NFS version 4. If a system or file system has no locks, every
+lock is granted: work may then be done twice, but files are still replaced atomically.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ _HELD_BY_ANOTHER = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 
 @dataclass(frozen=True)
 class Lock:
-    """A lock that is held; its file goes when it is released."""
+    """Lock that this process holds; its file is removed on release."""
 
     path: Path
     descriptor: int
 
     def release(self) -> None:
-        """Remove the file and let go, in this order: whoever opened it before sees that it is gone."""
+        """Remove the file, then release the lock, so that a process that opened it before sees its removal."""
         with suppress(OSError):
             self.path.unlink()
         with suppress(OSError):
@@ -39,12 +39,12 @@ class Lock:
 
 
 def take_lock(path: Path) -> Lock | None:
-    """Take the lock of the file `path`, making it; `None` where another process holds it.
+    """Take the lock of the file `path`, which is created; `None` if another process holds it.
 
     Raises
     ------
     OSError
-        If the file cannot be made.
+        If the file cannot be created.
     """
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
@@ -57,7 +57,7 @@ def take_lock(path: Path) -> Lock | None:
 
 
 def is_locked(path: Path) -> bool:
-    """Whether a process holds the lock of a file or folder now; nothing is made or removed."""
+    """Return whether a process holds the lock of a file or folder now, without changing it."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     except OSError:
@@ -70,7 +70,7 @@ def is_locked(path: Path) -> bool:
 
 @contextmanager
 def lock_folder(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, so that nobody takes it for left behind."""
+    """Hold the lock of a folder, which marks it as in use."""
     if not HAS_LOCKS:
         yield
         return
@@ -83,7 +83,7 @@ def lock_folder(folder: Path) -> Iterator[None]:
 
 
 def can_lock(folder: Path) -> bool:
-    """Whether this file system refuses a lock on `folder` that somebody holds."""
+    """Return whether the file system refuses a second lock on `folder`."""
     if not HAS_LOCKS:
         return False
     with lock_folder(folder):

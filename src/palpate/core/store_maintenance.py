@@ -1,4 +1,4 @@
-"""Care for a store: what is in it, which of it is broken, and which of it nobody needs."""
+"""Maintenance of a store: list, check for corruption, and remove unused files."""
 
 from __future__ import annotations
 
@@ -14,22 +14,24 @@ from palpate.core.store import BROKEN, LOCK, MANIFEST, REASON, StoreError, find_
 from palpate.core.store_lock import can_lock, is_locked, take_lock
 
 UNLOCKED_DRAFT_S = 86_400.0
-"""A folder of an artefact being written that nobody has touched for so long was left behind, even where the file
-system cannot say whether somebody holds it, s."""
+"""Time without a change after which the folder of an artefact in progress counts as abandoned, s.
+
+It applies to file systems without locks.
+"""
 
 
 @dataclass(frozen=True)
 class StoreContents:
-    """What lies in a store, by the names of its files alone.
+    """Contents of a store, by the names of its files alone.
 
     Attributes
     ----------
     artefacts
-        Kind and file name of every artefact that has a manifest.
+        Kind and file name of every artefact with a manifest.
     quarantined
-        Kind and file name of every artefact that was set aside.
+        Kind and file name of every quarantined artefact.
     working
-        Kind and key of every artefact that a process makes now.
+        Kind and key of every artefact that a process is making now.
     """
 
     artefacts: frozenset[tuple[str, str]]
@@ -39,7 +41,7 @@ class StoreContents:
 
 @dataclass(frozen=True)
 class CorruptArtefact:
-    """An artefact that cannot be trusted: its path, and the reason in one sentence."""
+    """Corrupt artefact: its path, and the reason in one sentence."""
 
     path: Path
     reason: str
@@ -47,7 +49,7 @@ class CorruptArtefact:
 
 @dataclass(frozen=True)
 class Removal:
-    """A file or folder that nobody needs: its path, its size in bytes, and why it can go."""
+    """Removable file or folder: its path, its size in bytes, and the reason."""
 
     path: Path
     size: int
@@ -55,7 +57,7 @@ class Removal:
 
 
 def list_store(root: Path) -> StoreContents:
-    """List a store by its folders; no file is opened but the locks, of which there is one a running task."""
+    """List a store by its folders; only the locks, one per running task, are opened."""
     artefacts, manifests, quarantined, working = set(), set(), set(), set()
     for kind, entry in _entries(root):
         name = entry.name
@@ -73,12 +75,12 @@ def list_store(root: Path) -> StoreContents:
 
 
 def check_store(root: Path) -> tuple[int, tuple[CorruptArtefact, ...]]:
-    """Read every artefact of a store and set aside the broken ones.
+    """Read every artefact of a store and quarantine the corrupt ones.
 
     Returns
     -------
     tuple
-        Number of artefacts read, and those that were broken. A run of their study makes them again.
+        Number of artefacts read, and the corrupt ones, which a run of their study makes again.
     """
     read, broken = 0, []
     for _, entry in _entries(root):
@@ -94,7 +96,7 @@ def check_store(root: Path) -> tuple[int, tuple[CorruptArtefact, ...]]:
 
 
 def clean_store(root: Path, needed: Collection[str], *, dry_run: bool = False) -> tuple[Removal, ...]:
-    """Remove what no study needs: artefacts of other keys, broken ones, and what killed processes left behind.
+    """Remove unused files: artefacts of other keys, corrupt ones, and remains of killed processes.
 
     Parameters
     ----------
@@ -103,12 +105,12 @@ def clean_store(root: Path, needed: Collection[str], *, dry_run: bool = False) -
     needed
         Keys of the artefacts that stay, with their manifests and journals.
     dry_run
-        Only say what would go.
+        Remove nothing.
 
     Returns
     -------
     tuple[Removal, ...]
-        What was removed, or would be. An artefact that a process makes now is left alone.
+        Removed files, or with `dry_run` those that would be. Artefacts in progress are kept.
 
     Raises
     ------
@@ -162,7 +164,7 @@ def _remove(path: Path) -> None:
     except OSError as error:
         raise StoreError(
             f"{path} cannot be removed: {error.strerror or error}.",
-            "Give yourself the right to write there.",
+            "Check the write permission of the folder.",
             code="store-file-not-removed",
         ) from error
 
@@ -185,7 +187,7 @@ def _key(name: str) -> str:
 
 
 def _entries(root: Path) -> Iterator[tuple[str, os.DirEntry[str]]]:
-    """Every file and folder beside an artefact, with its kind."""
+    """Yield all files and folders of artefacts, with their kind."""
     for kind in _scan(root):
         if not kind.is_dir(follow_symlinks=False):
             continue

@@ -215,7 +215,7 @@ def _finish(lines: list[Line], dialect: Dialect, blocks: list[Block], widths: li
 
 
 def _is_footer(lines: list[Line], dialect: Dialect, block: Block, above: Block) -> bool:
-    """Whether the first row holds text, such as *Mean*, where that of another block holds a number."""
+    """Return whether the first row has a text, such as *Mean*, in a column of numbers of `above`."""
     row, usual = (dialect.split(lines[at][1]) for at in (block.rows[0], above.rows[0]))
     pairs = [(a, b) for a, b in zip(row, usual, strict=False) if a and b]
     return any(not dialect.is_number(a) and dialect.is_number(b) for a, b in pairs)

@@ -23,20 +23,20 @@ from palpate.core.text_lines import HEAD, Line, read_bytes, split_lines
 from palpate.core.units import split_unit
 
 _PART = 20_000
-"""Rows that are held as text at a time."""
+"""Number of rows that are held as text at a time."""
 _LONGEST = 240
-"""Characters of a cell that are kept."""
+"""Maximum number of characters of a cell."""
 _MANY = 12
-"""Rows of a second table beside the largest one for which the choice is left to the user."""
+"""Minimum number of rows of a second table that makes the choice ambiguous."""
 _JSON = (".jsonl", ".ndjson", ".json")
 
 Column = NDArray[Any]
-"""(n,) numbers, NaN where a cell is empty or no number, or (n,) texts."""
+"""(n,) numbers, NaN for empty cells and texts, or (n,) texts."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A cell of text in a column of numbers: line of the file, from 1, and text."""
+    """Text cell in a column of numbers: line of the file, from 1, and text."""
 
     line: int
     text: str
@@ -57,19 +57,19 @@ class Table:
     preamble
         Lines above the header, and the comments.
     columns
-        One array (n,) a column: numbers, NaN where a cell is empty or no number, or text.
+        One array (n,) per column: numbers, NaN for empty cells and texts, or texts.
     faults
-        First cell of text, of each column of numbers that has one.
+        First text cell of each column of numbers that has one.
     lines
         (n,) line of each row in the file, from 1.
     block
-        (n,) number of the group of rows between headings or blank lines.
+        (n,) index of the group of rows between headings or blank lines.
     decimal
         Decimal mark.
     skipped
-        Rows of the file that were thinned away.
+        Number of rows left out by thinning.
     notes
-        Sentences on lines that were passed over.
+        Sentences on skipped lines.
     """
 
     path: Path
@@ -89,7 +89,7 @@ class Table:
 
     @property
     def named(self) -> bool:
-        """Whether the file names its columns."""
+        """Whether the file has column names."""
         return any(self.header)
 
     def is_numeric(self, column: int) -> bool:
@@ -97,16 +97,16 @@ class Table:
         return self.columns[column].dtype.kind == "f"
 
     def numbers(self, column: int) -> FloatArray:
-        """(n,) numbers of a column; NaN in an empty cell."""
+        """Return the numbers (n,) of a column; NaN in an empty cell."""
         return np.asarray(self.columns[column], float)
 
     def unit(self, column: int) -> str:
-        """Unit of a column, from the row of units or its name; empty if none is written."""
+        """Return the unit of a column, from the row of units or its name; may be empty."""
         row = self.units[column].strip("()[]{}<>（）【】 ") if self.units else ""
         return row or split_unit(self.header[column])[1]
 
     def bare_names(self) -> tuple[str, ...]:
-        """Names of the columns without their units."""
+        """Return the names of the columns without their units."""
         return tuple(split_unit(name)[0] for name in self.header)
 
 
@@ -125,16 +125,16 @@ def read_table(
     path
         Text in any encoding and dialect, JSON lines, or Parquet.
     delimiter, decimal
-        Between cells, and of numbers; `None` to find them.
+        Delimiter of cells and decimal mark; `None` to detect them.
     max_rows
-        Rows of a longer text are thinned evenly; `None` to read all.
+        Maximum number of rows; a longer text is thinned evenly. `None` reads all.
     words
-        Cells that make a column of whole numbers one of names: ``rest`` among the numbers of presses.
+        Cells that make a column of whole numbers a column of names, such as ``rest`` among press numbers.
 
     Raises
     ------
     PalpateError
-        If the file cannot be read, holds no table, or a row has more cells than there are columns.
+        If the file cannot be read, contains no table, or a row has more cells than there are columns.
     """
     if path.suffix.lower() in (".parquet", ".pq"):
         return _read_parquet(path, words)
@@ -187,12 +187,12 @@ def _choose(path: Path, blocks: list[Block]) -> tuple[list[Block], tuple[str, ..
     counts = [sum(len(block.rows) for block in group) for group in order]
     if len(counts) > 1 and counts[1] >= max(_MANY, counts[0] // 2):
         raise PalpateError(
-            f"{path} holds two tables with different columns, of {counts[0]} and {counts[1]} rows.",
-            "Save each of them in a file of its own.",
+            f"{path} contains two tables with different columns, of {counts[0]} and {counts[1]} rows.",
+            "Save each table in a separate file.",
             code="table-several",
         )
     others = [(block, len(block.rows)) for group in order[1:] for block in group if len(block.rows) > 1]
-    return order[0], tuple(f"another table of {count} rows passed over" for _, count in others[:3])
+    return order[0], tuple(f"another table of {count} rows was skipped" for _, count in others[:3])
 
 
 class _Columns:
@@ -253,7 +253,7 @@ class _Columns:
 
 
 def flatten(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A nested row as one of plain cells: ``{"pose": [1, 2]}`` gives ``pose_0`` and ``pose_1``."""
+    """Flatten a nested row: ``{"pose": [1, 2]}`` gives ``pose_0`` and ``pose_1``."""
     flat: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, Mapping):

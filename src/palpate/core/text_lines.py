@@ -20,7 +20,7 @@ _LETTERS = {
     "gb18030": "应变力位移时间载荷拉伸压缩试样标距伸长率名义工程真实单编号强度速温秒毫米兆帕千牛顿图像接触深角百分比",
     "cp932": "ひずみ応力荷重変位時間引張圧縮試験片伸び公称真単番号標線距離秒画像接触深傾角度強温速ストレロード",
 }
-"""Letters by which an encoding other than UTF is recognised: those of headers of test machines."""
+"""Letters in headers of test machines by which an encoding other than UTF is recognised."""
 
 Line = tuple[int, str]
 """Number of a line in its file, from 1, and its text."""
@@ -32,7 +32,7 @@ def read_bytes(path: Path) -> bytes:
     Raises
     ------
     PalpateError
-        If the file cannot be read, is too large, or is no text.
+        If the file cannot be read, is too large, or is not text.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -52,26 +52,21 @@ def read_bytes(path: Path) -> bytes:
             data = data if encoding == "utf-8" else data.decode(encoding, "replace").encode()
             break
     if _BINARY.search(data[:100_000]):
-        raise PalpateError(f"{path} is not text: it holds binary data.", _SAVE, code="file-not-text")
+        raise PalpateError(f"{path} is not text: it contains binary data.", _SAVE, code="file-not-text")
     return data
 
 
 def _wide(data: bytes) -> list[tuple[bytes, str]]:
-    """UTF-16 without its mark: every second byte of Latin text is zero."""
+    """Detect UTF-16 without its mark, by zeros in every second byte of Latin text."""
     head = np.frombuffer(data[:2000], np.uint8)
     even, odd = (float(np.mean(head[at::2] == 0)) if len(head) > 8 else 0.0 for at in (0, 1))
     return [(b"", "utf-16-le")] if odd > 0.6 > 4 * even else [(b"", "utf-16-be")] if even > 0.6 > 4 * odd else []
 
 
 def split_lines(data: bytes, max_lines: int | None = None) -> tuple[list[Line], int]:
-    """Split bytes into lines, and count those left out.
+    """Split the bytes of a text into lines, and count those left out.
 
-    Parameters
-    ----------
-    data
-        As `read_bytes` returns it.
-    max_lines
-        Of a longer file, the head and every k-th line of the rest are kept.
+    Of a file of more than `max_lines`, the head and every k-th line of the rest are kept.
     """
     if b"\n" not in data:
         data = data.replace(b"\r", b"\n")

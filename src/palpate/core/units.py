@@ -1,4 +1,4 @@
-"""Units as tables write them: in brackets, at the end of a name, or in a row of their own."""
+"""Units in tables: in brackets, at the end of a name, or in a separate row."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def is_unit(text: str) -> bool:
 
 
 def split_unit(name: str) -> tuple[str, str]:
-    """Bare name and unit of a column; the unit is empty if the name has none.
+    """Split a column's name into bare name and unit, which may be empty.
 
     ``Stress [kPa]``, ``force (N)``, ``Kraft in N``, ``strain_%``, ``depth / mm`` and ``rx_deg`` are understood.
     """

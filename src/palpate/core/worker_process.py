@@ -1,4 +1,4 @@
-"""Processes that work for another one: one thread each, deaf to Ctrl-C, gone when their parent is gone."""
+"""Worker processes: one thread each, ignoring Ctrl-C, ended with their parent."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ _THREAD_VARIABLES = (
     "NUMBA_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-"""What numerical libraries read, when they are loaded, to know how many threads they may use."""
+"""Variables by which numerical libraries limit their number of threads when they are loaded."""
 _CHANGING = threading.RLock()
-"""Held while the environment is another one."""
+"""Lock of the environment while it is changed."""
 _PARENT_CHECK_S = 1.0
-"""How often a worker looks for its parent, s."""
+"""Interval at which a worker checks its parent, s."""
 
 
 @contextmanager
@@ -44,7 +44,7 @@ def single_threaded() -> Iterator[None]:
 
 
 def _block_interrupts() -> set[int] | None:
-    """Block Ctrl-C in this thread, which a new process inherits; the mask before, `None` on Windows."""
+    """Block Ctrl-C in this thread and new processes; return the previous mask, `None` on Windows."""
     if not hasattr(signal, "pthread_sigmask"):
         return None
     resource_tracker.ensure_running()  # its start would unblock Ctrl-C again

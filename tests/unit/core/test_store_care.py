@@ -48,13 +48,13 @@ def damage(path: Path, how: str) -> None:
 
 FAULTS = {
     "truncated": "It has 4 bytes instead of 5.",
-    "bit flipped": "Its content has changed: the checksum is another one.",
+    "bit flipped": "Its content has changed: the checksum differs.",
     "zero length": "It is empty.",
     "manifest missing": "Its manifest is missing.",
     "manifest is no JSON": "Its manifest cannot be read.",
     "manifest is nested without end": "Its manifest cannot be read.",
-    "manifest is a list": "Its manifest names no checksum.",
-    "wrong schema": "Its manifest names no checksum.",
+    "manifest is a list": "Its manifest has no checksum.",
+    "wrong schema": "Its manifest has no checksum.",
     "of another artefact": "Its manifest is that of another artefact.",
 }
 
