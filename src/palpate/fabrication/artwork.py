@@ -1,11 +1,11 @@
-"""The print pattern: the flat artwork of a cliché from which a pad carries the dots to the inside of a dome.
+"""Print pattern: the flat artwork of a cliché, from which a pad prints dots inside a dome.
 
-The page shows the dome's inside as the pad comes to it, from the base up: x of the page is minus x of the dome, y is
-y, for a viewer who looks along +z with y upward has -x to the right. A dot at the polar angle t of the inner sphere
-lies on the page
+The page shows the dome's inside as the pad approaches it from the base: x of the page is minus x of the dome, y is y,
+because a viewer who looks along +z with y upward has -x to the right. A dot at the polar angle t of the inner sphere
+is on the page
 
 * ``axis``: at ``r sin t``, its distance from the axis; the pad moves along the axis and does not spread (the paper);
-* ``arc``: at ``r t``; the pad rolls from the apex outward and keeps lengths along the meridian.
+* ``arc``: at ``r t``; the pad rolls from the apex outward and preserves lengths along the meridian.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Artwork:
     dots
         (n, 2) mm, in the order of the markers.
     diameter
-        Of a dot, mm.
+        Diameter of a dot, mm.
     mark
         (2,) mm, the orientation mark, or `None`.
     crosses
@@ -41,9 +41,9 @@ class Artwork:
     rim
         Distance of the dome's rim from the axis on the page, along x, mm.
     rim_line
-        (n, 2) mm, the rim on the page where it is no circle.
+        (n, 2) mm, the rim on the page; `None` for a circle.
     mapping
-        How the pad carries dots.
+        Mapping of dots by the pad.
     """
 
     dots: FloatArray
@@ -56,7 +56,7 @@ class Artwork:
 
 
 def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
-    """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
+    """Draw the markers of a skin, and with `mark` the orientation mark, on the page."""
     rim = float(
         np.abs(project_to_page(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
     )
@@ -75,13 +75,13 @@ def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark:
 
 
 def _follow_rim(skin: Skin) -> FloatArray:
-    """Points (n, 3) mm of the inner rim, once around."""
+    """Return points (n, 3) mm of the inner rim, once around."""
     angle = np.linspace(0.0, 2 * np.pi, _RIM_POINTS, endpoint=False)
     return skin.point(np.column_stack([np.cos(angle), np.sin(angle)]), 0.0)
 
 
 def project_to_page(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
-    """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
+    """Map points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
         length = skin.arc_length(points)
@@ -92,7 +92,7 @@ def project_to_page(skin: Skin, points: FloatArray, mapping: PadMapping) -> Floa
 
 
 def project_to_skin(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
-    """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
+    """Map points (n, 2) mm of the page to the inner surface (n, 3) mm, like the pad."""
     reach, azimuth = np.hypot(page[:, 0], page[:, 1]), np.arctan2(page[:, 1], -page[:, 0])
     if mapping is PadMapping.ARC:
         reach = skin.at_arc_length(reach) if skin.plan.is_round else _arc_to_axis(skin, reach, azimuth)
@@ -100,7 +100,7 @@ def project_to_skin(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatA
 
 
 def _arc_to_axis(skin: Skin, length: FloatArray, azimuth: FloatArray) -> FloatArray:
-    """Distances (n,) mm from the axis at azimuths (n,) in rad, so far (n,) mm along the skin from its apex."""
+    """Return distances (n,) mm from the axis at azimuths (rad) and arc lengths (mm) from the apex."""
     low, high = np.zeros_like(length), skin.reach(azimuth)
     for _ in range(_HALVINGS):
         middle = (low + high) / 2

@@ -1,4 +1,4 @@
-"""What the workshop's sheet says otherwise of a barrel: its lines, for `palpate.fabrication.instructions`."""
+"""Lines of the workshop sheet for a barrel, for `palpate.fabrication.instructions`."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
 from palpate.fabrication.spec import ProcessSpec
 
 DENSITY = 1.07
-"""Of Ecoflex, g/mL (Smooth-On technical bulletin)."""
+"""Density of Ecoflex, g/mL (Smooth-On technical bulletin)."""
 
 
 def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: ProcessSpec) -> list[str]:
-    """Write what is made."""
+    """Describe the part."""
     return [
         f"{skin.shape}: {skin.height:g} mm between the clamps, inner radius {skin.base_radius:g} mm at both ends and "
         f"{skin.radius:g} mm halfway, T = {skin.thickness:g} mm; a flange at either end.",
-        f"{len(layout)} markers of {layout.diameter:g} mm, cast with the wall; they stand {spec.dot_depth:g} mm "
-        f"inward of it. Elastomer: {material}.",
+        f"{len(layout)} markers of {layout.diameter:g} mm, cast with the skin; they extend {spec.dot_depth:g} mm "
+        f"inward. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
         f"(factor {mold.module.skin.height / skin.height:.5f}).",
     ]
 
 
 def barrel_bill_of_materials(mixed: float, mold: Mold, frame: BarrelFrame, spec: ProcessSpec) -> list[str]:
-    """Write the bill: `mixed` mL of elastomer in all."""
+    """Write the bill of materials, for `mixed` mL of elastomer in all."""
     ink = mold.pins_mm3 / 1000
     return [
         f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume), "
         f"{DENSITY * mixed:.0f} g at {DENSITY:g} g/mL.",
-        f"For the dots, silicone of the same kind with pigment that stands out: {ink:.1f} mL, mix {2 * ink:.0f} mL.",
+        f"For the dots, silicone of the same kind with a contrasting pigment: {ink:.1f} mL, mix {2 * ink:.0f} mL.",
         f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow. "
         "Core with its plate on the bed; halves of the cavity upright, floor on the bed, with support only in the "
         "recess next to the floor.",
@@ -64,14 +64,14 @@ def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
         "Cure for 4 h at 23 °C on a level table.",
         "Cut the sprues, loosen the clamps, take the halves of the cavity off.",
         "The core is whole. Work soapy water under the flange at its plate and on all around, then push the skin off "
-        f"over the far end: its rim stretches {stretch:.3g} times where it passes the middle. A core in segments "
-        "would spare it that, but leave a seam along every joint, among the dots.",
-        "Wash it. The dots come with the wall; touch up with the pigmented silicone what stayed in the core.",
+        f"over the far end: its rim stretches {stretch:.3g} times as it passes the middle. A core in segments "
+        "would avoid that stretch, but leave a seam along every joint, among the dots.",
+        "Wash it. The dots come off with the skin; touch up with the pigmented silicone any that stayed in the core.",
     ]
 
 
 def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
-    """Write what is measured."""
+    """Write the measurements."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
         f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
@@ -84,7 +84,7 @@ def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
 
 
 def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
-    """Write how skin, rods and far end come onto the housing."""
+    """Write the assembly of skin, rods and far end on the housing."""
     high = frame.module.top
     mark = place_orientation_mark(frame.module.skin, layout)
     turn = 90 - float(np.degrees(np.arctan2(mark[1], mark[0])))
@@ -100,6 +100,5 @@ def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: Proces
         f"{place} from the cable slot: the rods then stand between columns of dots.",
         "Lay both halves of the clamp ring around the flange and screw them on, crosswise.",
         "Set the end cap onto the nuts, the skin's far flange against it, and a second nut onto each rod. Screw both "
-        "halves of the end ring to it, crosswise. The skin must be neither drawn out nor pressed together: turn the "
-        "nuts.",
+        "halves of the end ring to it, crosswise. Turn the nuts until the skin is neither stretched nor compressed.",
     ]

@@ -1,4 +1,4 @@
-"""Limits that are known once the parts are built: elastomer, gel, what stands in the way, parts that share room."""
+"""Limits of the built parts: elastomer, gel, free travel, hidden markers, and interference of parts."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _TOUCH_MM3 = 1e-3
 
 
 def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
-    """Report what is known once the mold is built: elastomer, and the highest point of the hollow."""
+    """Report the amount of elastomer of a mold, and the highest point of its cavity."""
     volume = mold.hollow() / 1000
     yield Finding(
         Severity.NOTE,
         "elastomer",
-        f"The mold holds {volume:.2f} mL.",
+        f"The mold takes {volume:.2f} mL.",
         f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in cup and sprues.",
     )
     yield Finding(
@@ -40,7 +40,7 @@ def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
 def check_window(
     window: WindowPlate, layout: MarkerLayout, gel: str, camera: Camera, spec: ProcessSpec
 ) -> Iterator[Finding]:
-    """Report how much gel fills a skin, and which markers the ledge of its window hides."""
+    """Report the amount of gel that fills a skin, and the markers that the ledge of its window hides."""
     volume = window.gel_mm3 / 1000
     yield Finding(
         Severity.NOTE,
@@ -64,7 +64,7 @@ def check_window(
 
 
 def check_enclosure(module: ContactModule, enclosure: Enclosure, spec: ProcessSpec) -> Iterator[Finding]:
-    """Report where the wall meets the clamp ring before the sensor's working depth."""
+    """Report contact of the wall with the clamp ring before the sensor's working depth."""
     travel, is_tube = free_travel(module, enclosure, spec.working_tilt_deg), bool(module.skin.hole)
     if travel < spec.working_depth:
         low = enclosure.ring[0][1]
@@ -75,12 +75,12 @@ def check_enclosure(module: ContactModule, enclosure: Enclosure, spec: ProcessSp
             "ring-in-the-way",
             f"A wall {'at the side, ' if is_tube else ''}inclined by {spec.working_tilt_deg:g}° meets the clamp ring "
             f"after {max(travel, 0.0) if is_tube else travel:.3g} mm of {spec.working_depth:g} mm.",
-            f"Work less deep or less inclined, or {remedy} or a narrower flange.",
+            f"Reduce the working depth or tilt, or {remedy} or a narrower flange.",
         )
 
 
 def check_frame(frame: BarrelFrame, layout: MarkerLayout, camera: Camera) -> Iterator[Finding]:
-    """Report which markers of a barrel its rods hide from the camera, wholly or in part."""
+    """Report the markers of a barrel that its rods hide from the camera, wholly or in part."""
     points = layout.positions[layout.on_dome]
     _, along, around = frame.module.skin.tangents(points)
     reach = layout.diameter / 2
@@ -91,12 +91,12 @@ def check_frame(frame: BarrelFrame, layout: MarkerLayout, camera: Camera) -> Ite
             Severity.WARNING,
             "marker-behind-rod",
             f"The rods that carry the far end hide {hidden} of {len(layout)} markers from the camera, some in part.",
-            "Take fewer columns, smaller dots, or a camera nearer to the base.",
+            "Use fewer columns, smaller dots, or a camera nearer to the base.",
         )
 
 
 def check_interference(parts: dict[str, CadSolid], intended: Collection[frozenset[str]] = ()) -> None:
-    """Stop where two parts of an assembly share volume; pairs that are `intended` may.
+    """Raise an error if two parts of an assembly share volume, except the `intended` pairs.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def check_interference(parts: dict[str, CadSolid], intended: Collection[frozense
     for (one, a), (other, b) in combinations(parts.items(), 2):
         if frozenset((one, other)) not in intended and (shared := a.overlap(b)) > _TOUCH_MM3:
             raise PalpateError(
-                f"{one} and {other} share {shared:.3g} mm³ when they are put together.",
+                f"{one} and {other} share {shared:.3g} mm³ in the assembly.",
                 "Change the dimensions of the process.",
                 code="parts-overlap",
             )

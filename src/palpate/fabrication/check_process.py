@@ -1,4 +1,4 @@
-"""Limits of a design in the workshop, each a finding with its number."""
+"""Limits of a design in manufacture, each a finding with its values."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from palpate.fabrication.spec import ProcessSpec
 from palpate.material import Material
 
 _SAGITTA = 0.03
-"""Height of a dot's cap over its diameter beyond which the pad smears its edge."""
+"""Maximum height of a dot's cap over its diameter; beyond, the pad smears its edge."""
 _SMALLEST_PX = 5.0
-"""Diameter of a dot's image below which its centre is uncertain."""
+"""Minimum diameter of a dot's image for an accurate centre."""
 _SLENDER = 5.0
-"""Length of a pin over its diameter that still comes out of the core whole; our choice."""
+"""Maximum length of a pin over its diameter, so that it comes out of the core whole; our choice."""
 _PEEL = 0.5
-"""Share of the material's greatest stretch that peeling may ask for."""
+"""Maximum share of the material's stretch range for peeling."""
 _UNEVEN, _TOUCHES = 0.1, 0.5
-"""Play of the core over the wall beyond which the wall comes out uneven, or the core may touch the cavity."""
+"""Clearance of the core over the skin thickness at which the skin is uneven, and the core may touch."""
 _DEEPER = 1.5
-"""Depth of a dimple over that by which the core bends away from it at its edge, at least."""
+"""Minimum depth of a dimple over the curvature height of the core at its edge."""
 _PEEL_UNKNOWN = 2.0
-"""Stretch that every soft silicone bears, where the material gives no range."""
+"""Stretch that every soft silicone bears, for materials without a range."""
 
 
 def check_process(design: Design, spec: ProcessSpec) -> tuple[Finding, ...]:
-    """Report the limits of demolding, dots, pad and camera that a design meets, errors first."""
+    """Report the limits of demolding, dots, pad and camera that a design exceeds, errors first."""
     skin, layout = design.skin, design.layout
     findings = [
         *check_design(skin, layout),
@@ -56,8 +56,8 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
         yield Finding(
             Severity.ERROR,
             "not-a-shell",
-            f"A wall of {skin.thickness:g} mm on an inner radius of {skin.radius:.4g} mm is no shell to be molded.",
-            f"Take less than {skin.radius:.4g} mm.",
+            f"A skin of {skin.thickness:g} mm on an inner radius of {skin.radius:.4g} mm is too thick for a mold.",
+            f"Use a thickness below {skin.radius:.4g} mm.",
         )
 
 
@@ -71,9 +71,9 @@ def _check_peeling(skin: Skin, material: Material) -> Iterator[Finding]:
     what = "The barrel bulges" if skin.hole else "The dome bulges over its base"
     if stretch > limit:
         smaller = (
-            f"Take a radius halfway below {skin.base_radius * limit:.3g} mm or wider ends."
+            f"Use a radius halfway below {skin.base_radius * limit:.3g} mm or wider ends."
             if skin.hole
-            else f"Take a height below {skin.height * limit / stretch:.3g} mm or a wider base."
+            else f"Use a height below {skin.height * limit / stretch:.3g} mm or a wider base."
         )
         yield Finding(Severity.ERROR, "peel-stretch", f"{what}, so {where}; it bears {limit:.3g} safely.", smaller)
     else:
@@ -87,7 +87,7 @@ def _check_peeling(skin: Skin, material: Material) -> Iterator[Finding]:
 
 
 def _sagitta(skin: Skin, layout: MarkerLayout) -> float:
-    """Greatest distance in mm of the inner surface from the middle's tangent plane under the edge of a dot."""
+    """Return the maximum distance in mm of the inner surface from the tangent plane under a dot."""
     points = layout.positions[layout.on_dome]
     _, along, around = skin.tangents(points)
     return float(np.abs([skin.distance(points + layout.diameter / 2 * way) for way in (along, around)]).max())
@@ -99,9 +99,9 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
         yield Finding(
             Severity.ERROR,
             "dot-too-small",
-            f"Dots are {diameter:g} mm wide, {'ink fills dimples' if skin.hole else 'the pad prints'} from "
-            f"{spec.min_marker_diameter:g} mm on.",
-            f"Take dots of at least {spec.min_marker_diameter:g} mm.",
+            f"Dots are {diameter:g} mm wide; {'ink fills dimples' if skin.hole else 'the pad prints'} from "
+            f"{spec.min_marker_diameter:g} mm.",
+            f"Use dots of at least {spec.min_marker_diameter:g} mm.",
         )
     points = layout.positions[layout.on_dome]
     sagitta = _sagitta(skin, layout)
@@ -110,7 +110,7 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             Severity.WARNING,
             "dot-on-curve",
             f"A dot of {diameter:g} mm is a cap {sagitta:.2g} mm high on an inner radius of {skin.radius:.3g} mm.",
-            f"Take dots below {8 * skin.radius * _SAGITTA:.2g} mm, or a flatter dome.",
+            f"Use dots below {8 * skin.radius * _SAGITTA:.2g} mm, or a flatter dome.",
         )
     beside = points + np.array([diameter, 0.0, 0.0])
     size = np.linalg.norm(camera.project(beside) - camera.project(points), axis=1)
@@ -119,7 +119,7 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             Severity.WARNING,
             "dot-in-pixels",
             f"The smallest dot is {size.min():.2g} pixels wide in the camera.",
-            f"Take dots of at least {diameter * _SMALLEST_PX / size.min():.2g} mm, or a camera nearer or sharper.",
+            f"Use dots of at least {diameter * _SMALLEST_PX / size.min():.2g} mm, or a nearer or sharper camera.",
         )
     unseen = ~camera.visible(points, skin)
     if unseen.any():
@@ -127,12 +127,12 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             Severity.WARNING,
             "marker-unseen",
             f"The camera does not see {int(unseen.sum())} of {len(points)} markers.",
-            "Move the camera back, or take a wider lens.",
+            "Move the camera back, or use a wider lens.",
         )
 
 
 def _reached(skin: Skin, steepest_deg: float) -> float:
-    """Distance in mm from the axis to which the inner surface is no steeper than so many degrees."""
+    """Return the distance in mm from the axis up to which the inner surface's slope is within a limit."""
     s = np.linspace(0.0, 1.0, 2001)
     points = skin.point(np.column_stack([s, 0.0 * s]), 0.0)
     level = skin.normal(points)[:, 2] >= np.cos(np.radians(steepest_deg))
@@ -140,26 +140,26 @@ def _reached(skin: Skin, steepest_deg: float) -> float:
 
 
 def _check_pins(skin: Skin, layout: MarkerLayout) -> Iterator[Finding]:
-    """Limits of pins that are cast with the wall."""
+    """Report the limits of pins that are cast with the skin."""
     if skin.pin > _SLENDER * layout.diameter:
         yield Finding(
             Severity.WARNING,
             "pins-slender",
             f"A pin {skin.pin:g} mm long is {layout.diameter:g} mm wide: it may tear in the core.",
-            f"Take pins of at most {_SLENDER * layout.diameter:.3g} mm, or wider ones.",
+            f"Use pins of at most {_SLENDER * layout.diameter:.3g} mm, or wider ones.",
         )
 
 
 def _check_dimples(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
-    """Limits of a barrel's core: its dimples, and how evenly it stands in the cavity."""
+    """Report the limits of a barrel's core: its dimples, and its centring in the cavity."""
     points, sagitta = layout.positions[layout.on_dome], _sagitta(skin, layout)
     if _DEEPER * sagitta > spec.dot_depth:
         yield Finding(
             Severity.ERROR,
             "dimple-too-shallow",
-            f"Under a dot of {layout.diameter:g} mm the core bends away by {sagitta:.2g} mm, too much for a dimple "
+            f"Under a dot of {layout.diameter:g} mm the core curves away by {sagitta:.2g} mm, too much for a dimple "
             f"{spec.dot_depth:g} mm deep.",
-            f"Take a depth of at least {_DEEPER * sagitta:.2g} mm (--dot-depth), or smaller dots.",
+            f"Use a depth of at least {_DEEPER * sagitta:.2g} mm (--dot-depth), or smaller dots.",
         )
     floors = MarkerLayout(points - spec.dot_depth * skin.normal(points), layout.diameter)
     pair = floors.closest_pair()
@@ -168,17 +168,17 @@ def _check_dimples(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Itera
         yield Finding(
             Severity.ERROR,
             "dimples-too-near",
-            f"Two dimples of the core stand {web:.2g} mm apart, the printer makes walls of {spec.printer_wall:g} mm.",
-            f"Take dots below {layout.diameter + web - spec.printer_wall:.2g} mm, or fewer of them.",
+            f"Two dimples of the core are {web:.2g} mm apart; the printer needs walls of {spec.printer_wall:g} mm.",
+            f"Use dots below {layout.diameter + web - spec.printer_wall:.2g} mm, or fewer of them.",
         )
     share = spec.clearance / skin.thickness
     if share > _UNEVEN:
         yield Finding(
             Severity.ERROR if share > _TOUCHES else Severity.WARNING,
             "wall-uneven",
-            f"The core stands in the cavity within {spec.clearance:g} mm, {100 * share:.0f} % of a wall of "
+            f"The core is centred in the cavity within {spec.clearance:g} mm, {100 * share:.0f} % of a skin of "
             f"{skin.thickness:g} mm.",
-            f"Take a wall of at least {spec.clearance / _UNEVEN:g} mm, or less clearance.",
+            f"Use a thickness of at least {spec.clearance / _UNEVEN:g} mm, or less clearance.",
         )
 
 
@@ -189,7 +189,7 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
         yield Finding(
             Severity.WARNING,
             "pad-reach",
-            f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.max_slope_deg:g}°.",
+            f"The lowest dots lie on a slope of {slope:.3g}°; a pad prints up to {spec.max_slope_deg:g}°.",
             f"Keep dots within {_reached(skin, spec.max_slope_deg):.3g} mm of the axis.",
         )
     page = project_to_page(skin, points, spec.mapping)
@@ -201,6 +201,6 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
             yield Finding(
                 Severity.WARNING if gap > 0 else Severity.ERROR,
                 "dots-too-near",
-                f"Two dots of the artwork stand {gap:.2g} mm apart, the pad keeps {spec.min_gap:g} mm.",
-                f"Take dots below {layout.diameter + gap - spec.min_gap:.2g} mm, or the mapping arc.",
+                f"Two dots of the artwork are {gap:.2g} mm apart; the pad needs {spec.min_gap:g} mm.",
+                f"Use dots below {layout.diameter + gap - spec.min_gap:.2g} mm, or the mapping arc.",
             )

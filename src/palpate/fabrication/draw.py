@@ -1,4 +1,4 @@
-"""Pictures for the workshop, drawn from the model: sections with dimensions, and bodies in the light."""
+"""Workshop drawings of the model: sections with dimensions, and views of bodies."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from palpate.design import Arc, CadSolid, ContactModule, Outline, SmoothCurve
 from palpate.fabrication.window_plate import WindowPlate
 
 _EYE = (300.0, -500.0, 400.0)
-"""Where bodies are looked at from, mm."""
+"""Viewpoint of bodies, mm."""
 _ARC_POINTS = 60
 _ABREAST = 6
-"""Bodies beside each other, at most."""
+"""Maximum number of bodies in a row."""
 SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 
 
 def draw_module_section(module: ContactModule, window: WindowPlate | None = None) -> Figure:
-    """Draw the section of a module with its dimensions, and of a filled one gel and window."""
+    """Draw the section of a module with its dimensions; a filled one with gel and window."""
     figure, axis = blank_sheet((6.4, 4.6))
     skin, foot = module.skin, module.foot
     if window is not None:
@@ -56,7 +56,7 @@ def draw_module_section(module: ContactModule, window: WindowPlate | None = None
 
 
 def draw_mold_section(module: ContactModule, radius: float, floor: float, plate: float) -> Figure:
-    """Draw the closed mold in section, as it stands when it is poured: apex down."""
+    """Draw the closed mold in section, in the position in which it is filled: apex down."""
     figure, axis = blank_sheet((6.4, 4.6))
     foot, top = module.foot, module.skin.height + module.skin.thickness + floor
     down = np.array([1.0, -1.0])
@@ -72,7 +72,7 @@ def draw_mold_section(module: ContactModule, radius: float, floor: float, plate:
 
 
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
-    """Draw the visible edges of bodies side by side, seen from above at an angle, to one scale."""
+    """Draw the visible edges of bodies side by side, seen obliquely from above, to one scale."""
     rows = -(-len(bodies) // _ABREAST)
     columns = -(-len(bodies) // rows)
     figure = Figure(figsize=(3.4 * columns, 3.4 * rows), layout="constrained")
@@ -91,7 +91,7 @@ def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
 
 
 def follow_outline(outline: Outline) -> FloatArray:
-    """Points (n, 2) mm along an outline, its arcs in many short steps."""
+    """Return points (n, 2) mm along an outline, with its arcs in many short steps."""
     points: list[FloatArray] = [np.array([outline[0]], float)]
     for item in outline[1:]:
         if isinstance(item, Arc):
@@ -117,7 +117,7 @@ def _follow_arc(start: FloatArray, arc: Arc) -> FloatArray:
 
 
 def blank_sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
-    """Make a figure of a size in inches, and its axes, to one scale and without frame."""
+    """Create a figure of a size in inches, and its axes, to one scale and without frame."""
     figure = Figure(figsize=size, layout="constrained")
     axis = figure.add_subplot()
     axis.set_aspect("equal")
@@ -126,7 +126,7 @@ def blank_sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
 
 
 def _fill(axis: Axes, right: FloatArray, colour: str) -> None:
-    """Fill a section of which the right half (n, 2) mm is given."""
+    """Fill a section, given by its right half (n, 2) mm."""
     whole = np.concatenate([right, right[::-1] * [-1.0, 1.0]])
     axis.add_patch(Polygon(whole, closed=True, facecolor=colour, edgecolor="none"))
     ends = np.roll(right, -1, axis=0)

@@ -1,4 +1,4 @@
-"""Pictures of a barrel for the workshop: its section and its mold's, lying with the rim to the left, and cut open."""
+"""Workshop drawings of a barrel, with the rim to the left: sections, and a cut assembly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from palpate.fabrication.mold import Mold
 
 _SIZE = (7.4, 3.7)
 _FAR = 1e4
-"""Half the edge of what is cut away, and how far off the eye is, mm."""
+"""Half the edge of the box that is cut away, and distance of the viewpoint, mm."""
 
 
 def draw_barrel_section(module: ContactModule) -> Figure:
@@ -42,7 +42,7 @@ def draw_barrel_section(module: ContactModule) -> Figure:
 
 
 def draw_barrel_mold(mold: Mold, floor: float, plate: float, spigot: float) -> Figure:
-    """Draw the closed mold in section: it is poured standing, the left end up."""
+    """Draw the closed mold in section; it is filled upright, the left end up."""
     figure, axis = blank_sheet(_SIZE)
     module, radius = mold.module, mold.radius
     foot, top = module.foot, module.top
@@ -59,7 +59,7 @@ def draw_barrel_mold(mold: Mold, floor: float, plate: float, spigot: float) -> F
 
 
 def draw_cut_open(parts: Sequence[CadSolid], azimuth: float) -> Figure:
-    """Draw what is seen of parts when all before the plane through the axis at an azimuth (rad) is cut away."""
+    """Draw parts, cut open along the plane through the axis at an azimuth (rad)."""
     figure, axis = blank_sheet((_SIZE[0], 2.9))
     away = box((-_FAR, -_FAR, -_FAR), (_FAR, 0.0, _FAR))
     halves = gather([part.turned("z", float(-np.degrees(azimuth))).cut(away) for part in parts])
@@ -70,7 +70,7 @@ def draw_cut_open(parts: Sequence[CadSolid], azimuth: float) -> Figure:
 
 
 def _fill(axis: Axes, half: FloatArray, colour: str) -> None:
-    """Fill a section of which one half, (n, 2) mm from the axis and along it, is given."""
+    """Fill a section, given by one half (n, 2) mm: distance from the axis, and position along it."""
     places = [half[:, ::-1], half[:, ::-1] * [1.0, -1.0]]
     if half[:, 0].min() <= 0:
         places = [np.concatenate([places[0], places[1][::-1]])]

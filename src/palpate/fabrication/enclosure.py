@@ -1,4 +1,4 @@
-"""The enclosure: a housing that holds camera, light and module, a clamp ring, and a plate for a robot's flange.
+"""Enclosure: a housing for camera, light and module, a clamp ring, and a robot plate.
 
           .-''-.
       ___|______|___      clamp ring over the flange, M3 screws
@@ -10,12 +10,12 @@
      |______________|
        |___|__|___|       robot plate, ISO 9409-1-50-4-M6
 
-It is round for every skin; what touches the module, the opening, the ring's recess and its opening, has the module's
-plan. A filled skin stands on its window, which rests on a boss of the housing within the flange. A barrel is clamped
-at its far end as well, see `palpate.fabrication.frame`; smaller screws keep what clamps it narrower than its bulge.
+It is round for every skin; opening, recess and opening of the ring, which touch the module, have the module's plan. A
+filled skin stands on its window, which rests on a boss of the housing inside the flange. A barrel is clamped at its
+far end as well, see `palpate.fabrication.frame`; smaller screws keep its clamps narrower than its bulge.
 
-The bodies of cameras: the DAVIS 346 is 60 mm x 40 mm x 25 mm without its lens (maker's data sheet); a 28 mm board
-camera is a 32 mm square board whose holes for M2 screws stand 28 mm apart.
+Camera bodies: the DAVIS 346 is 60 mm x 40 mm x 25 mm without its lens (maker's data sheet); a 28 mm board camera is a
+32 mm square board with holes for M2 screws 28 mm apart.
 """
 
 from __future__ import annotations
@@ -31,45 +31,39 @@ from palpate.fabrication.spec import CameraBody, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
 
 WALL, SHELF = 3.0, 4.0
-"""Wall and shelf of the housing, mm."""
+"""Thicknesses of wall and shelf of the housing, mm."""
 RING_TOP, RING_EDGE = 1.5, -1.5
-"""Height of the clamp ring over the base plane at its opening and its outer edge, mm: it slopes from the wall."""
+"""Height of the clamp ring over the base plane at its opening and its outer edge, mm."""
 LED_WIDTH, LED_HEIGHT = 6.0, 4.0
-"""Room for a ring of LEDs about the opening, mm."""
+"""Width and height of the recess for a ring of LEDs around the opening, mm."""
 SQUEEZE = 0.2
-"""How much the clamp ring compresses the flange, mm."""
+"""Compression of the flange by the clamp ring, mm."""
 M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
 """Diameters of holes, mm: a self-cut M3 thread in plastic, M3 passing, M6 passing (ISO 273, medium)."""
 SCREWS = 6
 _LAND = 0.5
-"""Level width of the clamp ring beyond the corners of an opening that is not round, mm: no slope cuts them."""
+"""Level width of the clamp ring beyond the corners of an opening that is not round, mm."""
 _THREAD = 10.0
 """Depth of a self-cut thread, mm."""
 _TURNS = 31
-"""Azimuths, from 0 to 90°, at which a wall is looked at; of a body of revolution all are the same."""
+"""Number of tested azimuths of a wall, from 0 to 90°; all are equal for a body of revolution."""
 ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
-"""Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, and thickness of our plate."""
+"""Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, plate thickness."""
 ISO_RADIUS = 31.5
 
 
 @dataclass(frozen=True)
 class BodySizes:
-    """A camera's body: its size across, its depth behind the pinhole, the lens, and its screws.
+    """Dimensions of a camera's body, mm.
 
     Attributes
     ----------
-    across
-        (2,) mm, along x and y.
-    depth
-        From the front of the body to its back, mm.
-    lens
-        Diameter of the hole for the lens, mm.
-    pinhole
-        Distance from the front of the body to the pinhole of the lens, mm.
-    screws
-        (x, y) mm of its screws.
-    screw
-        Diameter of their holes, mm.
+    across, depth
+        Size along x and y, and from front to back.
+    lens, pinhole
+        Diameter of the hole for the lens, and distance from the front of the body to its pinhole.
+    screws, screw
+        (x, y) of its screws, and diameter of their holes.
     """
 
     across: tuple[float, float]
@@ -82,13 +76,7 @@ class BodySizes:
 
 @dataclass(frozen=True)
 class Screw:
-    """Screws of a clamp ring, mm.
-
-    Attributes
-    ----------
-    core, clear, head, clearance
-        Diameters of the self-cut thread in plastic, of the hole that is passed and of its head; plastic beside it.
-    """
+    """Screws of a clamp ring, mm: diameters of thread, through hole and head; plastic around them."""
 
     core: float
     clear: float
@@ -127,7 +115,7 @@ class Enclosure:
     ring
         (radius, z) mm of the edges of the clamp ring that a wall may meet.
     frame
-        What carries the far end of a barrel.
+        Support of the far end of a barrel.
     """
 
     parts: dict[str, CadSolid]
@@ -145,31 +133,20 @@ def build_enclosure(
 ) -> Enclosure:
     """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
 
-    Parameters
-    ----------
-    module
-        The module.
-    camera_distance
-        Of the pinhole, mm.
-    spec
-        How it is made.
-    window
-        What a filled skin stands on.
-    frame
-        What carries the far end of a barrel.
+    `window` is that of a filled skin, `frame` the support of a barrel's far end.
 
     Raises
     ------
     PalpateError
-        If the camera would stand in the light's seat, or the printer makes no part so long.
+        If the camera does not fit below the light, or a part exceeds the printer's size.
     """
     body = BODIES[spec.camera_body]
     shelf = -camera_distance - body.pinhole
     room = module.foot - LED_HEIGHT - WALL
     if shelf + SHELF + body.pinhole > room:
         raise PalpateError(
-            f"The camera is {camera_distance:g} mm below the base; light and flange reach {-room:g} mm down.",
-            f"Take a distance of at least {-room + SHELF:.3g} mm.",
+            f"The camera is {camera_distance:g} mm below the base; light and flange extend {-room:g} mm down.",
+            f"Use a distance of at least {-room + SHELF:.3g} mm.",
             code="camera-no-room",
         )
     far = module.farthest
@@ -196,9 +173,9 @@ def build_enclosure(
 
 
 def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) -> float:
-    """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring.
+    """Return the depth in mm at which a wall tilted by `tilt_deg` meets the clamp ring.
 
-    Along the axis; of a barrel's wall, inclined against the axis towards its nearer end, along the wall's normal.
+    It is along the axis; for a barrel, whose wall is tilted towards its nearer end, along the wall's normal.
     """
     tilt = np.radians(tilt_deg)
     if module.skin.hole:
@@ -218,7 +195,7 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
 def _housing(
     module: ContactModule, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
 ) -> CadSolid:
-    """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
+    """Build the tube with flange seat, lip, LED recess and camera shelf."""
     bore, outer, shelf, low = sizes
     seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
     recess = module.farthest * module.opening_foot + LED_WIDTH
@@ -252,7 +229,7 @@ def _screw_places(module: ContactModule, outer: float) -> list[tuple[float, floa
 
 
 def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSolid:
-    """Ring that lies on the housing around the flange and presses on its upper face."""
+    """Build the ring that lies on the housing around the flange and presses on its upper face."""
     edge = module.flange_foot + spec.clearance
     opening = _ring_opening(module)
     section = [
@@ -280,17 +257,17 @@ def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSo
 
 
 def _ring_opening(module: ContactModule) -> float:
-    """Reach of the clamp ring's opening along x, mm: two fifths of the flange's width beyond the dome."""
+    """Return half the clamp ring's opening along x, mm: two fifths of the flange's width beyond the skin."""
     return module.flange_radius - 0.6 * (module.flange_radius - module.widest)
 
 
 def _ring_top(module: ContactModule) -> float:
-    """Radius to which the clamp ring is level, mm: that of its opening where it is round."""
+    """Return the radius to which the clamp ring is level, mm; that of its opening if round."""
     return module.farthest * _ring_opening(module) + (0.0 if module.skin.plan.is_round else _LAND)
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:
-    """Plate with the boss, screws and pin of ISO 9409-1-50-4-M6, screwed under the housing."""
+    """Build the plate with boss, screws and pin of ISO 9409-1-50-4-M6, screwed under the housing."""
     plate = cylinder(outer, top - ISO_PLATE, top).join(
         cylinder(ISO_BOSS / 2 - 0.05, top - ISO_PLATE - ISO_BOSS_HEIGHT, top - ISO_PLATE / 2)
     )

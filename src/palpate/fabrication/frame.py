@@ -1,4 +1,4 @@
-"""The frame of a barrel: four rods inside the skin carry the cap on which its far end is clamped.
+"""Frame of a barrel: four rods inside the skin carry the cap that clamps its far end.
 
         ___________________
     ====|=================|==   end cap; a nut on either side of it on every rod
@@ -7,11 +7,11 @@
       / |                 | \\   rods of 5 mm, between the columns of dots
        )|                 |(
      |--|--            ---|--|  clamp ring
-    ====[]==          ===[]===  housing: sockets beside its opening, that rods are glued into
+    ====[]==          ===[]===  housing: sockets next to its opening, for glued rods
 
-The camera stands on the axis, so a rod along the axis hides the plane through both from it and no more: at an azimuth
-without dots it hides none. A clear tube would carry more, but bends the flat lines of sight to the far rows by
-millimetres, which no lens here knows; and outside the skin a rod would be in the way of what it touches.
+The camera is on the axis, so a rod parallel to it hides only its own azimuth, which is chosen between the dots. A
+clear tube would be stiffer, but refracts the flat lines of sight to the far rows by millimetres, which no lens model
+here describes; a rod outside the skin would obstruct the contact.
 """
 
 from __future__ import annotations
@@ -28,28 +28,20 @@ from palpate.fabrication.spec import ProcessSpec
 ROD, RODS = 5.0, 4
 """Diameter (M5 threaded rod, mm) and number of the rods."""
 NUT, NUT_HEIGHT, ROD_CLEAR = 8.8, 4.7, 5.5
-"""Corners and height of an M5 nut, and the hole that a rod passes (ISO 4032, ISO 273 medium), mm."""
+"""Width across corners and height of an M5 nut, and clearance hole of a rod (ISO 4032, ISO 273), mm."""
 CAP, CAP_THREAD = 8.0, 7.0
-"""Thickness of the end cap, and depth in it of the threads of the end ring's screws, mm."""
+"""Thickness of the end cap, and depth of the threads for the end ring's screws, mm."""
 SCREW_LENGTH = 8.0
 """Length of the rings' M2 screws, mm: 2 mm of ring under the head, the rest within `CAP_THREAD`."""
 POST, SOCKET = 4.2, 10.0
-"""Radius of a socket's wall and its depth under the seat of the flange, mm."""
+"""Outer radius of a socket, and its depth under the seat of the flange, mm."""
 _FLOOR, _GAP, _LUG, _END = 1.0, 0.8, 3.0, 2.0
-"""Floor of a socket; gap of a socket and the skin; height of what holds a socket; rod beyond the outer nut, mm."""
+"""Floor of a socket, gap to the skin, height of a lug, and rod beyond the outer nut, mm."""
 
 
 @dataclass(frozen=True)
 class BarrelFrame:
-    """Rods, cap and sockets of a barrel, in the frame of its module.
-
-    Attributes
-    ----------
-    module
-        The module.
-    azimuths
-        Of the rods, rad.
-    """
+    """Rods (by azimuth, rad), cap and sockets of a barrel, in the frame of its module."""
 
     module: ContactModule
     azimuths: tuple[float, ...]
@@ -61,7 +53,7 @@ class BarrelFrame:
 
     @property
     def places(self) -> FloatArray:
-        """(4, 2) mm."""
+        """Positions (4, 2) of the rods, mm."""
         return self.circle * np.column_stack([np.cos(self.azimuths), np.sin(self.azimuths)])
 
     @property
@@ -71,11 +63,11 @@ class BarrelFrame:
 
     @property
     def length(self) -> float:
-        """Of a rod, mm."""
+        """Length of a rod, mm."""
         return self.ends[1] - self.ends[0]
 
     def posts(self) -> list[CadSolid]:
-        """Sockets within the flange's opening, and what holds them to the housing."""
+        """Build the sockets inside the flange's opening, and their lugs to the housing."""
         foot, reach = self.module.foot, self.module.opening_foot + 1.0
         lug = box((self.circle, -POST, foot - _LUG), (reach, POST, foot))
         found = []
@@ -84,11 +76,11 @@ class BarrelFrame:
         return found
 
     def sockets(self, spec: ProcessSpec) -> list[CadSolid]:
-        """The holes that rods are glued into."""
+        """Build the holes of the sockets."""
         return self._along(ROD / 2 + spec.clearance / 2, self.ends[0], 1.0)
 
     def far_end(self, ring: CadSolid, outer: float, screws: Sequence[CadSolid]) -> dict[str, CadSolid]:
-        """The cap, (mm) so far from the axis and with threads for screws, the ring turned over, and the rods."""
+        """Build end cap (radius `outer`, mm; threads at `screws`), end ring and rods."""
         low = self.module.top
         cap = cylinder(outer, low, low + CAP).cut(
             *self._along(ROD_CLEAR / 2, low - 1, low + CAP + 1), *(screw.moved(z=low) for screw in screws)
@@ -100,7 +92,7 @@ class BarrelFrame:
         return [cylinder(radius, low, high, (x, y)) for x, y in self.places.tolist()]
 
     def hidden(self, origin: FloatArray, points: FloatArray) -> FloatArray:
-        """Which (n,) of points (n, 3) mm rods or sockets hide from a pinhole at `origin` (3,) mm."""
+        """Return which points (n, 3) mm rods or sockets hide from a pinhole at `origin` (3,) mm."""
         found = np.zeros(len(points), bool)
         low, high = self.module.foot - SOCKET, self.ends[1]
         for radius, top in ((POST, 0.0), (ROD / 2, high)):
@@ -115,19 +107,19 @@ class BarrelFrame:
 
 
 def plan_frame(module: ContactModule, layout: MarkerLayout) -> BarrelFrame:
-    """Place the rods of a barrel where the dots leave the widest sectors next to 45°, 135°, 225° and 315°.
+    """Place the rods of a barrel in the widest sectors without dots near 45°, 135°, 225° and 315°.
 
     Raises
     ------
     PalpateError
-        If there is no room for them.
+        If the opening is too small for them.
     """
     least = 2 * POST + _GAP + max(POST, NUT / 2)
     if module.opening_radius < least:
         raise PalpateError(
-            f"The barrel opens by {module.opening_radius:g} mm at its ends: four rods that carry the far end leave "
-            "no view.",
-            f"Take a radius of at least {least:.3g} mm there.",
+            f"The barrel opens by {module.opening_radius:g} mm at its ends: four rods for the far end would block "
+            "the view.",
+            f"Use a radius of at least {least:.3g} mm there.",
             code="frame-no-view",
         )
     azimuths = np.unique(np.arctan2(layout.positions[:, 1], layout.positions[:, 0]).round(6))

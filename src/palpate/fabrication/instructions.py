@@ -1,4 +1,4 @@
-"""The sheet for the workshop: what to mix, pour, wait for, print and measure, in Markdown and as PDF."""
+"""Workshop sheet in Markdown and as PDF: mixing, casting, curing, printing and inspection."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _BODIES = {CameraBody.DAVIS346: "DAVIS 346", CameraBody.BOARD28: "board camera w
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and its lines; numbered where they are steps."""
+    """Heading with lines, which are numbered if they are steps."""
 
     title: str
     lines: tuple[str, ...]
@@ -60,19 +60,7 @@ def write_instructions(
     made: tuple[Mold, Enclosure, Camera, ProcessSpec],
     findings: Sequence[Finding],
 ) -> list[Section]:
-    """Write the sheet of a module.
-
-    Parameters
-    ----------
-    skin, layout
-        The design.
-    material
-        Name of the elastomer.
-    made
-        Mold, enclosure, camera and process.
-    findings
-        Limits that the design meets.
-    """
+    """Write the sheet of a module: `made` is mold, enclosure, camera and process."""
     mold, enclosure, camera, spec = made
     volume = mold.hollow() / 1000
     mixed = volume * (1 + spec.excess_percent / 100)
@@ -149,7 +137,7 @@ def _cast(volume: float, mixed: float, mold: Mold) -> list[str]:
 
 
 def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
-    """Write how a skin is filled with a gel and set on its window."""
+    """Write the steps that fill a skin with gel and set it on its window."""
     volume = window.gel_mm3 / 1000
     wide, long = 2 * np.abs(window.line).max(axis=0)
     depth = (
@@ -159,14 +147,14 @@ def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
         f"Cut the window, {wide:.4g} mm by {long:.4g} mm, from a clear sheet of {window.thickness:g} mm along "
         "window.dxf; its edges stay square.",
         "Clean its faces with isopropanol. Prime the face for the gel, and the flange's opening, as the gel's maker "
-        "says: the gel must hold to window and skin.",
+        "recommends: the gel must adhere to window and skin.",
         "Lay the skin back into the cavity, apex down and level: the cavity keeps its shape.",
-        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL of gel ({gel}) as its maker says; draw air out under "
-        "vacuum for 5 min.",
+        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL of gel ({gel}) as its maker recommends; draw air out "
+        "under vacuum for 5 min.",
         f"Pour it slowly until it stands at the upper edge of the flange's opening ({volume:.2f} mL).",
         "Lower the window into the opening, primed face down and one edge first, so that no bubble is caught, until "
-        f"it is flush with the base of the skin; {depth}. Wipe off what comes out around it.",
-        "Cure level, as the gel's maker says; then lift the module out of the cavity.",
+        f"it is flush with the base of the skin; {depth}. Wipe off the excess around it.",
+        "Cure level, as the gel's maker recommends; then lift the module out of the cavity.",
     ]
     return Section("Fill with gel", tuple(lines), steps=True)
 
@@ -177,10 +165,10 @@ def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: 
         return Section("Print the markers", tuple(lines), steps=True)
     lines = [
         "Wipe the tips of the pins with isopropanol; let them dry.",
-        f"Roll silicone ink that stands out from the elastomer over the {len(layout)} tips; keep their sides clean.",
+        f"Roll silicone ink of a contrasting colour over the {len(layout)} tips; keep their sides clean.",
         "artwork.pdf shows where the tips are, as seen from the base.",
         *(["The single pin at 15° is the orientation mark: paint it too."] if spec.orientation_mark else []),
-        "Let the ink cure as its maker says.",
+        "Let the ink cure as its maker recommends.",
     ]
     return Section("Paint the tips", tuple(lines), steps=True)
 
@@ -198,7 +186,7 @@ def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: boo
             if spec.orientation_mark
             else []
         ),
-        "Let the ink cure as its maker says.",
+        "Let the ink cure as its maker recommends.",
     ]
 
 
@@ -209,7 +197,7 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
         f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
         f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
-        f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate calibration inspect` tells from an image.",
+        f"{PRINT_TOLERANCE:g} mm of markers.csv: measure them from an image by `palpate calibration inspect`.",
         "No bubble above 0.5 mm; inner surface matt and even.",
     ]
 
@@ -225,7 +213,7 @@ def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: 
     )
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [
-        f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole stands "
+        f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole is "
         f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
         *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
@@ -236,7 +224,7 @@ def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: 
 
 
 def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[str]) -> None:
-    """Write the sheet as Markdown, with pictures beside it."""
+    """Write the sheet as Markdown, with pictures at its end."""
     text = ["# How to make this contact module", ""]
     for section in sections:
         text += [f"## {section.title}", ""]
@@ -248,7 +236,7 @@ def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[s
 
 
 def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], more: Sequence[Figure]) -> None:
-    """Write the sheet as PDF, all on A4: pages of text, one of drawings, and more, as the artwork 1:1."""
+    """Write the sheet as PDF on A4: text, one page of drawings, and further pages (the artwork 1:1)."""
     with PdfPages(path, metadata={"CreationDate": None}) as pages:
         lines = [line for section in sections for line in _lay_out(section)]
         for start in range(0, len(lines), _LINES):
@@ -259,7 +247,7 @@ def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figu
 
 
 def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
-    """Drawings below each other over the page's width, as large as all fit."""
+    """Arrange drawings below each other over the page's width, at the largest common scale."""
     page = Figure(figsize=_A4)
     shapes = [drawing.get_size_inches() for drawing in drawings]
     width = min(0.86 * _A4[0], 0.92 * _A4[1] / sum(height / wide for wide, height in shapes))
@@ -278,7 +266,7 @@ def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
 
 
 def _lay_out(section: Section) -> list[tuple[str, bool]]:
-    """Lines of a section, and whether each is a heading."""
+    """Return the lines of a section, and whether each is a heading."""
     lines = [(section.title, True)]
     for k, line in enumerate(section.lines, start=1):
         mark = f"{k}. " if section.steps else "·  "

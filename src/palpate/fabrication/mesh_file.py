@@ -1,4 +1,4 @@
-"""Write meshes for the printer, and drill them. The only file that knows trimesh."""
+"""Mesh files for the printer, and drilling of meshes. Only this file uses trimesh."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.design import SurfaceMesh
 
 _WELD_MM = 1e-4
-"""Distance of points that a file of single precision may not keep apart."""
+"""Distance of points that a file of single precision may merge."""
 
 
 def write_mesh(path: Path, mesh: SurfaceMesh) -> None:

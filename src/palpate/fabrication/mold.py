@@ -1,6 +1,6 @@
-"""The mold: a cavity with the outer surface, and a core with the inner one that closes it from above.
+"""Mold: a cavity with the outer surface, closed from above by a core with the inner surface.
 
-Drawn as it stands when the elastomer is poured, apex down:
+Drawn in the position in which it is filled, apex down:
 
       pour  vents                      core: plate and plug
      __|_|___|__________
@@ -9,14 +9,14 @@ Drawn as it stands when the elastomer is poured, apex down:
     | |pin   '.____.'      |  cavity
     |________________________|
 
-The flange is the highest part of the hollow, so pour hole and vents end on it. Three pins on the cavity stand at
-30°, 150° and 280°: the mold closes one way only. The plug and the flange's edge are drafted. A dome that bulges over
-its base cannot leave a cavity of one piece: its cavity is cut in halves along the axis, held by dowels and a band.
-The mold of a pad has the pad's plan, and walls no thinner than along x; azimuths are angles of the plan.
+The flange is the highest part of the hollow, so pour hole and vents end on it. Three pins on the cavity are at 30°,
+150° and 280°: the mold closes in one position only. The plug and the flange's edge are drafted. A dome that bulges
+over its base cannot leave a cavity of one piece: its cavity is split in halves along the axis, held by dowels and a
+band. The mold of a pad has the pad's plan, and walls no thinner than along x; azimuths are angles of the plan.
 
-A barrel's stands rim up. Its core goes through to the far end, where a spigot centres it in the floor, and stays
-whole: in segments it would leave seams among the dots, and the elastomer bears what it must stretch to come off. The
-dots are dimples of the core, which ink fills before the elastomer is cast over it.
+A barrel's mold stands rim up. Its core extends to the far end, where a spigot centres it in the floor, and is one
+piece: segments would leave seams among the dots, and the elastomer bears the stretch of demolding. The dots are
+dimples of the core, which are filled with ink before casting.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ from palpate.fabrication.spec import ProcessSpec
 PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
 POUR_AZIMUTH_DEG = 90.0
 DOWEL_DIAMETER, DOWEL_DEPTH = 2.0, 6.0
-"""Steel dowels in the halves of a split cavity, mm."""
+"""Diameter and depth of the steel dowels in the halves of a split cavity, mm."""
 _BLIND = 0.5
-"""How much deeper than its pin a hole is, mm."""
+"""Depth of a hole beyond its pin, mm."""
 _SPIGOT = 0.6
-"""Radius of the spigot at the end of a barrel's core, over that of its opening; the ring beside it seals."""
+"""Radius of the spigot at the end of a barrel's core, over that of its opening; the rest seals."""
 
 
 @dataclass(frozen=True)
 class Mold:
-    """A mold in the frame of its module, assembled.
+    """Mold in the frame of its module, assembled.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Mold:
     radius
         Outer radius, mm; half the width along x of a pad's.
     pins_mm3
-        Volume of the holes in the core that pins fill, or of a barrel's dimples, which ink fills.
+        Volume of the holes in the core for pins, or of a barrel's dimples, which are filled with ink.
     """
 
     module: ContactModule
@@ -72,7 +72,7 @@ class Mold:
         return len(self.parts) > 2
 
     def hollow(self) -> float:
-        """Volume between cavity and core, mm³: what the elastomer fills."""
+        """Return the volume between cavity and core, mm³, which the elastomer fills."""
         module = self.module
         wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
         return wall + (0.0 if module.skin.hole else self.pins_mm3)
@@ -84,25 +84,25 @@ def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid
     Raises
     ------
     PalpateError
-        If pour hole or pins do not fit, or the printer makes no part so long.
+        If pour hole or pins do not fit, or a part exceeds the printer's size.
     """
     flange = float(np.hypot(*module.place(module.flange_foot - module.opening_foot, POUR_AZIMUTH_DEG)))
     if spec.pour_diameter > flange - 2 * spec.printer_wall:
         raise PalpateError(
-            f"The pour hole is {spec.pour_diameter:g} mm wide, the flange it ends on {flange:.3g} mm.",
-            f"Take at most {np.floor(100 * (flange - 2 * spec.printer_wall)) / 100:g} mm, or a wider flange.",
+            f"The pour hole is {spec.pour_diameter:g} mm wide, the flange on which it ends {flange:.3g} mm.",
+            f"Use at most {np.floor(100 * (flange - 2 * spec.printer_wall)) / 100:g} mm, or a wider flange.",
             code="pour-hole-too-wide",
         )
     if spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall) > spec.mold_wall:
         raise PalpateError(
             f"A pin of {spec.pin_diameter:g} mm does not fit into a mold wall of {spec.mold_wall:g} mm.",
-            f"Take at least {spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall):.3g} mm of wall.",
+            f"Use a mold wall of at least {spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall):.3g} mm.",
             code="mold-pin-too-thick",
         )
     if spec.pin_height + _BLIND + spec.printer_wall > spec.plate:
         raise PalpateError(
             f"A pin {spec.pin_height:g} mm high goes through a plate of {spec.plate:g} mm.",
-            f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
+            f"Use a plate of at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm.",
             code="mold-pin-too-high",
         )
     widest = module.skin.outer_widest[0]
@@ -110,9 +110,9 @@ def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid
     dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
     if module.skin.bulges and min(spec.mold_floor, radius - widest) < dowel:
         raise PalpateError(
-            f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
+            f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm do not fit into a floor of "
             f"{spec.mold_floor:g} mm.",
-            f"Take a floor of at least {dowel:.2g} mm.",
+            f"Use a floor of at least {dowel:.2g} mm.",
             code="mold-dowels-no-room",
         )
     cavity = _build_cavity(module, spec, radius)
@@ -158,12 +158,12 @@ def _build_core(module: ContactModule, spec: ProcessSpec, radius: float) -> CadS
 
 
 def vent_azimuths(count: int) -> list[float]:
-    """Azimuths of the vents, deg: evenly between the pour hole and itself once around."""
+    """Return the azimuths of the vents, deg: evenly spaced from the pour hole, once around."""
     return [POUR_AZIMUTH_DEG + 360.0 * (k + 1) / (count + 1) for k in range(count)]
 
 
 def _split(cavity: CadSolid, module: ContactModule, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
-    """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
+    """Split a cavity at y = 0 into halves with holes for dowels, of which one is offset."""
     low, high = module.foot - spec.pin_height, module.top + spec.mold_floor
     across = (module.skin.outer_widest[0] + radius) / 2
     height, offset = module.skin.outer_widest[1], 2 * DOWEL_DIAMETER
@@ -186,5 +186,5 @@ def _split(cavity: CadSolid, module: ContactModule, radius: float, spec: Process
 
 
 def _dowel(x: float, z: float, radius: float) -> CadSolid:
-    """Hole for a dowel along y about (x, z)."""
+    """Return the hole for a dowel along y about (x, z)."""
     return cylinder(radius, -DOWEL_DEPTH, DOWEL_DEPTH).turned("x", 90.0).moved(x, 0.0, z)

@@ -1,4 +1,4 @@
-"""A fabrication pack: the folder that a workshop gets."""
+"""Fabrication pack: the folder for the workshop."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from palpate.design import Finding
 
 @dataclass(frozen=True)
 class FabricationPack:
-    """A pack that was written.
+    """Fabrication pack that was written.
 
     Attributes
     ----------
     folder
-        Where.
+        Its folder.
     files
-        Names in it, with their SHA-256.
+        File names, with their SHA-256.
     volumes
         Volume of every solid, mm³, by name.
     findings
-        Limits that the design meets in the workshop; none is an error.
+        Limits that the design exceeds in manufacture; none is an error.
     """
 
     folder: Path

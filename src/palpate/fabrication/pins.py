@@ -1,4 +1,4 @@
-"""Blind holes in the core of a mold: elastomer fills those of pins inside a skin, ink those of a barrel's dots."""
+"""Blind holes in the core of a mold, for the pins of a skin or the dots of a barrel."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from palpate.core import FloatArray
 from palpate.design import CadSolid, MarkerLayout, Skin, cylinder, place_orientation_mark
 
 _INTO_WALL = 0.25
-"""How far a pin is drawn into the wall, over its thickness, so that no gap is left at its root."""
+"""Extension of a pin into the skin, over its thickness, so that no gap is left at its root."""
 
 
 def build_pins(skin: Skin, layout: MarkerLayout, scale: float, *, mark: bool) -> list[CadSolid]:
-    """The pins of a skin, every length times a scale, with `mark` that of the orientation mark too; or none."""
+    """Build the scaled pins of a skin, with `mark` that of the orientation mark too; may be empty."""
     if not skin.pin:
         return []
     tips = _places(skin, layout, mark=mark)
@@ -20,7 +20,7 @@ def build_pins(skin: Skin, layout: MarkerLayout, scale: float, *, mark: bool) ->
 
 
 def build_dimples(skin: Skin, layout: MarkerLayout, depth: float, scale: float, *, mark: bool) -> list[CadSolid]:
-    """The dots of a barrel, `depth` mm inward from its surface, every length times a scale; of other skins none."""
+    """Build the scaled dots of a barrel, `depth` mm inward from its surface; empty for other skins."""
     if not skin.hole:
         return []
     points = _places(skin, layout, mark=mark)
@@ -32,7 +32,7 @@ def _places(skin: Skin, layout: MarkerLayout, *, mark: bool) -> FloatArray:
 
 
 def _stand(skin: Skin, tips: FloatArray, diameter: float, length: float, scale: float) -> list[CadSolid]:
-    """Cylinders from tips (n, 3) mm along the normals, so long (mm) and on into the wall."""
+    """Build cylinders from tips (n, 3) mm along the normals, of a length in mm, extended into the skin."""
     normals = skin.normal(tips)
     polar, azimuth = np.degrees(np.arccos(normals[:, 2])), np.degrees(np.arctan2(normals[:, 1], normals[:, 0]))
     upright = cylinder(scale * diameter / 2, 0.0, scale * (length + _INTO_WALL * skin.thickness))

@@ -13,7 +13,7 @@ ECOFLEX = "Smooth-On technical bulletin, Ecoflex series"
 
 
 class PadMapping(StrEnum):
-    """Mapping of a flat dot to the dome by a pad: along the dome's axis, or to an equal arc from the apex."""
+    """Mapping of a flat dot to the dome by a pad: along the axis, or to an equal arc from the apex."""
 
     AXIS = "axis"
     ARC = "arc"

@@ -1,4 +1,4 @@
-"""Molds of the test specimens from which a material is fitted: open trays, filled and struck off with a blade.
+"""Molds of test specimens for material fits: open trays, filled and levelled with a blade.
 
 *Tension*: the dumbbell of ASTM D412 die C (ISO 37 type 1), 3 mm thick,
 
@@ -31,22 +31,15 @@ OUTSIDE, INSIDE, THICKNESS = 14.0, 25.0, 3.0
 BUTTON, BUTTON_HEIGHT = 29.0, 12.5
 """Cylinder of ASTM D395-18 type 1, mm."""
 _RIM, _FLOOR = 5.0, 3.0
-"""Wall between and around the hollows and floor below them, mm."""
+"""Thickness of the walls between and around the hollows, and of the floor, mm."""
 _MOST = 20
 
 
 @dataclass(frozen=True)
 class SpecimenMold:
-    """A tray and what it casts.
+    """Tray for several specimens, larger by the shrinkage, and one nominal specimen.
 
-    Attributes
-    ----------
-    name
-        ``dumbbell`` or ``cylinder``.
-    specimen
-        One specimen, nominal.
-    tray
-        The mold, larger by the shrinkage.
+    The `name` is ``dumbbell`` or ``cylinder``.
     """
 
     name: str
@@ -63,7 +56,7 @@ def build_specimen_molds(spec: ProcessSpec, count: int = 5) -> tuple[SpecimenMol
         If `count` is not between 1 and 20.
     """
     if not 1 <= count <= _MOST:
-        raise PalpateError(f"A tray for {count} specimens was asked for.", f"Take 1 to {_MOST}.", code="tray-count")
+        raise PalpateError(f"A tray for {count} specimens is not possible.", f"Use 1 to {_MOST}.", code="tray-count")
     scale = 1 / (1 - spec.shrinkage_percent / 100)
     return (
         SpecimenMold(
@@ -87,7 +80,7 @@ def build_specimen_molds(spec: ProcessSpec, count: int = 5) -> tuple[SpecimenMol
 
 
 def outline_dumbbell(scale: float = 1.0) -> Outline:
-    """Outline (x, y) mm of the dumbbell about its middle; the two arcs meet with one tangent."""
+    """Return the outline (x, y) mm of the dumbbell about its centre; the two arcs meet smoothly."""
     rise = (GRIP - NARROW) / 2
     turn = float(np.arccos(1 - rise / (OUTSIDE + INSIDE)))
     start = NARROW_LENGTH / 2
@@ -123,7 +116,7 @@ def outline_dumbbell(scale: float = 1.0) -> Outline:
 
 
 def _tray(hollow: Callable[[], CadSolid], size: tuple[float, float, float], scale: float, count: int) -> CadSolid:
-    """A block with `count` hollows side by side along y, open at the top."""
+    """Build a block with `count` hollows side by side along y, open at the top."""
     long, wide, high = (scale * value for value in size)
     pitch = wide + _RIM
     reach = (long / 2 + _RIM, (count * pitch + _RIM) / 2)
@@ -133,17 +126,12 @@ def _tray(hollow: Callable[[], CadSolid], size: tuple[float, float, float], scal
 
 
 def write_specimen_molds(folder: Path, spec: ProcessSpec, count: int = 5) -> dict[str, str]:
-    """Write both trays as STEP, STL and 3MF, with a manifest, all or nothing.
-
-    Returns
-    -------
-    dict
-        SHA-256 by file.
+    """Write both trays as STEP, STL and 3MF, with a manifest, all or nothing; return SHA-256 by file.
 
     Raises
     ------
     PalpateError
-        If the folder holds something or cannot be written, or `count` is out of bounds.
+        If the folder is not empty or cannot be written, or `count` is out of bounds.
     """
     molds = build_specimen_molds(spec, count)
     with atomic_folder(folder) as work:

@@ -1,4 +1,4 @@
-"""The template: a thin shell set into the dome, with a hole at every marker, for those without a pad printer."""
+"""Template: a thin shell inside the dome with a hole at every marker, instead of a pad printer."""
 
 from __future__ import annotations
 
@@ -11,28 +11,27 @@ from palpate.fabrication.mesh_file import drill
 from palpate.fabrication.spec import ProcessSpec
 
 THICKNESS = 1.2
-"""Of the shell, mm."""
+"""Thickness of the shell, mm."""
 
 
 def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
-    """Build the shell, a gap smaller than the dome's inside, with a hole along the normal at every marker.
+    """Build the shell, with a gap to the inner surface, and a hole along the normal at every marker.
 
     Raises
     ------
     PalpateError
-        If it could not be set into a dome that bulges or under a sharp edge, or neighbouring holes would leave too
-        little between them.
+        If it does not fit into a bulging dome or under a sharp edge, or the holes are too near to each other.
     """
     if skin.pin:
         raise PalpateError(
-            "Pins are cast with the wall: there is nothing to print.",
+            "Pins are cast with the skin, so no template is needed.",
             "Paint their tips.",
             code="template-not-for-pins",
         )
     if skin.bulges:
         raise PalpateError(
             f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",
-            "Print by the pad.",
+            "Use a pad printer.",
             code="template-too-wide",
         )
     out, top = skin.normal(layout.positions), -spec.clearance
@@ -40,8 +39,8 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     web = np.inf if pair is None else pair[2] - layout.diameter
     if web < spec.printer_wall / 2:
         raise PalpateError(
-            f"Holes of a template would stand {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
-            "Take smaller dots, fewer markers, or the pad.",
+            f"Holes of a template would be {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
+            "Use smaller dots, fewer markers, or a pad printer.",
             code="template-holes-too-near",
         )
     points = layout.positions
@@ -53,8 +52,8 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     back = skin.meridian(top - THICKNESS, down=False)
     if isinstance(back[0], SmoothCurve) and not skin.plan.is_round:
         raise PalpateError(
-            f"A template {THICKNESS:g} mm thick finds no room under an edge of {skin.radius:g} mm.",
-            f"Take an edge of more than {spec.clearance + THICKNESS:g} mm, or print by the pad.",
+            f"A template {THICKNESS:g} mm thick does not fit under an edge of {skin.radius:g} mm.",
+            f"Use an edge of more than {spec.clearance + THICKNESS:g} mm, or a pad printer.",
             code="template-edge-too-tight",
         )
     shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()

@@ -1,4 +1,4 @@
-"""The window of a filled skin: a clear plate within the flange, flush with the base, on which the gel stands.
+"""Window of a filled skin: a clear plate inside the flange, flush with the base, under the gel.
 
     .--.        skin
  __|   gel    |__     z = 0
@@ -23,24 +23,17 @@ _POINTS = 360
 
 @dataclass(frozen=True)
 class WindowPlate:
-    """A window and what it rests on, in the frame of its module.
+    """Window and its support, in the frame of its module, mm.
 
     Attributes
     ----------
-    solid
-        The plate.
-    thickness
-        Of it, mm.
-    reach
-        Half its width along x, mm.
-    boss
-        Height of the housing's boss over the seat of the flange, mm.
-    opening
-        Half the width along x of the opening in the ledge, mm.
-    gel_mm3
-        Volume between skin and window, mm³.
-    skin
-        That it closes.
+    solid, thickness, reach
+        The plate, its thickness, and half its width along x.
+    boss, opening
+        Height of the housing's boss over the seat of the flange, and half the width along x of the opening in the
+        ledge.
+    gel_mm3, skin
+        Volume between skin and window, mm³, and the filled skin.
     """
 
     solid: CadSolid
@@ -63,12 +56,12 @@ def build_window(module: ContactModule, thickness: float, spec: ProcessSpec) -> 
     Raises
     ------
     PalpateError
-        If it is no plate, or thicker than the flange around it.
+        If the thickness is not positive, or exceeds that of the flange.
     """
     if not 0 < thickness <= module.flange_thickness:
         raise PalpateError(
             f"The window is {thickness:g} mm thick, the flange around it {module.flange_thickness:g} mm.",
-            f"Take a window of up to {module.flange_thickness:g} mm, or a thicker flange.",
+            f"Use a window of up to {module.flange_thickness:g} mm, or a thicker flange.",
             code="window-too-thick",
         )
     reach = module.opening_radius - spec.clearance

@@ -1,4 +1,4 @@
-"""Write an artwork for the workshop: DXF for the maker of the cliché, SVG and PDF at 1:1; and lines to cut along."""
+"""Artwork files for the workshop: DXF for the cliché, SVG and PDF at 1:1; and lines to cut along."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from palpate.fabrication.artwork import Artwork
 CROSS, LINE = 4.0, 0.1
 """Length of the arms of a cross and width of lines, mm."""
 BAR = 50.0
-"""Length of the bar by which the scale of a print is checked, mm."""
+"""Length of the bar for checking the scale of a print, mm."""
 PAGE = (210.0, 297.0)
 """A4, mm."""
 MM_PER_INCH = 25.4
@@ -40,7 +40,7 @@ def write_dxf(path: Path, artwork: Artwork) -> None:
 
 
 def write_cut(path: Path, line: FloatArray) -> None:
-    """Write the closed line (n, 2) mm along which a sheet is cut as DXF R2010 in mm, on the layer CUT."""
+    """Write a closed line (n, 2) mm to cut a sheet along as DXF R2010 in mm, on the layer CUT."""
     ezdxf = load_extra("ezdxf", "cad")
     document = ezdxf.new("R2010", units=ezdxf.units.MM)
     document.layers.add("CUT", color=1)
@@ -74,7 +74,7 @@ def write_svg(path: Path, artwork: Artwork) -> None:
 
 
 def write_pdf(path: Path, artwork: Artwork, title: str) -> None:
-    """Write an A4 page at 1:1 with a bar to check the scale of the print."""
+    """Write an A4 page at 1:1 with a bar for checking the scale of the print."""
     figure = draw_page(artwork, title)
     figure.savefig(path, format="pdf", metadata={"CreationDate": None})
 
@@ -97,12 +97,14 @@ def draw_page(artwork: Artwork, title: str) -> Figure:
         axis.plot([end, end], [low - 2, low + 2], color="black", linewidth=0.8)
     axis.text(0, low - 7, f"This bar is {BAR:g} mm long. Print without scaling.", ha="center", fontsize=9)
     axis.text(0, PAGE[1] / 2 - 25.0, title, ha="center", fontsize=11)
-    axis.text(0, PAGE[1] / 2 - 32.0, "seen as the pad comes to the dome, from its base", ha="center", fontsize=9)
+    axis.text(
+        0, PAGE[1] / 2 - 32.0, "as seen when the pad approaches the dome, from its base", ha="center", fontsize=9
+    )
     return figure
 
 
 def _strokes(artwork: Artwork) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """Lines of the alignment crosses."""
+    """Return the lines of the alignment crosses."""
     arm = CROSS / 2
     return [
         ((x - dx, y - dy), (x + dx, y + dy))

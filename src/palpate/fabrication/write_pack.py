@@ -1,4 +1,4 @@
-"""Write a fabrication pack: all of it, or nothing."""
+"""Writing of fabrication packs: complete, or not at all."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ from palpate.fabrication.write_artwork import draw_page, write_cut, write_dxf, w
 
 MANIFEST = "manifest.json"
 _HOLLOW = 1e-3
-"""Share by which the hollow of a mold, shrunk, may miss the volume of its module."""
+"""Maximum relative deviation of the shrunk hollow of a mold from the volume of its module."""
 _TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
 """Parts that are printed upside down."""
 _CLAMPED = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
@@ -61,7 +61,7 @@ _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True)
 class _Made:
-    """Everything that a pack shows."""
+    """Content of a pack."""
 
     design: Design
     mount: MountSpec
@@ -81,26 +81,14 @@ def write_pack(
     process: ProcessSpec = ProcessSpec(),  # noqa: B008  (a spec is frozen)
     mount: MountSpec = MountSpec(),  # noqa: B008  (frozen as well)
 ) -> FabricationPack:
-    """Write everything a workshop needs to make a contact module and its enclosure.
+    """Write everything a workshop needs to make a contact module and its enclosure, into an empty folder.
 
-    Parameters
-    ----------
-    folder
-        New or empty folder.
-    design
-        The design; the distance of its camera places the camera in the enclosure.
-    process, mount
-        How it is made, and the flange.
-
-    Returns
-    -------
-    FabricationPack
-        With the hash of every file.
+    The distance of the design's camera places the camera in the enclosure.
 
     Raises
     ------
     PalpateError
-        If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
+        If a limit of fabrication is exceeded, or the folder cannot be written; it is then unchanged.
     """
     layout, camera = design.layout, design.camera
     build_contact_module(design.skin, mount)  # refuses what has none before anything is checked
@@ -145,7 +133,7 @@ def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
-            f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.",
+            f"The mold's hollow deviates from the module's volume by {100 * missed:.2g} %.",
             "Report this design.",
             code="mold-volume-off",
         )
@@ -158,14 +146,14 @@ def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
 
 
 def _build_window(design: Design, process: ProcessSpec, module: ContactModule) -> WindowPlate | None:
-    """The window of a filled skin."""
+    """Build the window of a filled skin; `None` without gel."""
     gel, window = design.material.gel, design.camera_spec.window
     if gel is None:
         return None
     if window is None:
         raise PalpateError(
-            f"The skin is filled with {gel.name}, which stands on a window, but the camera looks through none.",
-            "Name it by thickness in mm and refractive indices: --window 2,1.49,1.41.",
+            f"The skin is filled with {gel.name}, which needs a window, but the camera's spec lacks it.",
+            "Give its thickness in mm and refractive indices: --window 2,1.49,1.41.",
             code="window-missing",
         )
     return build_window(module, window.thickness, process)
@@ -174,7 +162,7 @@ def _build_window(design: Design, process: ProcessSpec, module: ContactModule) -
 def _write_solids(
     work: Path, made: _Made, findings: tuple[Finding, ...]
 ) -> tuple[dict[str, SurfaceMesh], tuple[Finding, ...]]:
-    """Write STEP of the assemblies and, as it is printed, STL and 3MF of every part."""
+    """Write STEP of the assemblies, and STL and 3MF of every part as printed."""
     write_step(work / "module.step", "contact_module", {"module": made.solids["module"]})
     write_step(work / "mold.step", "mold", made.mold.parts)
     write_step(work / "enclosure.step", "enclosure", {**made.enclosure.parts, "module": made.solids["module"]})
@@ -191,7 +179,7 @@ def _write_solids(
 
 
 def _for_printer(name: str, mesh: SurfaceMesh) -> SurfaceMesh:
-    """Set a part on the bed: a cavity with its opening up, everything else as it is drawn."""
+    """Place a part on the bed: a cavity with its opening up, everything else as drawn."""
     return mesh.turned(_UPSIDE_DOWN if name in _TURNED else np.eye(3))
 
 
@@ -249,7 +237,7 @@ def _write_sheets(work: Path, made: _Made, meshes: dict[str, SurfaceMesh], findi
 
 
 def _draw_sections(made: _Made, process: ProcessSpec) -> dict[str, Figure]:
-    """Sections of module and mold."""
+    """Draw the sections of module and mold."""
     mold, sizes = made.mold, (process.mold_floor, process.plate)
     if made.design.skin.hole:
         return {
