@@ -13,12 +13,12 @@ from cyclopts import Parameter
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import Output, check_folder
 from palpate.cli.press import RefinedFlags
+from palpate.cli.unit import MarkerFlags
 from palpate.core.report import Column, Report, write_csv
 from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
 _CELLS = "Cells from pole to rim, one number per mesh."
-_MARKERS = "Number of markers whose displacements are compared."
 _COLUMNS = (
     Column("cells", meaning="cells from pole to rim"),
     Column("elements"),
@@ -36,12 +36,12 @@ def convergence(
     *,
     flags: RefinedFlags = RefinedFlags(),
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
-    markers: Annotated[int, Parameter(help=_MARKERS)] = 169,
+    markers: MarkerFlags = MarkerSpec(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     output: Output = Output(),
 ) -> None:
     """Solve one press on successively finer meshes; compare maximum stress, force and markers."""
-    points = place_markers(flags.shape.skin_spec().build(), MarkerSpec(count=markers)).positions
+    points = place_markers(flags.shape.skin_spec().build(), markers).positions
     check_folder(out)
     announce_compilation()
     results = study_convergence(*flags.problem(), points, meshes, _print_mesh)

@@ -1,4 +1,4 @@
-"""Tables of points, for free layouts and tracked points: columns x, y and z with their unit."""
+"""Points of free layouts and tracked points, from tables with columns x, y and z, or from circles of a drawing."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 from palpate.core.tables import named_table
 from palpate.core.units import split_unit
+from palpate.design.drawing_points import DRAWINGS, read_circles
 from palpate.design.skin import Skin
 
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
@@ -18,10 +19,11 @@ ON_SURFACE = 0.05
 
 
 def read_points(path: Path, skin: Skin) -> FloatArray:
-    """Read points (n, 3) mm of the inner surface from a table with a header.
+    """Read points (n, 3) mm of the inner surface from a table with a header, or from the circles of a drawing.
 
-    The columns are ``x_mm, y_mm`` and optionally ``z_mm``, in any order, unit and dialect. A point without ``z_mm``
-    is projected along the axis; outside the skin its z is NaN.
+    The columns of a table are ``x_mm, y_mm`` and optionally ``z_mm``, in any order, unit and dialect. A point without
+    ``z_mm``, and a circle of a DXF or SVG file (`read_circles`), is projected along the axis; outside the skin its z
+    is NaN.
 
     Raises
     ------
@@ -29,7 +31,7 @@ def read_points(path: Path, skin: Skin) -> FloatArray:
         If the file is missing or not such a table, or a point is not on the inner surface; the message contains the
         line.
     """
-    table = _read_table(path)
+    table = read_circles(path) if path.suffix.lower() in DRAWINGS else _read_table(path)
     if table.shape[1] == 2:
         return skin.inner_point(np.hypot(table[:, 0], table[:, 1]), np.arctan2(table[:, 1], table[:, 0]))
     off = np.abs(skin.distance(table))

@@ -104,7 +104,8 @@ class MarkerSpec(Spec):
     file: Path | None = parameter(
         None,
         unit="",
-        meaning="CSV of a free layout with the columns x_mm, y_mm and optionally z_mm",
+        meaning="free layout: a table with the columns x_mm, y_mm and optionally z_mm, or a drawing (DXF, SVG) with "
+        "a circle per marker",
         flag="layout",
     )
     diameter: float = parameter(

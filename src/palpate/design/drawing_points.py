@@ -1,0 +1,171 @@
+"""Centres of the circles of a drawing: DXF by its unit, SVG by the size of its page."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from palpate.core import FloatArray, PalpateError, load_extra
+
+DRAWINGS = (".dxf", ".svg")
+"""Endings of the files that are read as drawings."""
+_MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96, "": 25.4 / 96, "q": 0.25}
+"""Length of each unit of SVG in mm (CSS Values and Units 3)."""
+_OUTLINE = 3.0
+"""Circles larger than the median by this factor are outlines, not markers."""
+_SAME_MM = 1e-3
+"""Distance below which two centres are one marker, drawn twice."""
+
+
+def read_circles(path: Path) -> FloatArray:
+    """Read the centres (n, 2) mm of the circles of a drawing, ordered from the axis outward, then by azimuth.
+
+    The axis of the skin is the origin of a DXF file and the middle of the page of an SVG file, whose y axis is turned
+    upward. Circles larger than three times the median are outlines and left out. Points count if there is no circle.
+
+    Raises
+    ------
+    MissingExtraError
+        If ezdxf is not installed.
+    PalpateError
+        If the file is not such a drawing, has no unit, or has no circle.
+    """
+    if not path.is_file():
+        raise PalpateError(f"{path} does not exist.", "Give the file of a layout.", code="file-missing")
+    try:
+        rows = list(_dxf_circles(path) if path.suffix.lower() == ".dxf" else _svg_circles(path))
+    except (ValueError, IndexError, ElementTree.ParseError, OSError) as error:
+        raise PalpateError(
+            f"{path} cannot be read as a drawing ({error}).", "Export the drawing again.", code="drawing-broken"
+        ) from error
+    if not rows:
+        raise PalpateError(
+            f"{path} has no circle.", "Draw each marker as a circle, not as a path or a text.", code="drawing-empty"
+        )
+    circles = np.array(rows, float)
+    sizes = circles[:, 2]
+    centres = circles[sizes <= _OUTLINE * np.median(sizes), :2]
+    place = np.round(centres / _SAME_MM)
+    centres = centres[np.sort(np.unique(place, axis=0, return_index=True)[1])]
+    radius = np.round(np.hypot(*centres.T) / _SAME_MM)
+    azimuth = np.where(radius > 0, np.mod(np.arctan2(centres[:, 1], centres[:, 0]), 2 * np.pi), 0.0)
+    return np.asarray(centres[np.lexsort((np.round(azimuth, 6), radius))])
+
+
+def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
+    """Centre and radius of circles, mm, also of inserted blocks."""
+    ezdxf = load_extra("ezdxf", "cad")
+    try:
+        document = ezdxf.readfile(path)
+    except (OSError, ezdxf.DXFError, ValueError, UnicodeError) as error:
+        raise PalpateError(
+            f"{path} is not a DXF file that can be read ({error}).",
+            "Export the drawing again.",
+            code="drawing-broken",
+        ) from error
+    unit = document.units or (4 if document.header.get("$MEASUREMENT", 0) == 1 else 0)
+    if not unit:
+        raise PalpateError(
+            f"{path} has no unit ($INSUNITS is 0).", "Set the unit of the drawing, such as mm.", code="drawing-unit"
+        )
+    scale = ezdxf.units.conversion_factor(unit, ezdxf.units.MM)
+    entities = [one for inserted in document.modelspace() for one in _visible(document, inserted)]
+    for kind in ("CIRCLE", "POINT"):
+        found = [one for one in entities if one.dxftype() == kind]
+        for one in found:
+            at = one.dxf.center if kind == "CIRCLE" else one.dxf.location
+            yield scale * at.x, scale * at.y, scale * (one.dxf.radius if kind == "CIRCLE" else 0.0)
+        if found:
+            return
+
+
+def _visible(document: Any, entity: Any) -> Iterator[Any]:
+    """Entities of a block, or the entity itself, on layers that are on."""
+    name = entity.dxf.layer
+    if name in document.layers and (document.layers.get(name).is_off() or document.layers.get(name).is_frozen()):
+        return
+    if entity.dxftype() == "INSERT":
+        for inserted in entity.virtual_entities():
+            yield from _visible(document, inserted)
+    else:
+        yield entity
+
+
+def _svg_circles(path: Path) -> Iterator[tuple[float, float, float]]:
+    """Centre and radius of circles and ellipses, mm, about the middle of the page with y upward."""
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, OSError, UnicodeError) as error:
+        raise PalpateError(
+            f"{path} is not an SVG file that can be read ({error}).",
+            "Export the drawing again.",
+            code="drawing-broken",
+        ) from error
+    box = [float(value) for value in re.findall(r"[-+.\deE]+", root.get("viewBox", ""))]
+    width, height = (_length(path, root.get(name)) for name in ("width", "height"))
+    if len(box) != 4 or box[2] <= 0 or box[3] <= 0:
+        if width is None or height is None:
+            raise PalpateError(
+                f"{path} has neither a size nor a viewBox.",
+                "Set the page size, such as width='40mm'.",
+                code="drawing-unit",
+            )
+        box = [0.0, 0.0, width / _MM["px"], height / _MM["px"]]
+    scale = (width or (height or 0.0) * box[2] / box[3]) / box[2] or _MM["px"]
+    page = np.array(
+        [[scale, 0, -scale * (box[0] + box[2] / 2)], [0, -scale, scale * (box[1] + box[3] / 2)], [0, 0, 1]]
+    )
+    yield from _svg_children(path, root, page)
+
+
+def _svg_children(path: Path, node: ElementTree.Element, matrix: FloatArray) -> Iterator[tuple[float, float, float]]:
+    for child in node:
+        kind = str(child.tag).rpartition("}")[2]
+        if kind in ("defs", "clipPath", "mask", "symbol", "marker") or child.get("display") == "none":
+            continue
+        own = matrix @ _transform(child.get("transform", ""))
+        if kind in ("circle", "ellipse"):
+            values = (child.get("cx", "0"), child.get("cy", "0"), child.get("r", child.get("rx", "0")))
+            x, y, size = ((_length(path, value) or 0.0) / _MM["px"] for value in values)
+            x, y, _ = own @ [x, y, 1.0]
+            yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
+        yield from _svg_children(path, child, own)
+
+
+def _length(path: Path, text: str | None) -> float | None:
+    """Length in mm; `None` if absent or relative."""
+    found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]*|%)\s*", text or "")
+    if found is None or found[2] == "%":
+        return None
+    if found[2].lower() not in _MM:
+        raise PalpateError(
+            f"{path} has the length '{text}'.", f"Units are {', '.join(filter(None, _MM))}.", code="drawing-unit"
+        )
+    return float(found[1]) * _MM[found[2].lower()]
+
+
+def _transform(text: str) -> FloatArray:
+    """Matrix (3, 3) of the attribute `transform` (SVG 1.1, section 7.6)."""
+    whole = np.eye(3)
+    for name, inside in re.findall(r"(\w+)\s*\(([^)]*)\)", text):
+        values = [float(value) for value in re.findall(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?", inside)]
+        step = np.eye(3)
+        if name == "translate":
+            step[:2, 2] = [*values, 0.0][:2]
+        elif name == "scale":
+            step[0, 0], step[1, 1] = values[0], values[-1]
+        elif name == "matrix":
+            step[:2] = np.reshape(values, (3, 2)).T
+        elif name == "rotate":
+            angle, about = np.radians(values[0]), np.array([*values[1:], 0.0, 0.0][:2])
+            step[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+            step[:2, 2] = about - step[:2, :2] @ about
+        elif name in ("skewX", "skewY"):
+            step[(0, 1) if name == "skewX" else (1, 0)] = np.tan(np.radians(values[0]))
+        whole = whole @ step
+    return whole
