@@ -34,7 +34,7 @@ class SensorAsset:
     Attributes
     ----------
     name
-        Name of its root frame.
+        Name of its root frame, and beginning of all other names.
     spec
         What was chosen.
     surface
@@ -124,7 +124,7 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
     spring, spring_rms = _fit(depth, force, _TERMS)
     line, line_rms = _fit(depth, force, 1)
     return SensorAsset(
-        name="palpate_" + "".join(letter if letter.isalnum() else "_" for letter in skin.name.lower()),
+        name=spec.name or "palpate_" + "".join(letter if letter.isalnum() else "_" for letter in skin.name.lower()),
         spec=spec,
         surface=skin_surface(skin),
         body=compute_mass_properties(skin, spec.density, filled=press.mesh.filling > 0),

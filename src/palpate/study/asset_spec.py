@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
+
+from pydantic import field_validator
+from pydantic_core import PydanticCustomError
 
 from palpate.core import Spec, parameter
 
@@ -16,8 +20,14 @@ class AssetFormat(StrEnum):
 
 
 class AssetSpec(Spec):
-    """Parameters of a simulator asset that presses do not determine: density, friction and damping."""
+    """Parameters of a simulator asset that presses do not determine: name, density, friction and damping."""
 
+    name: str | None = parameter(
+        None,
+        unit="",
+        meaning="beginning of the names of all links, joints, meshes and cameras, such as left_finger; empty: "
+        "palpate_ and the skin",
+    )
     density: float = parameter(
         1070.0,
         unit="kg/m3",
@@ -32,3 +42,14 @@ class AssetSpec(Spec):
     damping_ratio: float = parameter(
         1.0, unit="1", meaning="contact damping over the critical damping of the skin's mass", ge=0, le=10
     )
+
+    @field_validator("name")
+    @classmethod
+    def _name_is_an_identifier(cls, name: str | None) -> str | None:
+        if name is not None and not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+            raise PydanticCustomError(
+                "name-not-identifier",
+                "'{name}' is not a name in all formats; use letters, digits and _, such as left_finger.",
+                {"name": name},
+            )
+        return name

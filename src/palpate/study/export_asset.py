@@ -14,8 +14,6 @@ from palpate.study.mjcf import mjcf_text
 from palpate.study.urdf import urdf_text
 from palpate.study.usd import usd_text
 
-MESH = "skin.stl"
-"""Name of the skin's surface, binary STL in mm."""
 _FILES = {
     AssetFormat.MJCF: ("sensor.xml", mjcf_text),
     AssetFormat.URDF: ("sensor.urdf", urdf_text),
@@ -57,8 +55,9 @@ def export_asset(folder: Path, asset: SensorAsset, to: AssetFormat) -> Path:
     check_asset(folder)
     name, text = _FILES[to]
     with atomic_folder(folder, "Name another folder.") as draft:
-        (draft / name).write_text(text(asset, MESH), encoding="utf-8")
-        write_mesh(draft / MESH, asset.surface)
+        mesh = f"{asset.name}_skin.stl"  # binary, in mm; of another name for each sensor of a robot
+        (draft / name).write_text(text(asset, mesh), encoding="utf-8")
+        write_mesh(draft / mesh, asset.surface)
         (draft / "asset.json").write_text(json.dumps(describe_asset(asset), indent=2) + "\n", encoding="utf-8")
     return folder / name
 

@@ -100,7 +100,7 @@ def test_mujoco_finds_the_mass_and_inertia_of_the_file_itself(files: dict[AssetF
     assert found == pytest.approx(np.sort(moments), rel=1e-5)
     own = mujoco.MjModel.from_xml_string(
         f"""<mujoco><compiler meshdir="{files[AssetFormat.MJCF].parent}"/>
-        <asset><mesh name="m" file="skin.stl" scale="0.001 0.001 0.001" inertia="exact"/></asset>
+        <asset><mesh name="m" file="palpate_h20_t2_skin.stl" scale="0.001 0.001 0.001" inertia="exact"/></asset>
         <worldbody><body><freejoint/><geom type="mesh" mesh="m" density="{DENSITY:g}"/></body></worldbody></mujoco>"""
     )
     assert own.body_mass[1] == pytest.approx(mass, rel=2e-3)
@@ -244,6 +244,80 @@ def test_what_is_no_straight_press_or_too_short_is_refused(camera: Camera) -> No
         build_asset(straight(4.0, 1.0), camera)
     with refused("asset-press-short"):
         build_asset(straight(0.0, 1.0), camera)
+
+
+@pytest.fixture(scope="module")
+def pair(press: Press, camera: Camera, tmp_path_factory: pytest.TempPathFactory) -> dict[AssetFormat, list[Path]]:
+    """Files of two sensors of one design with names of their own."""
+    needs("trimesh")
+    folder = tmp_path_factory.mktemp("pair")
+    assets = [build_asset(press, camera, AssetSpec(name=name)) for name in ("left", "right")]
+    return {to: [export_asset(folder / f"{one.name}_{to}", one, to) for one in assets] for to in AssetFormat}
+
+
+def test_two_named_sensors_load_in_one_mujoco_model(pair: dict[AssetFormat, list[Path]], tmp_path: Path) -> None:
+    mujoco = needs("mujoco")
+    robot = ElementTree.fromstring("<mujoco><asset/><worldbody/><sensor/><compiler angle='radian'/></mujoco>")
+    for path in pair[AssetFormat.MJCF]:
+        for part in ElementTree.parse(path).getroot():
+            if part.tag != "compiler":
+                robot.find(part.tag).extend(part)
+        for mesh in path.parent.glob("*.stl"):
+            (tmp_path / mesh.name).write_bytes(mesh.read_bytes())
+    (tmp_path / "robot.xml").write_text(ElementTree.tostring(robot, encoding="unicode"))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    assert (model.ncam, model.nmesh, model.njnt) == (2, 2, 2)
+    for kind, tail in (
+        ("BODY", ""),
+        ("BODY", "_skin"),
+        ("JOINT", "_depth"),
+        ("CAMERA", "_camera"),
+        ("MESH", "_skin"),
+    ):
+        numbers = [
+            mujoco.mj_name2id(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind}"), f"{name}{tail}")
+            for name in ("left", "right")
+        ]
+        assert min(numbers) >= 0
+        assert numbers[0] != numbers[1]
+
+
+def test_two_named_sensors_load_in_one_urdf(pair: dict[AssetFormat, list[Path]], tmp_path: Path) -> None:
+    yourdfpy = needs("yourdfpy")
+    robot = ElementTree.fromstring("<robot name='hand'><link name='palm'/></robot>")
+    for path, name in zip(pair[AssetFormat.URDF], ("left", "right"), strict=True):
+        robot.extend(ElementTree.parse(path).getroot())
+        joint = ElementTree.SubElement(robot, "joint", name=f"{name}_mount", type="fixed")
+        ElementTree.SubElement(joint, "parent", link="palm")
+        ElementTree.SubElement(joint, "child", link=name)
+        for mesh in path.parent.glob("*.stl"):
+            (tmp_path / mesh.name).write_bytes(mesh.read_bytes())
+    (tmp_path / "hand.urdf").write_text(ElementTree.tostring(robot, encoding="unicode"))
+    loaded = yourdfpy.URDF.load(str(tmp_path / "hand.urdf"), load_meshes=True)
+    assert {"palm", "left", "right", "left_camera", "right_camera_optical"} <= set(loaded.link_map)
+    assert len(loaded.scene.geometry) == 2
+
+
+def test_two_named_sensors_load_in_one_usd_stage(pair: dict[AssetFormat, list[Path]]) -> None:
+    needs("pxr")
+    from pxr import Sdf, Usd
+
+    stage = Usd.Stage.CreateInMemory()
+    for path in pair[AssetFormat.USD]:
+        layer = Sdf.Layer.FindOrOpen(str(path))
+        Sdf.CopySpec(
+            layer, layer.GetPrimAtPath(f"/{layer.defaultPrim}").path, stage.GetRootLayer(), f"/{layer.defaultPrim}"
+        )
+    assert [one.GetName() for one in stage.GetPseudoRoot().GetChildren()] == ["left", "right"]
+    bound = stage.GetPrimAtPath("/right/skin").GetRelationship("material:binding:physics").GetTargets()
+    assert [str(one) for one in bound] == ["/right/silicone"]
+
+
+@pytest.mark.parametrize("name", ["1st", "left finger", "left/finger", "é"])
+def test_a_name_that_not_every_format_takes_is_refused(name: str) -> None:
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
+        AssetSpec(name=name)
+    assert f"'{name}'" in str(caught.value)
 
 
 def test_a_folder_that_is_there_is_left_alone(asset: SensorAsset, tmp_path: Path) -> None:
