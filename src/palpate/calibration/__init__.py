@@ -1,4 +1,4 @@
-"""Calibration: deviations of built units, what images tell of them, and their predicted accuracy."""
+"""Calibration of built units: deviations, identification from images, and predicted accuracy."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""Presses whose pose a robot says, and how well it knows it."""
+"""Calibration presses: poses given by a robot, and the robot's uncertainty."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from palpate.core import FloatArray
 
 CALIBRATION_TILTS = (0.35, 0.8)
-"""Tilts of calibration presses in turn, as shares of the maximum tilt."""
+"""Tilts of successive calibration presses, as shares of the maximum tilt."""
 _CALIBRATION_TURN_DEG = 144.0
-"""Azimuth from one calibration press to the next, degrees: two fifths of a turn."""
+"""Azimuth between successive calibration presses, degrees: two fifths of a turn."""
 
 
 def calibration_pose(number: int, max_tilt_deg: float) -> tuple[float, float]:
-    """Tilt and azimuth (degrees) of calibration press 0, 1, …; the azimuth of the first is 0."""
+    """Return tilt and azimuth (degrees) of calibration press 0, 1, …; the first azimuth is 0."""
     return CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * max_tilt_deg, _CALIBRATION_TURN_DEG * number
 
 
 @dataclass(frozen=True)
 class RobotUncertainty:
-    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm).
+    """Standard deviations of a robot's pose of a press, in tilt (degrees) and depth (mm).
 
-    `force` is that of a reading of its load cell, N.
+    `force` is the standard deviation of a load-cell reading, N.
     """
 
     tilt_deg: float = 0.02
@@ -31,14 +31,9 @@ class RobotUncertainty:
 
 @dataclass(frozen=True, eq=False)
 class CalibrationPress:
-    """One press whose pose the robot says.
+    """Images of one press at poses (n, 3) on the robot's scale: rx, ry (degrees) and depth (mm).
 
-    Attributes
-    ----------
-    poses
-        (n, 3) rx, ry (degrees) and depth (mm) on the robot's scale, one an image.
-    pixels
-        (n, m, 2) px, the layout's dots; NaN where none was seen.
+    `pixels` (n, m, 2) are those of the layout's markers; NaN for a marker that was not detected.
     """
 
     poses: FloatArray

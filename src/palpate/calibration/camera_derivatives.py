@@ -1,4 +1,4 @@
-"""What a camera shows of points, and how that changes with the points and with the camera."""
+"""Projection of points by a camera, and its derivatives by the points and by the camera."""
 
 from __future__ import annotations
 
@@ -11,34 +11,26 @@ from palpate.core import FloatArray
 
 
 class Projection(NamedTuple):
-    """Pixels (m, 2) of points, and their derivatives (m, 2, 3) px/mm by those."""
+    """Pixels (m, 2) of points, and their derivatives (m, 2, 3) px/mm by the points."""
 
     pixels: FloatArray
     by_point: FloatArray
 
 
 def project_with_jacobian(camera: Camera, points: FloatArray, step: float = 1e-4) -> Projection:
-    """What a camera shows of points (m, 3) mm."""
+    """Project points (m, 3) mm, with forward differences of `step` mm."""
     around = np.concatenate([points[None], points + step * np.eye(3)[:, None, :]])
     found = camera.project(around)
     return Projection(found[0], np.moveaxis((found[1:] - found[0]) / step, 0, -1))
 
 
 class CameraDerivatives:
-    """Cameras a little beside one, in pairs, for derivatives by the numbers of
-    `palpate.calibration.unit_model.CAMERA_PARAMETERS`.
+    """Derivatives of pixels by `palpate.calibration.unit_model.CAMERA_PARAMETERS`.
 
-    A camera that moves a little is dots that move the other way, so that only another lens is looked through, and a
-    window, which stays with the dots.
+    A small motion of the camera is equal to the opposite motion of the markers. Points are therefore projected again
+    only for a change of the lens, and for any change if there is a window, which does not move with the camera.
 
-    Parameters
-    ----------
-    camera
-        The one.
-    pairs
-        Camera with each number a step greater, and with it a step smaller.
-    steps
-        (10,) those steps.
+    `pairs` are cameras with each parameter increased and decreased by its step (10,).
     """
 
     def __init__(self, camera: Camera, pairs: list[tuple[Camera, Camera]], steps: FloatArray) -> None:
@@ -60,16 +52,10 @@ class CameraDerivatives:
     def jacobian(
         self, points: FloatArray, shown: Projection | None = None, carried: FloatArray | None = None
     ) -> FloatArray:
-        """Derivatives (m, 2, 10) of the pixels of points.
+        """Return the derivatives (m, 2, 10) of the pixels of points (m, 3) mm.
 
-        Parameters
-        ----------
-        points
-            (m, 3) mm.
-        shown
-            What the one camera shows of them, where that is known.
-        carried
-            (m, 3, 10) mm, how the points themselves move as the camera changes; not at all, if not given.
+        `shown` is the projection of the points, if known; `carried` (m, 3, 10) mm are the derivatives of the points
+        themselves by the camera, if not zero.
         """
         pixels, by_point = shown or project_with_jacobian(self._camera, points)
         against = (points @ self._turn.reshape(3, -1)).reshape(-1, *self._turn.shape[1:]) - self._offset

@@ -1,7 +1,7 @@
-"""How a built unit deviates from its design, drawn within the workshop's tolerances.
+"""Deviations of a built unit from its design, sampled within the manufacturing tolerances.
 
-Every imperfection has a random stream of its own, so that a unit drawn with one imperfection alone has the same value
-of it as the unit drawn with all.
+Every imperfection has its own random stream: its value in a unit is the same whether it is sampled alone or with all
+others.
 """
 
 from __future__ import annotations
@@ -18,36 +18,36 @@ from palpate.material import Material
 
 @dataclass(frozen=True)
 class Deviation:
-    """What is not as designed about one unit; the nominal unit has the defaults.
+    """Deviations of one unit; the defaults are the nominal unit.
 
     Attributes
     ----------
     thickness
-        Of the wall, mm.
+        Deviation of the skin thickness, mm.
     modulus, stiffening
-        Shares by which all constants of the law, and those of higher order over the first, are too large.
+        Relative deviation of all constants of the law, and of the higher-order constants from the first.
     friction
         Coefficient of friction; 0: contact as in the training.
     marker_position, print_shift_x, print_shift_y
-        Greatest displacement of single dots, and that of the whole print, mm.
+        Maximum displacement of single markers, and displacement of the whole print, mm.
     missing
-        Share of dots that are not there.
+        Share of missing markers.
     offset_x, offset_y, distance, tilt_x_deg, tilt_y_deg, roll_deg
-        Of the camera, added to the nominal pose (mm, degrees).
+        Deviation from the nominal pose of the camera, mm and degrees.
     focal, centre_x_px, centre_y_px, k1
-        Of the lens, left over by its calibration: share, px, px, first coefficient.
+        Calibration error of the lens: relative focal length, centre (px), leading distortion coefficient.
     seating_x_deg, seating_y_deg, seating_turn_deg
-        Turns of the dome against the robot.
+        Rotation of the skin relative to the robot.
     depth_zero
-        Depth that the robot takes for first touch, mm.
+        Depth of first contact on the robot's scale, mm.
     lateral, twist_deg
-        Greatest sideways travel (mm) and turn (degrees) of the robot in a press.
+        Maximum lateral motion (mm) and twist (degrees) of the robot in a press.
     curvature
-        Greatest curvature of a wall that it is pressed on, 1/m.
+        Maximum curvature of a wall, 1/m.
     seed
-        Seed of which dots are off and missing.
+        Seed of the displaced and missing markers.
     unit
-        Number of the unit, which decides at which poses it is played; the nominal one is 0.
+        Number of the unit, which selects the poses of its trial; 0 for the nominal unit.
     """
 
     thickness: float = 0.0
@@ -79,15 +79,15 @@ class Deviation:
     unit: int = 0
 
     def dome(self, nominal: SkinSpec) -> SkinSpec:
-        """The dome as built; its inner surface carries the dots and is that of the core, so only the outer moves."""
+        """Return the skin as built: only the outer surface moves, since the mold's core shapes the inner one."""
         return nominal.model_copy(update={"thickness": nominal.thickness + self.thickness})
 
     def material(self, nominal: Material) -> Material:
-        """The elastomer as mixed."""
+        """Return the elastomer as mixed."""
         return replace(nominal, law=nominal.law.scaled(1.0 + self.modulus, 1.0 + self.stiffening))
 
     def built(self, design: Design) -> Design:
-        """Return the design of the unit as built; its printed markers differ from this layout."""
+        """Return the design as built; its layout is nominal, without the displacements of the markers."""
         return replace(
             design,
             skin_spec=self.dome(design.skin_spec),
@@ -96,9 +96,9 @@ class Deviation:
         )
 
     def camera(self, nominal: CameraSpec) -> CameraSpec:
-        """The camera as mounted, with the lens that the calibration did not quite find.
+        """Return the camera as mounted, with the lens in error by its calibration.
 
-        The distortion that is left over goes to the lens's `leading` coefficient; a lens without one has none left.
+        `k1` is added to the lens's `leading` coefficient, or ignored if the lens lacks one.
         """
         pose = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
         values: dict[str, Any] = {name: getattr(nominal, name) + getattr(self, name) for name in pose}
@@ -110,7 +110,7 @@ class Deviation:
         return nominal.model_copy(update=values)
 
     def as_dict(self) -> dict[str, float]:
-        """Plain data."""
+        """Return plain data."""
         return asdict(self)
 
 
@@ -123,13 +123,13 @@ class Imperfection:
     name
         Field of `ToleranceSpec`.
     label
-        What a person reads.
+        Label in tables and figures.
     parts
-        Fields of `Deviation` that it moves.
+        Fields of `Deviation` that it changes.
     signed
-        Whether it goes either way.
+        Whether the deviation has either sign.
     solved
-        Whether presses must be solved for it.
+        Whether it requires presses to be solved.
     stream
         Name of its random stream; `name` if empty.
     """
@@ -143,13 +143,13 @@ class Imperfection:
 
 
 IMPERFECTIONS = (
-    Imperfection("thickness", "thickness of the wall", ("thickness",), solved=True),
+    Imperfection("thickness", "skin thickness", ("thickness",), solved=True),
     Imperfection("modulus", "stiffness", ("modulus",), solved=True),
     Imperfection("stiffening", "stiffening", ("stiffening",), solved=True),
     Imperfection("friction_min", "friction", ("friction",), signed=False, solved=True, stream="friction"),
-    Imperfection("marker_position", "place of each dot", ("marker_position",), signed=False, stream="dot"),
-    Imperfection("print_shift", "place of the print", ("print_shift_x", "print_shift_y"), stream="pad"),
-    Imperfection("missing", "missing dots", ("missing",), signed=False),
+    Imperfection("marker_position", "position of each marker", ("marker_position",), signed=False, stream="dot"),
+    Imperfection("print_shift", "position of the print", ("print_shift_x", "print_shift_y"), stream="pad"),
+    Imperfection("missing", "missing markers", ("missing",), signed=False),
     Imperfection("camera_offset", "camera's offset", ("offset_x", "offset_y")),
     Imperfection("camera_distance", "camera's distance", ("distance",)),
     Imperfection("camera_tilt_deg", "camera's tilt", ("tilt_x_deg", "tilt_y_deg")),
@@ -159,15 +159,18 @@ IMPERFECTIONS = (
     Imperfection("distortion", "distortion", ("k1",)),
     Imperfection("seating_tilt_deg", "seating, tilt", ("seating_x_deg", "seating_y_deg")),
     Imperfection("seating_turn_deg", "seating, turn", ("seating_turn_deg",)),
-    Imperfection("depth_zero", "touch zero", ("depth_zero",), stream="touch"),
-    Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
+    Imperfection("depth_zero", "depth zero", ("depth_zero",), stream="touch"),
+    Imperfection("lateral", "lateral motion", ("lateral",), signed=False, solved=True),
     Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
     Imperfection("curvature", "curvature of the wall", ("curvature",), signed=False, solved=True, stream="bend"),
 )
 
 
 def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
-    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and the greatest.
+    """Sample the deviations of unit 1, 2, ….
+
+    Signed deviations are uniform within their tolerances, other deviations equal them (they are the maxima of later
+    draws), and friction lies between its minimum and maximum.
 
     Examples
     --------
@@ -186,7 +189,7 @@ def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviatio
 
 
 def single_deviation(tolerance: ToleranceSpec, item: Imperfection, seed: int, draw: int) -> Deviation:
-    """One imperfection alone at its tolerance; further draws change signs and the dots that are off."""
+    """Return one imperfection alone at its tolerance; `draw` selects signs and the displaced markers."""
     limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, "sign", draw // 2)
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", draw)}
     for part in item.parts:

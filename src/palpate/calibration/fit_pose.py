@@ -1,10 +1,9 @@
-"""Reading by fit: the pose and the friction that best explain where the dots of one image are.
+"""Pose fit of one image: the pose and friction that best explain the marker positions.
 
-Maximum of the posterior of rx, ry, depth and 1/µ, with what is not known of the unit marginalised: its numbers q have
-the normal distribution of the unit's belief, and the image is linear in them about the pose, so they are fitted
-along and forgotten. Gauss–Newton steps with the twin's own derivatives; dots that fit badly count less, as under
-Student's distribution (Lange, Little & Taylor 1989). What is left over tells whether the model is that of what is
-seen.
+The fit maximises the posterior of rx, ry, depth and 1/µ. The unit parameters q are marginalised: they have a normal
+distribution, and the image is linear in them near the pose, so they are fitted too and then discarded. The fit takes
+Gauss-Newton steps with the twin's derivatives. Markers with large residuals get less weight, by Student's
+distribution (Lange, Little & Taylor 1989). The misfit tests whether the model explains the image.
 """
 
 from __future__ import annotations
@@ -27,59 +26,64 @@ from palpate.design import Skin, rotation_vector, wall_normal
 from palpate.surrogate import LATERAL, Twin
 
 MAX_INVERSE_FRICTION = 5.0
-"""Greatest 1/µ; more has not been met."""
+"""Maximum 1/µ; larger values have not been observed."""
 TILT_SD_DEG = 20.0
-"""Standard deviation of a tilt before its image is seen."""
+"""Prior standard deviation of a tilt."""
 _DEPTH_SD = 1e3
-"""The same of a depth, mm: next to nothing is known of it."""
+"""Prior standard deviation of a depth, mm: nearly uninformative."""
 _GAINED = 0.05
-"""A fit ends with the step that is expected to take less than this off its cost, 0.2 standard deviations."""
+"""Product of gradient and step below which a fit ends: a step of 0.2 standard deviations.
+
+Not used if the curvature is fitted.
+"""
 _TAMED = 0.5
-"""Share of its length that a step has from where the last one went too far."""
+"""Factor on the step length each time the iteration oscillates."""
 _STEPS, _BENT_STEPS = 12, 25
-"""Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
+"""Maximum steps of a fit, without and with curvature, which is nearly equivalent to a change of depth."""
 _SMALL = State(CONTACT_STATE, np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02]))
-"""Change of a contact below which a fit is done."""
+"""Change of a contact below which a fit ends."""
 _TRUST = State(CONTACT_STATE, np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0]))
-"""Longest step."""
+"""Maximum step."""
 _NEAR = State(CONTACT_STATE, np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0]))
-"""Change of a contact within which the image depends on the unit, and traces lie about their dots, as before."""
+"""Change of a contact within which unit derivatives and outline bias are reused."""
 READ = (*POSE, "inverse_friction")
 """Entries of the covariance of a reading."""
 TWIN_ERROR_SD = State(READ, np.array([0.015, 0.015, 0.004, 0.03]))
-"""What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
+"""Standard deviation of the twin error in pose (degrees, mm) and 1/µ, measured on simulated units.
 
-This and the other constants of a contact were measured on a skin of the size in `palpate.calibration.scale`."""
+The error is common to all markers. All constants of a contact were measured on a skin of the size in
+`palpate.calibration.scale`.
+"""
 _LATERAL_FRICTION_SD = 0.2
-"""The same of 1/µ where robots drift."""
+"""Standard deviation of the twin error in 1/µ if the wall moves laterally."""
 _OTHER_WALL = 2.0
-"""Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
+"""Change of curvature between images, 1/m, above which the fit is repeated from the pose table."""
 _SHALLOW_MM = 0.6
-"""Depth up to which an image tells so little of the tilt that the next one may begin elsewhere."""
+"""Depth up to which tilt is poorly determined, so the next fit may start from the pose table."""
 _OUTLIER = 16.0
-"""Most that a coordinate adds to the cost of a fit."""
+"""Maximum squared normalised residual of a coordinate in the cost of a fit."""
 _BEYOND = (0.5, 0.1)
-"""How far beyond the tilts (degrees) and depths (mm) of the twin a fit may go."""
+"""Extrapolation beyond the tilts (degrees) and depths (mm) of the twin that a fit may reach."""
 _DOUBTED = 1.5
-"""Misfit above which a fit is begun anew, from nothing, and the better of the two is kept."""
+"""Misfit above which an image is fitted again, from the pose table and on the second branch."""
 
 
 @dataclass(eq=False)
 class PoseFitter:
-    """Fits images of one unit, each from where the last one was.
+    """Pose fitter of one unit; each image is fitted starting from the previous contact.
 
     Attributes
     ----------
     model
-        The unit.
+        Model of the unit.
     noise_px
-        Standard deviation of a dot's coordinate in one image.
+        Standard deviation of a marker coordinate in one image.
     mounting
-        How the unit sits on its robot; with it, poses are on the robot's scale.
+        Mounting of the unit on its robot; if given, poses are on the robot's scale.
     scale
-        Its stiffness over the design's; `None`: as designed, within the tolerance.
+        Stiffness relative to the design; `None`: the prior by the tolerance.
     state
-        After the last image that `fit` was given; `follow` leaves it alone.
+        State after the last image given to `fit`; `follow` does not change it.
     """
 
     model: UnitModel
@@ -106,12 +110,12 @@ class PoseFitter:
 
     @cached_property
     def _other(self) -> PoseFitter | None:
-        """The fitter of the skin's other state."""
+        """Fitter of the inverted branch; `None` if the twin lacks it."""
         other = self.model.dots.twin.inverted
         return None if other is None else replace(self, model=self.model.on_branch(other))
 
     def _tables(self) -> None:
-        """Images to begin from: a grid of poses."""
+        """Predict the images of a grid of starting poses, and factor the covariance of the unit."""
         twin = self.model.dots.twin
         first, last = twin.depths_mm[[0, -1]]
         depths = first + (last - first) * np.array([0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9])
@@ -132,32 +136,15 @@ class PoseFitter:
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
     def fit(self, seen_px: FloatArray) -> PoseFit:
-        """Fit one image, and go on from there.
-
-        Parameters
-        ----------
-        seen_px
-            (m, 2) dots in the order of the layout; NaN where none was seen.
-        """
+        """Fit one image, and keep the state for the next; for `seen_px` see `follow`."""
         found, self.state = self.follow(seen_px, self.state)
         return found
 
     def follow(self, seen_px: FloatArray, state: FitState, near: PoseFit | None = None) -> tuple[PoseFit, FitState]:
-        """Fit the image after a state; one that the flat branch does not explain, by the other, where there is one.
+        """Fit the image after a state; if the misfit is too large, try the second branch.
 
-        Parameters
-        ----------
-        seen_px
-            (m, 2) dots in the order of the layout; NaN where none was seen.
-        state
-            After the image before.
-        near
-            A fit of almost the same dots, from which this one begins.
-
-        Returns
-        -------
-        tuple
-            The fit, and the state after this image.
+        `seen_px` (m, 2) are the markers in the order of the layout, NaN if not detected; `near` is a fit of almost
+        the same markers, from which this fit starts. Returns the fit, and the state after this image.
         """
         inverted = self._other is not None and (state.inverted if near is None else near.inverted)
         found, state = self._fit_branch(seen_px, state, inverted, None if near is None else near.state)
@@ -170,7 +157,7 @@ class PoseFitter:
     def _fit_branch(
         self, seen_px: FloatArray, state: FitState, inverted: bool, begin: State | None = None
     ) -> tuple[PoseFit, FitState]:
-        """Fit one image by one branch of the skin; the fit, and the state with that of the branch renewed."""
+        """Fit one image on one branch of the skin; return the fit, and the state with this branch updated."""
         if inverted and self._other is not None:
             found, branch = self._other._fit_near(seen_px, state.other, begin)
             return found, replace(state, other=branch)
@@ -178,7 +165,7 @@ class PoseFitter:
         return found, replace(state, flat=branch)
 
     def positions(self, found: PoseFit) -> FloatArray:
-        """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
+        """Return the fitted marker positions (m, 3) mm in the skin's frame; NaN if not visible at rest."""
         model = self._model_of(found)
         contact = found.state
         moved = model.dots.evaluate(
@@ -191,18 +178,18 @@ class PoseFitter:
         return np.where(model.visible[:, None], moved.positions, np.nan)
 
     def _model_of(self, found: PoseFit) -> UnitModel:
-        """The model of the state in which a fit has the skin."""
+        """Return the model of the branch of a fit."""
         return (self._other if found.inverted and self._other else self).model
 
     def predict_pixels(self, found: PoseFit) -> FloatArray:
-        """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
+        """Return the fitted markers (m, 2) px; NaN if not visible at rest."""
         model = self._model_of(found)
         looked = model.predict_contact(found.state, lateral=self._drifts)
         assert looked.unit_jacobian is not None
         return looked.pixels + looked.unit_jacobian @ found.unit
 
     def _of_other(self, found: PoseFit) -> PoseFit:
-        """What an image says that shows the other state, which is the same under every friction."""
+        """Mark a fit as inverted, with the prior of 1/µ: the inverted branch does not depend on friction."""
         covariance = found.covariance.copy()
         row = READ.index("inverse_friction")
         covariance[row, row] = self._sd["inverse_friction"] ** 2
@@ -211,7 +198,7 @@ class PoseFitter:
     def _fit_near(
         self, seen_px: FloatArray, state: BranchState, begin: State | None = None
     ) -> tuple[PoseFit, BranchState]:
-        """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
+        """Fit one image from the extrapolated contact, if in doubt from others too; return the next state."""
         if begin is None:
             begin = self._begin(seen_px) if state.last is None else self._go_on(seen_px, state.last, state.motion)
         found, near = self._fit(seen_px, begin, state.near)
@@ -225,7 +212,7 @@ class PoseFitter:
         return found, state.after(found.state, near, self._near)
 
     def _go_on(self, seen_px: FloatArray, last: State, motion: State) -> State:
-        """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
+        """Extrapolate the last contact; at shallow depth, start from the pose table if that is more similar."""
         onward = self._inside(last + motion)
         if last["depth_mm"] > _SHALLOW_MM * self._size:
             return onward
@@ -234,23 +221,23 @@ class PoseFitter:
         return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
 
     def _doubted(self, found: PoseFit, last: State) -> bool:
-        """Whether a fit that began from the last touch may have gone astray."""
+        """Test whether a fit that started from the last contact may have reached a wrong minimum."""
         return found.misfit > _DOUBTED or abs(found.curvature - last["curvature"]) > _OTHER_WALL / self._size
 
     def _at_limit(self, inverse_friction: float) -> bool:
-        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
+        """Test whether 1/µ is at an end of the twin's range, where a fit may be trapped.
 
-        The cost has a second minimum there: dots under µ = 1 look more like those without slip than those of µ = 3.
+        The cost has a second minimum there: markers at µ = 1 resemble those without slip more than those at µ = 3.
         """
         return self._slips[0] < self._slips[1] and not self._slips[0] < inverse_friction < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> State:
-        """The pose and 1/µ of those looked at beforehand that is most like an image."""
+        """Return the starting pose whose predicted image is most similar, with the prior mean of 1/µ."""
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
         return self._mean.add(POSE, self._starts[int(away.argmin())])
 
     def _look(self, contact: State, known: Linear | None) -> tuple[PredictedImage, Linear]:
-        """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
+        """Predict the image of a contact; reuse the linearisation in the unit if it is from a contact nearby."""
         if known is not None and (np.abs((contact - known[0]).values) > self._near.values).any():
             known = None
         near = known[1] if known else None
@@ -261,7 +248,7 @@ class PoseFitter:
         return looked, known
 
     def _fit(self, seen_px: FloatArray, begin: State, near: Linear | None) -> tuple[PoseFit, Linear]:
-        """Fit one image from a touch; the fit, and where it was last linearised."""
+        """Fit one image from a starting contact; return the fit and the last linearisation."""
         free, known = self._free, len(self._free)
         contact = self._inside(begin)
         there = np.isfinite(seen_px).all(axis=1) & self.model.visible
@@ -313,7 +300,7 @@ class PoseFitter:
         return found, near
 
     def _solve(self, normal: FloatArray, gradient: FloatArray, contact: State) -> FloatArray:
-        """The Gauss-Newton step that leaves 1/µ within what was pressed."""
+        """Solve for the Gauss-Newton step, with 1/µ constrained to the range of the twin."""
         change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
         for column in (place for place, name in enumerate(self._free) if name == "inverse_friction"):
             slip = contact["inverse_friction"] + change[column]
@@ -325,7 +312,7 @@ class PoseFitter:
         return change
 
     def _force(self, looked: PredictedImage, contact: State, whole: FloatArray) -> Force:
-        """Force on the wall, and its covariance from that of all unknowns."""
+        """Return the contact force and its covariance, from the covariance of all parameters."""
         assert self.scale is not None
         by_thickness = self._unit_spread[len(UNIT_PARAMETERS) - 1]
         by_all = np.hstack([looked.force_jacobian[self._free], np.outer(looked.force_by_thickness, by_thickness)])
@@ -333,7 +320,7 @@ class PoseFitter:
         return Force(vector, covariance, wall_normal(*np.radians(contact[POSE[:2]])))
 
     def _on_robot(self, contact: State, z: FloatArray, whole: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Pose (3,), and covariance (4, 4) of it and 1/µ, from that of all unknowns."""
+        """Return the pose (3,), and the covariance (4, 4) of pose and 1/µ with the twin error."""
         by, free = np.zeros((len(READ), len(whole))), len(self._free)
         for column, name in enumerate(self._free):
             if name in READ:
@@ -349,7 +336,7 @@ class PoseFitter:
         return pose, by @ whole @ by.T + np.diag(off[READ] ** 2)
 
     def _inside(self, contact: State) -> State:
-        """The nearest pose that the twin knows."""
+        """Clip a contact to the range of the twin and the permitted extrapolation."""
         twin = self.model.dots.twin
         rx, ry, depth = contact[POSE]
         tilt, most = float(np.hypot(rx, ry)), float(twin.tilts_deg[-1]) + _BEYOND[0]
@@ -368,13 +355,13 @@ def twin_sd(skin: Skin) -> State:
 
 
 def contact_prior_sd(tolerance: ToleranceSpec) -> State:
-    """Standard deviations of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
+    """Return the prior standard deviations of `CONTACT_STATE`; 0 for entries that the tolerance excludes."""
     pose = dict(zip(POSE, (TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD), strict=True))
     others = {"inverse_friction": tolerance.inverse_friction_prior[1], "curvature": tolerance.curvature_sd}
     return State.from_mapping(pose | others | dict(zip(LATERAL, tolerance.lateral_sd, strict=True)))
 
 
 def free_entries(sd: State, twin: Twin) -> tuple[str, ...]:
-    """Entries of `CONTACT_STATE` that are fitted: those that vary, 1/µ only if the twin has several frictions."""
+    """Return the fitted entries of `CONTACT_STATE`: those that vary, 1/µ only if the twin has several."""
     several = len(twin.inverse_frictions) > 1
     return tuple(name for name in sd.names if sd[name] > 0 and (several or name != "inverse_friction"))

@@ -1,4 +1,4 @@
-"""Force on the wall: the twin's, for the design's stiffness, times what a load cell says about this unit's."""
+"""Contact force: the force of the twin, scaled by the stiffness of the unit from load-cell readings."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from palpate.calibration.tolerance import ToleranceSpec
 from palpate.core import FloatArray, PalpateError
 
 LEVEL_90 = 1.6449
-"""Half-width of an interval that covers nine tenths of a normal distribution, over its standard deviation."""
+"""Half-width of a 90 % interval of a normal distribution, over its standard deviation."""
 _TWIN_SHARE = 0.01
-"""What the twin's force is off for a unit whose stiffness is known: a share, by units of the bench."""
+"""Relative error of the twin's force for a unit of known stiffness, measured on simulated units."""
 _FAR = 6.0
-"""Standard deviations of what is known beforehand beyond which a load cell is not believed."""
+"""Deviation from the prior, in standard deviations, above which load-cell readings are rejected."""
 
 
 class ScalarEstimate(NamedTuple):
-    """A number in N and its standard deviation."""
+    """Value and standard deviation, N."""
 
     value: float
     sd: float
 
     @property
     def half_width(self) -> float:
-        """Half-width of its interval of nine tenths."""
+        """Half-width of the 90 % interval."""
         return LEVEL_90 * self.sd
 
 
 @dataclass(frozen=True)
 class StiffnessScale:
-    """Stiffness of a unit over that of its design: mean and standard deviation."""
+    """Mean and standard deviation of a unit's stiffness relative to its design."""
 
     mean: float
     sd: float
@@ -41,16 +41,9 @@ class StiffnessScale:
 
 @dataclass(frozen=True, eq=False)
 class Force:
-    """Force on the wall.
+    """Contact force `vector` (3,) N on the obstacle, in the skin's frame, with covariance (3, 3) N².
 
-    Attributes
-    ----------
-    vector
-        (3,) N, dome's frame.
-    covariance
-        (3, 3) N².
-    normal
-        (3,) unit normal of the wall, dome's frame.
+    `normal` (3,) is the unit normal of the wall.
     """
 
     vector: FloatArray
@@ -59,12 +52,12 @@ class Force:
 
     @property
     def normal_force(self) -> ScalarEstimate:
-        """Along the wall's normal."""
+        """Component along the wall's normal."""
         return self._along(self.normal)
 
     @property
     def tangential_force(self) -> ScalarEstimate:
-        """In the wall's plane, without its direction."""
+        """Magnitude of the component in the wall's plane."""
         across = self.vector - (self.vector @ self.normal) * self.normal
         size = float(np.linalg.norm(across))
         if size > 0:
@@ -76,27 +69,21 @@ class Force:
 
 
 def prior_stiffness_scale(tolerance: ToleranceSpec) -> StiffnessScale:
-    """Stiffness before any load cell: as designed, within the tolerance of the mix."""
+    """Return the stiffness before any load-cell reading: nominal, uniform within the tolerance."""
     return StiffnessScale(1.0, tolerance.modulus / np.sqrt(3.0))
 
 
 def scale_force(vector: FloatArray, covariance: FloatArray, scale: StiffnessScale) -> tuple[FloatArray, FloatArray]:
-    """Force (3,) N and covariance (3, 3) N² of a unit from those of its design."""
+    """Convert force (3,) N and covariance (3, 3) N² of a design to those of a unit."""
     share = scale.sd**2 + (_TWIN_SHARE * scale.mean) ** 2
     return scale.mean * vector, scale.mean**2 * covariance + share * np.outer(vector, vector)
 
 
 def predict_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, tolerance: ToleranceSpec) -> Force:
-    """Force of a unit that no load cell has seen, from what its design would bear.
+    """Predict the force of a unit without load-cell readings from the force of its design.
 
-    Parameters
-    ----------
-    parts, half_width
-        (3,) N in the wall's axes, the last its normal, and half-widths of their intervals of nine tenths.
-    turn
-        (3, 3) those axes as columns in the dome's frame.
-    tolerance
-        How far the unit may be from its design.
+    `parts` (3,) N are in the axes of the wall, normal last, with half-widths of their 90 % intervals; `turn` (3, 3)
+    has these axes as columns in the skin's frame.
     """
     spread = turn * (half_width / LEVEL_90)
     return Force(*scale_force(turn @ parts, spread @ spread.T, prior_stiffness_scale(tolerance)), turn[:, 2])
@@ -105,34 +92,34 @@ def predict_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, t
 def update_stiffness_scale(
     before: StiffnessScale, expected: Sequence[ScalarEstimate], measured: Sequence[float], cell_sd: float
 ) -> StiffnessScale:
-    """What load-cell readings tell about a unit's stiffness.
+    """Update the stiffness scale of a unit by load-cell readings.
 
     Parameters
     ----------
     before
-        What is known of it.
+        Prior.
     expected
-        Force along the wall's normal of each reading, for the design's stiffness.
+        Normal force of each reading at the design's stiffness.
     measured
-        The cell's readings, N.
+        Readings, N; those that are not finite are ignored.
     cell_sd
         Standard deviation of a reading, N.
 
     Returns
     -------
     StiffnessScale
-        Mean and standard deviation after.
+        Posterior.
 
     Raises
     ------
     PalpateError
-        If a reading is no force, or all of them together cannot be of this unit.
+        If a reading or expected force is not positive, or the median ratio is too far from the prior.
     """
     pairs = [(force, cell) for force, cell in zip(expected, measured, strict=True) if np.isfinite(cell)]
     if any(cell <= 0 or force.value <= 0 for force, cell in pairs):
         raise PalpateError(
-            "A load cell says a force of nothing or less.",
-            "Give the force on the wall in N, upward.",
+            "A load-cell reading or its expected force is not positive.",
+            "Give the normal force in N, positive if the skin presses on the wall.",
             code="force-not-positive",
         )
     if not pairs:
@@ -141,13 +128,14 @@ def update_stiffness_scale(
     for force, cell in pairs:
         sd = np.hypot(cell_sd, force.sd * cell / force.value) / force.value
         weight, total = weight + sd**-2.0, total + cell / force.value * sd**-2.0
-    # what the twin is off about a force is alike in all of them
+    # the error of the twin's force is common to all readings
     found = StiffnessScale(total / weight, float(np.hypot(weight**-0.5, _TWIN_SHARE / np.sqrt(len(pairs)))))
     median = float(np.median([cell / force.value for force, cell in pairs]))
     far = abs(median - before.mean) / np.hypot(before.sd, _TWIN_SHARE)
     if far > _FAR:
         raise PalpateError(
-            f"The load cell says {median:.2f} times the design's force, {far:.0f} standard deviations off.",
+            f"The load cell measures {median:.2f} times the design's force, {far:.0f} standard deviations from the "
+            "prior (limit: 6).",
             "Check the cell's unit (N) and zero, or widen the tolerance of the modulus.",
             code="load-cell-scale-off",
         )

@@ -1,4 +1,4 @@
-"""Sums over groups of dots: what every ring that might be printed adds to a normal matrix."""
+"""Sums over groups of markers: the contribution of each possible ring to a normal matrix."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from palpate.core import FloatArray, IntArray
 
 
 def sum_by_group(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:
-    """Products (g, n, k) of the rows (m, 2, n) and (m, 2, k) of dots, added up by their group (m,), from 0.
+    """Sum the products (g, n, k) of rows (m, 2, n) and (m, 2, k) by the group (m,) of each marker.
 
-    What is not known of a dot, NaN, adds nothing.
+    Groups are numbered from 0. NaN adds nothing.
     """
     order = np.argsort(group, kind="stable")
     ends = np.searchsorted(group[order], np.arange(int(group.max()) + 2))

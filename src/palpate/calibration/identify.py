@@ -1,9 +1,9 @@
-"""Identification of a built unit from calibration presses: its parameters, and how it sits on the robot.
+"""Identification of a built unit from calibration presses: unit parameters and mounting on the robot.
 
-The robot knows the pose of a calibration press. The dome sits on the robot a little tilted and turned, and depth 0 is
-not where the robot assumes it (`palpate.calibration.mounting`). Unit, mounting, friction of every press, and the
-robot's error of every press are fitted together to all markers of all images, each with its prior: a Gauss-Newton
-iteration to the maximum of the posterior, whose curvature is the covariance.
+The robot knows the pose of a calibration press. The skin is mounted with a small tilt and rotation, and its depth 0
+differs from that of the robot (`palpate.calibration.mounting`). Unit, mounting, and the friction and robot error of
+every press are fitted together to all markers of all images, each with its prior. A Gauss-Newton iteration finds the
+maximum of the posterior; the curvature there gives the covariance.
 """
 
 from __future__ import annotations
@@ -28,28 +28,35 @@ from palpate.design import TILT_SPACE, Skin
 from palpate.surrogate import LATERAL
 
 _TWIN_SD = {"thickness": 0.011, "depth_zero": 0.011, "inverse_friction": 0.012}
-"""What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
+"""Standard deviations of the twin error in these parameters (mm, mm, 1/µ).
 
-The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images. These and the
-numbers below are of a skin and in an image of the sizes in `palpate.calibration.scale`.
+Measured on 20 simulated units with other meshes and stiffening. The twin error is common to all markers of all
+images; marker noise contributes a tenth of it. These and the constants below hold for skin and image of the sizes in
+`palpate.calibration.scale`.
 """
 _LENS_SD = {"distance": 0.19, "focal": 0.0035, "k1": 0.0145}
-"""What these numbers are told wrong by besides (mm, shares), by the same units: together they make the scale of an
-image, and only that is told; poses do not change with how it is shared among them."""
+"""Additional standard deviations of these parameters (mm, ratios), measured on the same units.
+
+Together they determine the scale of an image, and only this scale is observable; poses do not depend on its division
+among them.
+"""
 _DRIFT_PX = 0.12
-"""What the twin is off besides where the wall drifts: beyond its first order, above all where much slips."""
+"""Additional twin error if the wall moves laterally: higher-order terms, largest if much of it slips."""
 _FIRST, _ITERATIONS = 4, 16
-"""Iterations for mounting and friction alone, since the robot's zero may be far off, and all of them."""
+"""Iterations for mounting, friction and lateral motion alone, and maximum number of iterations.
+
+The first ones are needed because the error of the robot's zero may be large.
+"""
 _SMALL = 1e-3
-"""Change over the standard deviation below which the fit is done."""
+"""Change over the standard deviation below which the fit ends."""
 _WRONG = 9.0
-"""Mean square of what is left over its expectation above which the presses are not those of this unit."""
+"""Reduced chi-square above which the presses are rejected."""
 _FAR = 5.0
-"""Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
+"""Deviation in standard deviations above which a robot pose or a unit parameter is rejected."""
 
 
 class UnitEstimate(NamedTuple):
-    """Mean (15,) and covariance (15, 15) of the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`."""
+    """Mean (15,) and covariance (15, 15) of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`."""
 
     mean: FloatArray
     covariance: FloatArray
@@ -57,26 +64,27 @@ class UnitEstimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class IdentificationResult:
-    """What presses told about a unit.
+    """Result of the identification of a unit.
 
     Attributes
     ----------
     posterior
-        What is now known of the unit.
+        Posterior of the unit.
     mounting
-        How it sits on the robot.
+        Mounting of the unit on the robot.
     inverse_frictions, inverse_frictions_sd
         (p,) 1/µ of every press.
     misfit
-        Mean square of what is left over its expectation; about 1.
+        Reduced chi-square; about 1.
     robot_error
         (p, 3) fitted error of the robot's poses, over its standard deviation.
     scale
-        Its stiffness over the design's.
+        Stiffness relative to the design.
     estimate
-        The numbers themselves. `posterior` and `mounting` have those with which the twin explains the images best.
+        Estimate of the parameters. `posterior` and `mounting` contain instead the values with which the twin explains
+        the images best.
     left_out
-        Deviations that the twin leaves out, which are not estimated.
+        Deviations that the twin does not model, which are not estimated.
     """
 
     posterior: UnitPosterior
@@ -90,7 +98,7 @@ class IdentificationResult:
     left_out: tuple[str, ...] = ()
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
-        """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
+        """Return name, mean, sd and prior sd (`before`) of every parameter and of 1/µ of every press."""
         before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
         means, names = [*self.estimate.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
         spread = [*np.sqrt(np.diag(self.estimate.covariance)), self.scale.sd]
@@ -110,28 +118,28 @@ class IdentificationResult:
 def identify(
     model: UnitModel, presses: Sequence[CalibrationPress], noise_px: float, robot: RobotUncertainty | None = None
 ) -> IdentificationResult:
-    """Learn a unit and its mounting from known presses.
+    """Identify a unit and its mounting from calibration presses.
 
     Parameters
     ----------
     model
-        The unit, as the image at rest told it (`infer_from_rest`).
+        Model of the unit after its rest image (`infer_from_rest`).
     presses
-        At least one; three of different directions tell the mounting.
+        At least one; three in different directions determine the mounting.
     noise_px
-        Standard deviation of a dot's coordinate in one image.
+        Standard deviation of a marker coordinate in one image.
     robot
-        How well its poses are known.
+        Uncertainty of the robot's poses.
 
     Raises
     ------
     PalpateError
-        If there is no press, or they do not fit one unit of this design.
+        If there is no press, or the presses do not fit one unit of this design.
     """
     if not presses:
         raise PalpateError(
-            "There is no known press.",
-            "Press at least once, better three times, at known poses.",
+            "No calibration press was given.",
+            "Record at least one press, better three, at poses measured by the robot.",
             code="calibration-press-missing",
         )
     return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).solve(model)
@@ -144,24 +152,24 @@ def twin_error_sd(skin: Skin, left_out: Sequence[str] = ()) -> FloatArray:
 
 
 def _lens_sd(skin: Skin) -> FloatArray:
-    """What the numbers of `UNIT_PARAMETERS` (11,) are told wrong by besides."""
+    """Return the additional standard deviations (11,) of `UNIT_PARAMETERS` by the image scale."""
     sizes = {"distance": size_scale(skin)}
     return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNIT_PARAMETERS])
 
 
 class NormalEquations(NamedTuple):
-    """What all dots say of the n unknowns.
+    """Normal equations of all markers for the n parameters.
 
     Attributes
     ----------
     normal, gradient
         (n, n) and (n,) of half the weighted squares, over the variance.
     gradient_noise
-        (n, n) covariance of the gradient by the noise of images alone.
+        (n, n) covariance of the gradient by image noise alone.
     common
-        (n, 2 m) how the gradient changes with each coordinate (px) of the dots at rest.
+        (n, 2 m) derivative of the gradient by each coordinate (px) of the markers at rest.
     misfit
-        Mean square of what is left over its expectation.
+        Reduced chi-square.
     """
 
     normal: FloatArray
@@ -172,10 +180,10 @@ class NormalEquations(NamedTuple):
 
 
 class UnitFit:
-    """A fit of known presses. Its unknowns are unit (11), mounting (4), then those of every press.
+    """Fit of calibration presses. Parameters: unit (11), mounting (4), then those of every press.
 
-    These are 1/µ, and rx, ry, depth by which the robot is off; where robots drift, also how far its wall has done so
-    at the twin's deepest.
+    The parameters of a press are 1/µ and the robot's error in rx, ry and depth. If lateral motion is in the
+    tolerance, they also are its three components at the twin's maximum depth.
     """
 
     def __init__(
@@ -250,7 +258,7 @@ class UnitFit:
         )
 
     def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
-        """Mounting, friction and drift where every image by itself has them."""
+        """Return starting values of mounting, friction and lateral motion, by pose fits of the single images."""
         values, off, deepest = before.copy(), [], float(self.twin.depths_mm[-1])
         for k, press in enumerate(self.presses):
             fitter = PoseFitter(model, self.noise_px)
@@ -266,7 +274,7 @@ class UnitFit:
         return values
 
     def information(self, prior: Mounting) -> FloatArray:
-        """Inverse covariance of all unknowns before the presses."""
+        """Return the prior information matrix of all parameters."""
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
         spread = np.array(
@@ -278,14 +286,14 @@ class UnitFit:
 
     @property
     def _mounted(self) -> IntArray:
-        """Numbers of the unknowns that are the mounting's, of 1/µ and of drift."""
+        """Indices of the parameters of mounting, 1/µ and lateral motion."""
         every = np.arange(self.shared, self.size).reshape(-1, self.own)
         return np.concatenate([np.arange(len(UNIT_PARAMETERS), self.shared), every[:, 0], every[:, 4:].ravel()])
 
     def covariance(self, found: NormalEquations, information: FloatArray) -> FloatArray:
-        """Covariance of all unknowns.
+        """Return the covariance of all parameters.
 
-        What is wrong about a dot at rest, and about the twin, is so in every image: it does not average out.
+        Errors of a marker at rest and of the twin are common to all images and do not average out.
         """
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
@@ -296,25 +304,26 @@ class UnitFit:
     def _estimate(
         self, posterior: UnitPosterior, found: NormalEquations, information: FloatArray, moved: FloatArray
     ) -> UnitEstimate:
-        """The unit's own numbers, by Bayes' rule from those (n,) that the fit found beyond what was known before.
+        """Estimate the parameters of the unit by Bayes' rule from the change `moved` (n,) that the fit found.
 
-        With the curvature N of all dots, the information Λ before the presses and the numbers q, the fit finds
+        With N the curvature of the cost, Λ the prior information and q the true deviation from the prior mean, the
+        fit finds
 
-            (N + Λ) d = N q + e,   W = cov(e)
+            (N + Λ) d = N q + e,   W = cov(e).
 
-        where e has the noise of images, what is off about the dots at rest and about the twin in every image alike,
-        and what the twin is off in the scale of an image, which shows as other numbers of the lens. So
+        The error e contains image noise, the errors of rest markers and of the twin that are common to all images,
+        and the twin's error in the image scale, which appears as a change of the lens. Hence
 
-            C = (Λ + N W⁻¹ N)⁻¹,   mean = C N W⁻¹ (N + Λ) d,
+            C = (Λ + N W⁻¹ N)⁻¹,   mean = C N W⁻¹ (N + Λ) d.
 
-        which no error of the twin makes wider than what was known before.
+        Twin error makes no parameter less certain than its prior.
         """
         normal, whole = found.normal, found.normal + information
         off, lens = self.twin_sd, np.zeros(self.size)
         lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
         error = found.gradient_noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
-        # in standard deviations before the presses; what is not told at all has no error
+        # in prior standard deviations; a parameter without information has no error
         scale = np.sqrt(np.diag(np.linalg.inv(information)))
         normal, error = normal * np.outer(scale, scale), error * np.outer(scale, scale)
         told = normal @ np.linalg.inv(error + 1e-9 * np.eye(self.size))
@@ -329,7 +338,10 @@ class UnitFit:
     def predict(
         self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Pixels (m, 2) in one image of a press that has these own unknowns, and derivatives (m, 2, 15 + own)."""
+        """Predict pixels (m, 2) of one image of a press, and derivatives (m, 2, 15 + own).
+
+        `own` are the parameters of this press.
+        """
         at = mounting.to_dome(pose + own[1:4])
         share = float(at[2] / self.twin.depths_mm[-1])
         looked = model.predict(at, float(own[0]), share * own[4:7] if self.drifts else None)
@@ -347,7 +359,7 @@ class UnitFit:
         return looked.pixels, np.concatenate(parts, axis=-1)
 
     def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> NormalEquations:
-        """What all dots say."""
+        """Assemble the normal equations of all images."""
         normal, noise = np.zeros((2, self.size, self.size))
         gradient = np.zeros(self.size)
         common = np.zeros((self.size, 2 * len(model.visible)))
@@ -372,29 +384,34 @@ class UnitFit:
 
 
 class ContradictionError(PalpateError):
-    """Presses that no unit of the design, read by its twin, can have made."""
+    """Calibration presses that no unit of the design, modelled by its twin, can have made."""
 
 
 def _refuse(unit: FloatArray, misfit: float, deviations: FloatArray) -> None:
-    """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
+    """Raise if the misfit, a robot error (p, 3) or a unit parameter (11,) is too large.
+
+    Errors and parameters are in standard deviations.
+    """
     if misfit > _WRONG:
         raise ContradictionError(
-            f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
-            "their noise.",
-            "Check that design, recording and poses belong together, and the order of the poses.",
+            f"The calibration presses do not fit this design: the marker residual is {np.sqrt(misfit):.1f} times "
+            "its expected value (limit: 3).",
+            "Check design, recording, and the order of the poses.",
             code="calibration-press-misfit",
         )
     worst = np.unravel_index(np.abs(deviations).argmax(), deviations.shape)
     if abs(deviations[worst]) > _FAR:
         raise ContradictionError(
-            f"The robot's pose of press {worst[0] + 1} would be {abs(deviations[worst]):.0f} sd off.",
-            "Check the poses and their order, or say how well the robot knows them.",
+            f"The robot pose of press {worst[0] + 1} deviates from the fit by {abs(deviations[worst]):.0f} "
+            "standard deviations (limit: 5).",
+            "Check the poses and their order, or increase the robot's uncertainty.",
             code="press-pose-far-off",
         )
     far = np.abs(unit)
     if far.max() > _FAR:
         raise ContradictionError(
-            f"The unit's {UNIT_PARAMETERS[far.argmax()]} would be {far.max():.0f} standard deviations off.",
+            f"The parameter {UNIT_PARAMETERS[far.argmax()]} of the unit deviates from the design by "
+            f"{far.max():.0f} standard deviations (limit: 5).",
             "Check that the presses are of this unit, or widen the tolerance.",
             code="unit-far-off-design",
         )

@@ -1,4 +1,4 @@
-"""Which known press would teach most about a unit: the one after which its further images are read best."""
+"""Choice of the next calibration press: the one with the minimum predicted error of later images."""
 
 from __future__ import annotations
 
@@ -17,20 +17,15 @@ from palpate.core import FloatArray
 from palpate.design import rotation_vector
 
 _TILTS = (0.0, 0.35, 0.8)
-"""Tilts of the candidates over the greatest."""
+"""Tilts of the candidates, as shares of the maximum tilt."""
 _TURNS_DEG = tuple(range(0, 360, 45))
 _IMAGES = 6
 
 
 class NextPress(NamedTuple):
-    """A press that could be made next.
+    """Candidate for the next calibration press: (rx, ry) = tilt (cos, sin) of the azimuth.
 
-    Attributes
-    ----------
-    tilt_deg, azimuth_deg
-        Its wall; (rx, ry) = tilt (cos, sin).
-    rmse_deg
-        What the errors of rx and ry by all that is not known of the unit would be after it.
+    `rmse_deg` is the predicted RMSE of rx and ry by the remaining uncertainty of the unit.
     """
 
     tilt_deg: float
@@ -41,21 +36,10 @@ class NextPress(NamedTuple):
 def rank_next_presses(
     model: UnitModel, mounting: Mounting, inverse_friction: float, spec: AccuracySpec
 ) -> tuple[float, tuple[NextPress, ...]]:
-    """Expected errors now, and after each of some presses, the best first.
+    """Predict the errors now, and after each candidate press, in ascending order.
 
-    Parameters
-    ----------
-    model, mounting
-        What is known of the unit.
-    inverse_friction
-        1/µ of its presses.
-    spec
-        Working range, noise and robot.
-
-    Returns
-    -------
-    float, tuple[NextPress, ...]
-        RMSE of rx and ry by what is not known of the unit, degrees, now and after each candidate.
+    `model` and `mounting` are the present ones of the unit, `inverse_friction` is 1/µ of its presses. The errors are
+    the RMSE of rx and ry by the uncertainty of the unit, degrees.
     """
     places = _tilted(spec, model, (0.2, 0.6, 1.0), 90)
     now, found = _rmse(model, mounting, inverse_friction, places, spec.noise_px), []
@@ -74,7 +58,7 @@ def rank_next_presses(
 
 
 def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
-    """Poses over the working range."""
+    """Return poses over the working range."""
     deepest = float(model.dots.twin.depths_mm[-1])
     turns = np.radians(np.arange(0, 360, turn_deg))
     return [

@@ -1,4 +1,4 @@
-"""How far dots are from where a model has them: noise of the detector, what the twin is off, false dots."""
+"""Marker residuals: detector noise, twin error, and robust weights for false detections."""
 
 from __future__ import annotations
 
@@ -9,31 +9,33 @@ from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 
 NOISE_PX = 0.02
-"""Standard deviation of a dot's coordinate in an image of 346 x 260 px, as the detector finds it on the bench."""
+"""Standard deviation of a marker coordinate of the detector in simulated images of 346 x 260 px."""
 NOISE_DOT_PX = 4.4
-"""Diameter in the image of the dot that has it: 1 mm on H20, 48 mm before the camera."""
+"""Marker diameter in the image for `NOISE_PX`: 1 mm on H20, 48 mm before the camera."""
 _GRAIN = 0.865
-"""Share of its variance by the noise of pixels, over the root of the diameter as the Cramer-Rao bound says; the rest
-grows with the diameter, by light that is uneven across a dot. From `benchmarks/dot_noise.py`: 24 diameters of 3.2
-to
-15.5 px on degraded images of the bench, within 19 % of the law (docs/design_notes/calibration.md)."""
+"""Share of the variance by pixel noise, inverse to the diameter as in the Cramér-Rao bound.
+
+The rest grows with the square of the diameter, by uneven light across a marker. From `benchmarks/dot_noise.py`: 24
+diameters from 3.2 to 15.5 px on degraded simulated images, within 19 % of this law
+(docs/design_notes/calibration.md).
+"""
 MODEL_ERROR_PX = 0.02
-"""What the twin itself may be off, px, of a skin and in an image of the sizes in `palpate.calibration.scale`."""
+"""Twin error of a marker, px, for skin and image of the sizes in `palpate.calibration.scale`."""
 FREEDOM = 30.0
-"""Degrees of freedom of Student's distribution, of dots that are not where they should be."""
+"""Degrees of freedom of Student's distribution of the residuals."""
 _MEDIAN = 2.0 * np.log(2.0)
-"""Median square of two normal numbers together."""
+"""Median of the sum of two squared standard normal numbers."""
 
 
 def noise_by_diameter(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArray:
-    """Standard deviations of a coordinate of dots that are so wide in the image, px.
+    """Return the standard deviations (m,) px of a marker coordinate, by marker diameter (m,) px.
 
     Parameters
     ----------
     diameter_px
         (m,) as from `palpate.camera.project_markers`.
     noise_px
-        Of a dot of `NOISE_DOT_PX`.
+        Standard deviation of a marker of diameter `NOISE_DOT_PX`.
 
     Examples
     --------
@@ -45,17 +47,15 @@ def noise_by_diameter(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> Fl
 
 
 def layout_noise(skin: Skin, layout: MarkerLayout, camera: Camera, noise_px: float = NOISE_PX) -> FloatArray:
-    """Standard deviations (m,) px of a coordinate of a layout's dots, by their size in the image at rest."""
+    """Return the standard deviations (m,) px of a marker coordinate, by marker size in the rest image."""
     edges = flat_marker_outlines(layout.positions, skin.normal(layout.positions), layout.diameter)
     return noise_by_diameter(project_markers(camera, edges).diameters, noise_px)
 
 
 def robust_weights(left: FloatArray, variance: float | FloatArray) -> FloatArray:
-    """Weights (2 n,) of coordinates over their variance, by Student's distribution: less for dots that fit badly.
+    """Return weights (2 n,) of coordinates by Student's distribution, over their variance (px²; or (n,)).
 
-    The variance, px², is that of all dots, or (n,) of each.
-
-    Where most dots fit badly, as at the beginning of an iteration, what is bad is measured by the median of them.
+    Residuals are scaled by their median if most markers fit badly, as in the first iterations.
     """
     far = (left.reshape(-1, 2) ** 2).sum(axis=1) / variance
     scale = max(1.0, float(np.median(far)) / _MEDIAN) if len(far) else 1.0

@@ -1,4 +1,4 @@
-"""What the fit of one image says, and what is carried from it to the next."""
+"""Pose fit of one image, and the state that is passed to the next image."""
 
 from __future__ import annotations
 
@@ -16,43 +16,43 @@ from palpate.surrogate import LATERAL
 
 POSE: tuple[str, ...] = TILT_SPACE.names
 CONTACT_STATE = (*POSE, "inverse_friction", "curvature", *LATERAL)
-"""What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
+"""Fitted contact parameters: pose, 1/µ, curvature of the wall (1/m), lateral motion (mm) and twist."""
 Linear = tuple[State, PredictedImage, FloatArray]
-"""A touch, what is seen there, and how it depends on the unit."""
+"""Contact, its predicted image, and the derivatives by the standardised unit parameters."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseFit:
-    """What one image says.
+    """Result of the pose fit of one image.
 
     Attributes
     ----------
     pose
-        (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
+        (3,) rx, ry (degrees) and depth (mm) in the skin's frame, or on the robot's scale if the mounting is known.
     inverse_friction
         1/µ.
     covariance
-        (4, 4) of pose and slip, what is unknown of the unit included.
+        (4, 4) of pose and 1/µ, including the uncertainty of the unit.
     curvature, curvature_sd
-        Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
+        Curvature of the wall, 1/m, and its standard deviation; 0 if not fitted.
     lateral
-        (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
+        (3,) lateral motion (mm) and twist (degrees) of the wall during the press; 0 if not fitted.
     force
-        On the wall.
+        Contact force.
     residual_px
-        Root mean square distance of a coordinate from the fit, px.
+        Root mean square residual of a coordinate, px.
     misfit
-        Mean weighted square of what is left, about 1 where the model is that of what is seen.
+        Reduced chi-square, about 1 if the model explains the image.
     steps
-        Gauss–Newton steps taken.
+        Number of Gauss-Newton steps.
     state
-        `CONTACT_STATE`, in the dome's frame.
+        `CONTACT_STATE`, in the skin's frame.
     cost
-        Half the weighted squares of what is left, and of what was fitted against its prior.
+        Half the sum of squares of bounded residuals and of the standardised unit parameters.
     unit
-        (11,) correction of the unit's numbers with which the image fits best.
+        (11,) correction of the unit parameters with which the image fits best.
     inverted
-        Whether the skin stands in its other state.
+        Whether the skin is on the inverted branch.
     """
 
     pose: FloatArray
@@ -72,22 +72,22 @@ class PoseFit:
 
     @property
     def half_width(self) -> FloatArray:
-        """Half-widths (4,) of the intervals of nine tenths of pose and 1/µ."""
+        """Half-widths (4,) of the 90 % intervals of pose and 1/µ."""
         return LEVEL_90 * np.sqrt(np.diag(self.covariance))
 
 
 @dataclass(frozen=True, eq=False)
 class BranchState:
-    """Where the fit of one branch of the skin stands.
+    """State of the fit on one branch of the skin.
 
     Attributes
     ----------
     last
-        `CONTACT_STATE` of the last image; `None` before any.
+        `CONTACT_STATE` of the last image; `None` before the first.
     moved, motion
-        Change of it with the last image, and that with which the next one is expected.
+        Its change with the last image, and the change expected with the next.
     near
-        Where the image was last linearised in the unit's numbers.
+        Last linearisation in the unit parameters.
     """
 
     last: State | None = None
@@ -96,7 +96,7 @@ class BranchState:
     near: Linear | None = None
 
     def after(self, contact: State, near: Linear, scale: State) -> BranchState:
-        """The state after a contact: the wall is expected to go on as it moved, if it moved so before.
+        """Return the state after a contact; the last motion is extrapolated if it is like the one before.
 
         `scale` is the change of a contact within which images are alike.
         """
@@ -108,7 +108,7 @@ class BranchState:
 
 @dataclass(frozen=True, eq=False)
 class FitState:
-    """From where the next image is fitted: by the design's branch of the skin, and by the inverted one."""
+    """State from which the next image is fitted: the flat branch, and the inverted one (`other`)."""
 
     flat: BranchState = field(default_factory=BranchState)
     other: BranchState = field(default_factory=BranchState)

@@ -1,18 +1,18 @@
-"""How good units of a design will be, before any is built: from its twin and the workshop's tolerances.
+"""Predicted accuracy of built units of a design, from its twin and the manufacturing tolerances.
 
-Every unit's numbers are drawn from what is known of them after the image at rest, or after known presses as well. At
-each of many poses the image of such a unit is read by the fit of the twin, in its linear model about the truth
+The parameters of each unit are drawn from their distribution given the rest image, or given calibration presses as
+well. At many poses, the image of such a unit is read by the fit of the twin, linearised about the truth:
 
-    error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + e + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
+    error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + e + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q).
 
-with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
-of its own in each. Known presses take e for something of the unit (−T e, see `PredictedPosterior`), so that a part of
-it cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
-part of δq, as it is measured whole. How the unit sits on the robot is added, and what the twin itself is off: by
-presses that it lacks (`measure_twin_error`), or without them `twin_sd`, from the bench of one design.
+The parameter errors δq and the marker errors e of the rest image are common to all images of a unit; the noise n is
+independent in each. Calibration presses attribute part of e to the unit (−T e, see `PredictedPosterior`); this part
+cancels in later readings. The posterior of the fit allows for twin error and is wider than the distribution of δq.
+Twin error is added to the pose as a whole: measured by validation presses (`measure_twin_error`), or else `twin_sd`,
+which was measured on one design. The error of the mounting is added too.
 
-Poses and known presses are drawn alike for every layout, camera and skin, and errors from the same random numbers by
-their covariance over all images of a unit, so that two designs differ by what they are and not by chance.
+Poses, calibration presses and errors use common random numbers for every layout, camera and skin, so that two designs
+differ by their properties and not by sampling.
 """
 
 from __future__ import annotations
@@ -41,23 +41,23 @@ from palpate.surrogate import LATERAL, Twin
 
 @dataclass(frozen=True)
 class AccuracySpec:
-    """What is foreseen.
+    """Settings of an accuracy prediction.
 
     Attributes
     ----------
     units, poses
-        Drawn units, and poses of each; 2000 units give the 95th percentile a standard error of 1.3 %, 200 of 4 %.
+        Sampled units, and poses of each; 2000 units give the 95th percentile a standard error of 1.3 %, 200 of 4 %.
     min_depth, max_tilt_deg
         Working range, mm and degrees.
     noise_px, scale_noise_by_diameter
-        Standard deviation of a dot's coordinate; with `scale_noise_by_diameter`, that of a dot of `NOISE_DOT_PX`, of
-        which those of others follow by their size in the image (`noise_by_diameter`).
+        Standard deviation of a marker coordinate; with `scale_noise_by_diameter`, that of a marker of `NOISE_DOT_PX`,
+        scaled to others by their size in the image (`noise_by_diameter`).
     calibration_presses
-        Known presses of each unit.
+        Number of calibration presses of each unit.
     robot
-        How well the robot knows its poses in them.
+        Uncertainty of the robot's poses in them.
     seed
-        Of everything drawn.
+        Seed of all random numbers.
     """
 
     units: int = 2000
@@ -73,20 +73,20 @@ class AccuracySpec:
 
 @dataclass(frozen=True)
 class PredictedAccuracy:
-    """How good units will be.
+    """Predicted accuracy of the built units of one design.
 
     Attributes
     ----------
     calibration_presses
-        Known presses of each unit.
+        Number of calibration presses of each unit.
     rmse_deg
-        Over rx and ry of all poses of all units.
+        RMSE over rx and ry of all poses of all units.
     p95_deg
-        Greatest error of rx or ry over the poses that 19 of 20 units stay below.
+        95th percentile over units of each unit's maximum error of rx or ry.
     depth_rmse
-        Of the depth less its zero, mm.
+        RMSE of the depth without its zero, mm.
     noise_deg
-        RMSE with the unit and its mounting known: what noise alone leaves.
+        RMSE by noise alone, with unit and mounting known.
     """
 
     calibration_presses: int
@@ -97,11 +97,11 @@ class PredictedAccuracy:
 
 
 class PoseGain(NamedTuple):
-    """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation.
+    """Response of a pose estimate (3,) to the standardised parameters (15,) of unit and mounting.
 
-    `marker_gain` (3, 2 n) is the same by an error (px) of each coordinate of the dots seen at rest,
-    `image_covariance` the covariance (3, 3) of the error that each image has of its own, `noise_sd` the standard
-    deviation (3,) by noise where all else is known.
+    `marker_gain` (3, 2 n) is the response to an error (px) of each coordinate of the markers visible at rest,
+    `image_covariance` (3, 3) the covariance of the independent error of each image, `noise_sd` (3,) the standard
+    deviation by noise if all else is known.
     """
 
     unit_gain: FloatArray
@@ -118,23 +118,24 @@ def predict_accuracy(
     spec: AccuracySpec | None = None,
     validation_presses: Sequence[ValidationPresses] = (),
 ) -> PredictedAccuracy:
-    """Foresee the errors of built units of a design.
+    """Predict the accuracy of built units of a design.
 
     Parameters
     ----------
     twin, layout, camera
         The design.
     tolerance
-        How far units may be from it.
+        Tolerances of the units.
     spec
-        Working range, and what is known of a unit beforehand.
+        Working range, noise and calibration presses.
     validation_presses
-        Presses on another mesh, between those of the twin, that tell what it is off; without any, `twin_sd`.
+        Presses on another mesh, between those of the twin, by which the twin error is measured; `twin_sd` without
+        any.
 
     Raises
     ------
     PalpateError
-        If the known presses among `validation_presses` contradict the twin.
+        If the calibration presses among `validation_presses` contradict the twin.
     """
     spec = spec or AccuracySpec()
     rest = camera.project(layout.positions)
@@ -175,25 +176,18 @@ def predict_accuracy(
 
 
 def marker_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: AccuracySpec) -> FloatArray:
-    """Standard deviations (m,) px of a coordinate of every dot of a layout."""
+    """Return the standard deviations (m,) px of a coordinate of every marker of a layout."""
     if spec.scale_noise_by_diameter:
         return layout_noise(twin.skin, layout, camera, spec.noise_px)
     return np.full(len(layout), spec.noise_px)
 
 
 def _over_images(gains: list[PoseGain], unknown: FloatArray, taken: FloatArray, noise: FloatArray) -> FloatArray:
-    """Covariance (3 p, 3 p) of the errors of one unit's images.
+    """Return the covariance (3 p, 3 p) of the errors of one unit's images, from the responses at p poses.
 
-    Parameters
-    ----------
-    gains
-        Of p poses.
-    unknown
-        (15, 15) a root of the covariance of what is not known of the unit, over the standard deviations believed in.
-    taken
-        (15, 2 n) what known presses take an error of a dot at rest for, each over its standard deviation.
-    noise
-        (2 n,) standard deviations of the dots' coordinates in one image, px.
+    `unknown` (15, 15) is a root of the covariance of unit and mounting, and `taken` (15, 2 n) the response of the
+    calibration presses to a rest-marker error, both over the standard deviations that the fit assumes. `noise` (2 n,)
+    are the standard deviations of the marker coordinates in one image, px.
     """
     by_unit = np.concatenate([gain.unit_gain for gain in gains])
     by_dot = noise * np.concatenate([gain.marker_gain for gain in gains])
@@ -208,7 +202,7 @@ def _over_images(gains: list[PoseGain], unknown: FloatArray, taken: FloatArray, 
 def sample_working_range(
     twin: Twin, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[FloatArray, float]]:
-    """Poses (3,) and 1/µ over the working range, as far as the twin reaches."""
+    """Sample poses (3,) and 1/µ over the working range, within the range of the twin."""
     found: list[tuple[FloatArray, float]] = []
     most = min(spec.max_tilt_deg, float(twin.tilts_deg[-1]))
     while len(found) < spec.poses:
@@ -221,7 +215,7 @@ def sample_working_range(
 
 
 def _draw_inverse_friction(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
-    """1/µ of a wall."""
+    """Sample 1/µ of a wall."""
     slip = 1.0 / tolerance.friction_at(rng.uniform()) if tolerance.friction_min else float(twin.inverse_frictions[0])
     return float(np.clip(slip, twin.inverse_frictions[0], twin.inverse_frictions[-1]))
 
@@ -229,7 +223,7 @@ def _draw_inverse_friction(twin: Twin, tolerance: ToleranceSpec, rng: np.random.
 def simulate_calibration_presses(
     model: UnitModel, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[CalibrationPress, float]]:
-    """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
+    """Simulate calibration presses of the nominal design, with their 1/µ: two tilts in turn, 144° apart."""
     twin, found = model.dots.twin, []
     first, slip = 2 * np.pi * rng.uniform(), _draw_inverse_friction(twin, tolerance, rng)
     for number in range(spec.calibration_presses):
@@ -249,9 +243,9 @@ def pose_gain(
     inverse_friction: float,
     noise: float | FloatArray,
 ) -> PoseGain:
-    """How an image of a pose is read by a fit that does not know all of its unit.
+    """Compute the linear response of a pose estimate to unit, marker and image errors.
 
-    `noise` is the standard deviation of a dot's coordinate in px, or (m,) of each.
+    The unit parameters are marginalised. `noise` is the standard deviation of a marker coordinate, px, or (m,) each.
     """
     sd, seen = contact_prior_sd(model.tolerance), model.visible
     which = free_entries(sd, model.dots.twin)
@@ -266,7 +260,7 @@ def pose_gain(
     jacobian = np.hstack([by_pose, by_unit])
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
     gain = np.linalg.solve(weighted.T @ jacobian + np.diag(prior), weighted.T)
-    # a unit's numbers are fitted along, and move what the mounting is taken for
+    # the unit parameters are fitted too, and change the estimated mounting
     to_robot = np.hstack(
         [np.eye(3), np.zeros((3, free - 3)), mounting.jacobian(pose) @ spread[len(UNIT_PARAMETERS) :]]
     )

@@ -1,7 +1,7 @@
-"""Which imperfection costs how much, from a design's twin alone.
+"""Predicted error budget: the effect of each imperfection on the angles, from a design's twin alone.
 
-Camera and print cost next to nothing alone, for the rest image tells the one where the other is right; so each is
-also taken away from all.
+Camera and print errors have almost no effect alone, since each is determined by the rest image if its counterpart is
+nominal. Each imperfection is therefore also removed from the full set.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from palpate.design import MarkerLayout
 from palpate.surrogate import Twin
 
 _UNCHANGED = ("friction_min", "friction_max")
-"""Fields that stay as they are: friction is fitted in each image."""
+"""Fields that are not set to zero: friction is fitted in each image."""
 _UNSEEN = ("modulus", "stiffening", "missing", "depth_zero", "friction_min")
-"""Imperfections that cost no angle in the model of a twin's fit."""
+"""Imperfections without effect on angles in the linear model of the pose fit."""
 
 
 class PredictedCost(NamedTuple):
-    """What one imperfection costs of angle.
+    """Effect of one imperfection on the angles.
 
     Attributes
     ----------
     name, words
-        Field of `ToleranceSpec`, and what a person reads.
+        Field of `ToleranceSpec`, and label.
     tolerance
         Its size.
     alone_deg
-        RMSE of rx and ry by it alone, beside what noise leaves.
+        RMSE of rx and ry by it alone, without the part by noise.
     saved_deg
-        By how much its absence would lower the RMSE, squares taken: ``sqrt(all² - all without it²)``.
+        Decrease of the RMSE without it, in squares: ``sqrt(all² - all without it²)``.
     """
 
     name: str
@@ -49,17 +49,12 @@ class PredictedCost(NamedTuple):
 def predict_budget(
     twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: AccuracySpec | None = None
 ) -> tuple[PredictedCost, ...]:
-    """Costs of all imperfections, the greatest first.
-
-    Parameters
-    ----------
-    twin, layout, camera, tolerance, spec
-        As for `foresee`.
+    """Predict the effects of all imperfections, in descending order; parameters as for `predict_accuracy`.
 
     Returns
     -------
     tuple[PredictedCost, ...]
-        One an imperfection that is not zero, after those named ``all`` and ``noise``.
+        First ``all`` and ``noise``, then one for each imperfection that is not zero.
     """
     spec = replace(spec or AccuracySpec(), calibration_presses=0)
     none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _UNCHANGED})
@@ -75,8 +70,8 @@ def predict_budget(
             found.append(PredictedCost(item.name, item.label, size, _beyond(alone, noise), _beyond(every, without)))
     found.sort(key=lambda cost: -cost.saved_deg)
     return (
-        PredictedCost("all", "everything together", 1.0, every, every),
-        PredictedCost("noise", "noise of the dots, and the twin itself", spec.noise_px, noise, noise),
+        PredictedCost("all", "all imperfections", 1.0, every, every),
+        PredictedCost("noise", "marker noise and twin error", spec.noise_px, noise, noise),
         *found,
     )
 

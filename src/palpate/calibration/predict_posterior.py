@@ -1,4 +1,4 @@
-"""What known presses would tell about a unit of a design, before any is built."""
+"""Predicted posterior of a unit after calibration presses, before any unit is built."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ from palpate.core import FloatArray, IntArray
 
 
 class PredictedPosterior(NamedTuple):
-    """What presses would leave unknown of a unit.
+    """Predicted uncertainty of a unit after calibration presses.
 
-    `covariance` is (15, 15), of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as it would be believed;
-    `exact_twin_covariance` the same if the twin were right, by noise, robot and what is not known beforehand alone;
-    `rest_marker_gain` (15, 2 m) what an error (px) of each coordinate of the dots at rest, which is in all images, is
-    taken for.
+    `covariance` (15, 15), of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, is that of the fit; `exact_twin_covariance`
+    is the covariance without twin error, by noise, robot and prior alone; `rest_marker_gain` (15, 2 m) is the
+    response of the estimate to an error (px) of each rest-marker coordinate, which is in all images.
     """
 
     covariance: FloatArray
@@ -36,16 +35,10 @@ def predict_posterior(
     noise_px: float | FloatArray,
     robot: RobotUncertainty,
 ) -> PredictedPosterior:
-    """What presses of a unit that is as believed would leave unknown of it.
+    """Predict the uncertainty of a unit after calibration presses, each with its 1/µ.
 
-    Parameters
-    ----------
-    model, mounting
-        What is known of the unit before; the presses are what it shows.
-    presses
-        Known presses, each with its 1/µ; without any, nothing is learnt.
-    noise_px, robot
-        As for `identify`; noise also (m,) of each dot.
+    The unit is assumed equal to the means of `model` and `mounting`. `noise_px` is that of each marker if (m,).
+    Without any press, the uncertainty is unchanged.
     """
     if not presses:
         none = np.zeros((len(mounting.covariance), 2 * len(model.visible)))
@@ -64,18 +57,18 @@ def predict_posterior(
 
 
 class PressInformation(NamedTuple):
-    """What known presses tell, by group of dots.
+    """Information of calibration presses, by group of markers.
 
     Attributes
     ----------
     normal
-        (g, n, n) information about `UNIT_PARAMETERS`, `MOUNTING_PARAMETERS` and what is each press's own.
+        (g, n, n) information about `UNIT_PARAMETERS`, `MOUNTING_PARAMETERS` and the parameters of each press.
     by_dot
-        (m, 2, n) how an error of each coordinate that is alike in all of their images enters the gradient.
+        (m, 2, n) derivative of the gradient by an error of each coordinate that is common to all images.
     own_prior
-        (n - 15,) precision beforehand of what is each press's own.
+        (n - 15,) prior precision of the parameters of each press.
     common_variance
-        (g,) of such an error, px².
+        (g,) variance of such an error, px².
     """
 
     normal: FloatArray
@@ -92,9 +85,9 @@ def press_information(
     noise_px: FloatArray,
     robot: RobotUncertainty,
 ) -> PressInformation:
-    """Information of known presses of a unit that is as believed, apart for every group (m,) of its dots.
+    """Return the information of calibration presses of a unit as modelled, by group (m,) of markers.
 
-    The other parameters are those of `predict_posterior`, the noise (g,) that of every group.
+    The noise (g,) is that of every group; all else is as for `predict_posterior`.
     """
     fit, groups = UnitFit(model, [press for press, _ in presses], noise_px[group], robot), int(group.max()) + 1
     variance = fit.variance[:, None, None]

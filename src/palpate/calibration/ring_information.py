@@ -1,10 +1,10 @@
-"""What dots would tell of poses, ring by ring, before any layout is chosen: information adds up over dots.
+"""Information of rings of markers about poses, before a layout is chosen: information is additive.
 
-With J the derivative of a dot's pixels by all that is unknown, every dot adds JᵀJ to the normal matrix of the fit
-of an image, of the image at rest, and of known presses. So the matrices of all rings that might be printed are made
-once, and the figure of any choice among them is a sum and an inverse. It is the figure of `foresee` with its draws
-replaced by their expectation. Dots of a group have one noise, so that those of another size weigh the same matrices
-otherwise (`RingInformation.with_markers`).
+With J the derivative of a marker's pixels by all parameters, every marker adds JᵀJ to the normal matrices of the fits
+of an image, of the rest image and of calibration presses. The matrices of all possible rings are computed once; the
+predicted error of a selection of rings is then a sum and an inverse. It is the figure of `predict_accuracy` with its
+samples replaced by their expectation. The markers of a group have one noise; for another marker size, the same
+matrices are weighted differently (`RingInformation.with_markers`).
 """
 
 from __future__ import annotations
@@ -43,42 +43,44 @@ from palpate.design import TILT_SPACE, MarkerLayout, Skin
 from palpate.surrogate import LATERAL, Twin
 
 _MARGIN_PX = 5.0
-"""Distance of a dot's centre from the edge of the image."""
+"""Minimum distance of a marker's centre from the edge of the image."""
 _UNIT = len(UNIT_PARAMETERS)
 _SHARED = _UNIT + 4
 
 
 @dataclass(frozen=True, eq=False)
 class RingInformation:
-    """Information of groups of dots, about one apex.
+    """Information of groups of markers, about one apex.
 
     Attributes
     ----------
     rest
-        (g, 12, 12) of camera and print, from the image at rest, the print's own misprints included.
+        (g, 12, 12) information of the rest image about camera and print, with the misprints of single markers as
+        noise.
     rest_prior
-        (12,) precision of camera and print beforehand.
+        (12,) prior precision of camera and print.
     presses
-        Of known presses; `None` without any.
+        Information of calibration presses; `None` without any.
     common, crossed
-        (g, n, n) how errors of dots at rest, alike in all images, enter the gradients of known presses together, and
-        (p, g, n, 19) with those of images at p poses.
+        (g, n, n) products of the responses of the calibration presses' gradients to rest-marker errors, and (p, g, n,
+        19) products of these and the gradients of images at p poses.
     reads
-        (p, g, 19, 19) of these images, about touch and unit, over the variance.
+        (p, g, 19, 19) information of these images about contact and unit.
     touch_prior
-        (8,) precision of a touch beforehand; infinite for what does not happen.
+        (8,) prior precision of a contact; infinite for entries that do not occur.
     by_mounting
-        (p, 3, 4) how the robot's pose follows the mounting.
+        (p, 3, 4) derivative of the robot's pose by the mounting.
     inside
-        (g,) whether the dots of a group are in the image at all of these poses.
+        (g,) whether all markers of a group are in the image at all poses.
     unit_sd, mounting_sd
-        (11,) and (4,) standard deviations of `UNIT_PARAMETERS` and of the mounting beforehand.
+        (11,) and (4,) prior standard deviations of `UNIT_PARAMETERS` and of the mounting.
     noise_px
-        (g,) standard deviation of a dot's coordinate in an image.
+        (g,) standard deviation of a marker coordinate in an image.
     model_px
-        The same of what a fit takes the twin to be off.
+        Standard deviation of the twin error of a coordinate that a pose fit assumes.
     twin_error
-        (15,) the same of what known presses take the twin to be off in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`.
+        (15,) standard deviation of the twin error that an identification assumes in `UNIT_PARAMETERS` and
+        `MOUNTING_PARAMETERS`.
     """
 
     rest: FloatArray
@@ -99,21 +101,15 @@ class RingInformation:
     def with_markers(
         self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
     ) -> RingInformation:
-        """The same of dots of another size, whose noise in an image follows from it.
+        """Return the information for markers of another size, by their noise in an image.
 
-        What the image at rest says of print and camera stays: there misprints rule.
-
-        Parameters
-        ----------
-        skin, layout, group
-            A dot at least of each group, of the size that they have now, and the group (m,) of each.
-        camera, noise_px
-            As for `foresee`.
+        The information of the rest image is unchanged, since misprints dominate it. `layout` has at least one marker
+        of each group, of the new size, and `group` (m,) its number.
         """
         return self.with_noise(_by_group(layout_noise(skin, layout, camera, noise_px), group))
 
     def with_noise(self, noise_px: FloatArray) -> RingInformation:
-        """The same where a dot's coordinate in an image has these standard deviations (g,), px."""
+        """Return the information for other standard deviations (g,) px of a marker coordinate."""
         before, after = (2.0 * noise**2 + self.model_px**2 for noise in (self.noise_px, noise_px))
         reads, crossed, common, known = before / after, before / after, np.ones(len(before)), self.presses
         if known is not None:
@@ -135,9 +131,9 @@ class RingInformation:
         )
 
     def lower_bound(self) -> RingInformation:
-        """The same for the best of estimators: its variance is convex, and no greater.
+        """Return the information of the minimum-variance estimator: a convex lower bound of this variance.
 
-        Noise is all that it has to do with, and where presses are known, it knows what is alike in all images.
+        Its only error is noise; with calibration presses, it knows the errors that are common to all images.
         """
         own = self.noise_px[:, None, None] ** 2
         assumed, presses = 2.0 * own + self.model_px**2, self.presses
@@ -149,7 +145,7 @@ class RingInformation:
         return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_error=0.0 * self.twin_error)
 
     def variance(self, share: FloatArray) -> float:
-        """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
+        """Return the expected squared error of rx or ry (degrees²) if a share (g,) of each group is printed."""
         on = np.flatnonzero(share)
         part = share[on]
         covariance, excess, taken = self._learn(on, part)
@@ -172,7 +168,7 @@ class RingInformation:
         if taken is not None:
             by_shared, share = gain[:, :, len(free) :], np.linalg.solve(spread, np.linalg.solve(spread, excess).T)
             found = found - np.einsum("pai,ij,paj->pa", by_shared, share, by_shared)
-            # what known presses take an error at rest for, and what an image makes of it again
+            # response of the calibration presses to a rest-marker error, and of an image to that
             by_unit = gain @ seen[:, :, len(free) :] - to_robot[:, :, len(free) :]
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
             again = by_unit @ np.linalg.solve(spread, taken) @ crossed
@@ -180,8 +176,10 @@ class RingInformation:
         return float(found.mean() + np.mean(TWIN_ERROR_SD[TILT_SPACE.names[:2]] ** 2))
 
     def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-        """Covariance (15, 15) of unit and mounting that is believed before an image is read, how much of it is not by
-        chance, and what known presses make (15, n) of the gradient."""
+        """Return the covariance of unit and mounting before an image, its part by twin error, and the gain.
+
+        The covariances are (15, 15). The gain (15, n) of the calibration presses is `None` without any.
+        """
         rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", part, self.rest[on]))
         covariance = np.diag(
             np.concatenate([np.zeros(len(CAMERA_PARAMETERS)), self.unit_sd[-1:], self.mounting_sd]) ** 2
@@ -220,16 +218,16 @@ def compute_ring_information(
     tolerance: ToleranceSpec,
     spec: AccuracySpec | None = None,
 ) -> RingInformation:
-    """Information of every group of dots that might be printed.
+    """Compute the information of every group of markers that might be printed.
 
     Parameters
     ----------
     twin
-        Of the skin.
+        Twin of the skin.
     layout, group
-        All dots that might be printed, and the group (m,) that each belongs to, from 0.
+        All markers that might be printed, and the group (m,) of each, from 0.
     camera, tolerance, spec
-        As for `foresee`; ``spec.units`` is not used.
+        As for `predict_accuracy`; ``spec.units`` is not used.
     """
     spec, tolerance = spec or AccuracySpec(), modelled_tolerance(twin, tolerance)
     rest_px = camera.project(layout.positions)
@@ -283,12 +281,12 @@ def compute_ring_information(
 
 
 def _by_group(noise: FloatArray, group: IntArray) -> FloatArray:
-    """Root mean square (g,) over the dots of each group."""
+    """Return the root mean square (g,) over the markers of each group."""
     return np.asarray(np.sqrt(np.bincount(group, noise**2) / np.bincount(group)), float)
 
 
 def _leave(inside: BoolArray, group: IntArray, camera: Camera, pixels: FloatArray) -> None:
-    """Mark groups of which a dot leaves the image."""
+    """Mark groups of which a marker leaves the image."""
     most = (camera.width_px - 1 - _MARGIN_PX, camera.height_px - 1 - _MARGIN_PX)
     there = ((pixels >= _MARGIN_PX) & (pixels <= most)).all(axis=1)
     inside[group[~there]] = False

@@ -1,4 +1,4 @@
-"""Tolerances: how far a built unit may be from its design. They are drawn from, and they are the prior of a fit."""
+"""Tolerances of built units: range of sampled deviations, and prior of a fit."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic_core import PydanticCustomError
 from palpate.core import Spec, parameter
 
 _SLIP_MEAN, _SLIP_SD = 1.0, 1.0
-"""1/µ beforehand: silicone on metal is near 1, and no slip is 0."""
+"""Prior of 1/µ: silicone on metal is near 1; 0 is no slip."""
 
 
 class ToleranceSpec(Spec):
-    """Tolerances of a built unit: half-widths of its deviations from the design, as a careful workshop reaches them.
+    """Tolerances of a built unit: half-widths of its deviations from the design.
 
-    The defaults assume a mold of printed or turned parts measured by a caliper, a syringe and a scale for the two
-    components, pad printing, and a camera on a printed holder, calibrated by a board.
+    The defaults are those of a careful workshop: a mold of printed or turned parts measured by a caliper, a syringe
+    and a scale for the two components, pad printing, and a camera on a printed holder, calibrated by a board.
     """
 
     thickness: float = parameter(0.05, unit="mm", meaning="skin thickness", ge=0, le=1)
@@ -89,7 +89,10 @@ class ToleranceSpec(Spec):
     curvature: float = parameter(0.0, unit="1/m", meaning="curvature of the walls, both ways; 0: flat", ge=0, le=20)
 
     def friction_at(self, share: float) -> float:
-        """Coefficient of friction at a share (0 to 1) of what is met: even in µ, with both ends given in 1/µ."""
+        """Return the coefficient of friction at a share (0 to 1) of its distribution.
+
+        Uniform in µ up to twice the minimum; uniform in 1/µ, from maximum to minimum, if `friction_max` is given.
+        """
         if not self.friction_max:
             return self.friction_min * (1.0 + share)
         return 1.0 / (share / self.friction_min + (1.0 - share) / self.friction_max)
@@ -99,14 +102,14 @@ class ToleranceSpec(Spec):
         if self.friction_max and not 0 < self.friction_min <= self.friction_max:
             raise PydanticCustomError(
                 "frictions-not-rising",
-                "the least friction is {least} and the greatest {most}.",
+                "friction_min is {least} and friction_max {most}; friction_min must be positive and not larger.",
                 {"least": f"{self.friction_min:g}", "most": f"{self.friction_max:g}"},
             )
         return self
 
     @property
     def inverse_friction_prior(self) -> tuple[float, float]:
-        """Mean and standard deviation of 1/µ before any image: about silicone on metal, or what both ends say."""
+        """Prior mean and standard deviation of 1/µ: that of silicone on metal, or from both limits."""
         if not self.friction_max:
             return _SLIP_MEAN, _SLIP_SD
         least, most = 1.0 / self.friction_max, 1.0 / self.friction_min
@@ -119,5 +122,5 @@ class ToleranceSpec(Spec):
 
     @property
     def lateral_sd(self) -> tuple[float, float, float]:
-        """Standard deviations of a press's sideways travel in x and y (mm) and of its twist (degrees)."""
+        """Standard deviations of a press's lateral motion in x and y (mm) and of its twist (degrees)."""
         return self.lateral / math.sqrt(3.0), self.lateral / math.sqrt(3.0), self.twist_deg / math.sqrt(3.0)

@@ -1,7 +1,7 @@
-"""What a twin is off in the pose: a unit as designed, told and read by it from exact dots of presses that it lacks.
+"""Twin error of poses: a unit as designed, identified and read from exact markers of other presses.
 
-Presses on another mesh, between the tilts and frictions of the twin, show how far its own mesh and the way between
-its presses lead it astray, with all that known presses make of that. Everything else is as the twin believes.
+Presses on another mesh, at tilts and frictions between those of the twin, show the errors by mesh and interpolation,
+and their effect on calibration presses. All else is as the twin assumes.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from palpate.design import rotation_vector
 from palpate.fea import Branch, Press
 
 _READ_TURN_DEG = 36.0
-"""Turn from one direction to the next in which a press is read."""
+"""Azimuth between successive readings of presses."""
 _READ_TURNS = 3
-"""Directions in which each press is read."""
+"""Number of directions in which each press is read."""
 _NEAR = np.array([0.25, 0.125])
-"""Standard deviations of an image's weight for a pose in tilt and depth, over the greatest of them."""
+"""Standard deviations of the weight of an image in tilt and depth, as shares of their maxima."""
 
 
 @dataclass(frozen=True, eq=False)
 class ValidationPresses:
-    """Presses of one friction that a twin is held against, of half models in one direction.
+    """Validation presses of one friction, half models in one direction.
 
     Attributes
     ----------
     known
-        Those that are known, in turn, each time two fifths of a turn further.
+        Presses used for calibration, in turn, each rotated by 144° from the one before.
     read
-        Those that are read afterwards.
+        Presses that are read afterwards.
     """
 
     known: Sequence[Press]
@@ -47,12 +47,12 @@ class ValidationPresses:
 
 @dataclass(frozen=True, eq=False)
 class TwinError:
-    """What a twin is off, without any noise.
+    """Errors of a twin without noise.
 
     Attributes
     ----------
     poses
-        (n, 2) tilts (degrees) and depths (mm) of the images that were read.
+        (n, 2) tilts (degrees) and depths (mm) of the images read.
     squares
         (n, 2) mean square error of rx and ry (degrees²), and square error of the depth (mm²), of each.
     """
@@ -62,13 +62,13 @@ class TwinError:
 
     @property
     def rms(self) -> FloatArray:
-        """Over all images (3,): rx and ry (one figure for both, degrees) and depth (mm)."""
+        """RMS error (3,) over all images: rx and ry (one value for both, degrees) and depth (mm)."""
         return np.asarray(np.sqrt(self.squares.mean(axis=0)[[0, 0, 1]]))
 
     def at(self, pose: FloatArray) -> FloatArray:
-        """The same (3,) about a pose (3,), rx, ry (degrees) and depth (mm), by Gaussian weights of images nearby.
+        """Return the RMS error (3,) near a pose (3,), by Gaussian weights over neighbouring images.
 
-        Twins are off most where a wall is tilted and hardly touches.
+        The error is largest for a tilted wall at shallow depth.
         """
         widths = np.maximum(_NEAR * self.poses.max(axis=0), 1e-9)
         away = (((self.poses - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
@@ -79,23 +79,23 @@ class TwinError:
 def measure_twin_error(
     model: UnitModel, checks: Sequence[ValidationPresses], count: int, min_depth: float
 ) -> TwinError:
-    """Errors of a unit as designed that its twin reads from presses which the twin lacks.
+    """Measure the pose errors of a nominal unit on presses that its twin does not contain.
 
     Parameters
     ----------
     model
-        A unit as designed, as its image at rest tells it.
+        Nominal unit after its rest image.
     checks
-        The presses, one for each friction.
+        Validation presses, one entry for each friction.
     count
-        How many presses are known beforehand; 0: none is.
+        Number of calibration presses; may be 0.
     min_depth
-        Of the images that count, mm.
+        Minimum depth of the images that count, mm.
 
     Raises
     ------
     PalpateError
-        If the known presses contradict the twin.
+        If the calibration presses contradict the twin.
     """
     poses, errors = (
         np.concatenate(each)
@@ -109,7 +109,7 @@ def measure_twin_error(
 def _read_checks(
     model: UnitModel, checks: ValidationPresses, count: int, min_depth: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Poses and errors (n, 3) of the images of presses of one friction that are read."""
+    """Return poses and errors (n, 3) of the images of presses of one friction."""
     told = [
         simulate_exact_markers(
             model, checks.known[number % len(checks.known)], calibration_pose(number, 0.0)[1], min_depth
@@ -133,7 +133,7 @@ def _read_checks(
 def simulate_exact_markers(
     model: UnitModel, press: Press, azimuth_deg: float, min_depth: float = 0.0
 ) -> CalibrationPress:
-    """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
+    """Return poses and exact markers of the loaded increments on the flat branch, for another azimuth."""
     turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
     azimuth = np.radians(turned.obstacle.turn_deg)
     here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
@@ -146,5 +146,5 @@ def simulate_exact_markers(
 
 
 def _least(depths: FloatArray, min_depth: float) -> float:
-    """Depth in mm from which images count; where a press hardly gets there, its deeper half."""
+    """Return the minimum depth (mm) of images that count: at most half the maximum depth."""
     return min(min_depth, 0.5 * float(depths.max(initial=0.0)))

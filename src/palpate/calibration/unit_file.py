@@ -1,4 +1,4 @@
-"""Write and read what is known of a built unit: a JSON file that a sensor is opened with."""
+"""Writing and reading of an identified unit: a JSON file with which a sensor is opened."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class IdentifiedUnit:
     skin_data, markers_mm
         Its design: the skin's spec as plain data, and the layout (m, 3) mm.
     posterior, mounting
-        What is known of it, and how it sits on its robot.
+        Posterior of its parameters, and mounting on its robot.
     scale
-        Its stiffness over the design's.
+        Stiffness relative to the design.
     """
 
     skin_data: dict[str, Any]
@@ -43,12 +43,12 @@ class IdentifiedUnit:
     scale: StiffnessScale
 
     def check(self, skin: Skin, layout: MarkerLayout) -> None:
-        """Refuse another design, with a `PalpateError`."""
+        """Raise a `PalpateError` if skin or layout differ from the unit's design."""
         same = len(layout) == len(self.markers_mm) and np.allclose(layout.positions, self.markers_mm, atol=1e-6)
         if skin.spec_data != self.skin_data or not same:
             raise PalpateError(
-                f"The unit file is of another design than {skin.name} with {len(layout)} markers.",
-                "Give the file of this unit, or its design's numbers.",
+                f"The design of the unit file differs from {skin.name} with {len(layout)} markers.",
+                "Give the file of this unit, or the options of its design.",
                 code="unit-design-differs",
             )
 
@@ -124,5 +124,5 @@ def read_unit(path: Path) -> IdentifiedUnit:
         or len(unit.posterior.rest_px) != len(unit.markers_mm)
         or np.linalg.eigvalsh(covariance).min() < -1e-9
     ):
-        raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN, code="unit-file-damaged")
+        raise PalpateError(f"{path} contains invalid numbers.", _AGAIN, code="unit-file-damaged")
     return unit

@@ -1,10 +1,10 @@
-"""A built unit under its camera: from pose and friction to the pixels of its dots, with all derivatives.
+"""Image model of a built unit: from pose and friction to the pixels of its markers, with derivatives.
 
-What is not as designed about a unit is a vector of named numbers (`UNIT_PARAMETERS`): where its camera is and what
-its lens is, and how thick its wall is. Each has the workshop's tolerance as its prior. Dots are where the image at
-rest shows them: a dot's place on the undeformed surface is where the ray of its pixel leaves that surface, whatever
-was misprinted, stretched or turned. So a change of the camera moves the dots with it, and what remains uncertain is
-what the rest image cannot tell: camera against print.
+The deviations of a unit are a vector of parameters (`UNIT_PARAMETERS`): pose and lens of its camera, and skin
+thickness. Their prior is given by the manufacturing tolerances. The position of a marker on the undeformed surface is
+where the ray of its pixel in the rest image meets that surface, which includes misprints, stretch and rotation. A
+change of the camera therefore moves the markers too. The remaining uncertainty is that between camera and print,
+which the rest image cannot separate.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ CAMERA_PARAMETERS = (
     "centre_y_px",
     "k1",
 )
-"""Numbers of a `Deviation` that are the camera's."""
+"""Fields of `Deviation` that describe the camera."""
 UNIT_PARAMETERS = (*CAMERA_PARAMETERS, "thickness")
-"""Numbers of a `Deviation` that a unit's images depend on, and are not known of it beforehand."""
+"""Fields of `Deviation` that change a unit's images and are unknown before its first image."""
 _TOLERANCE = {
     "offset_x": "camera_offset",
     "offset_y": "camera_offset",
@@ -60,43 +60,43 @@ _LEFT_OUT = {
     "lateral_rate_across": "lateral",
     "twist_rate_deg": "twist_deg",
 }
-"""The tolerance that needs a derivative of `palpate.surrogate.TWIN_DERIVATIVES`."""
+"""Tolerance that requires each derivative of `palpate.surrogate.TWIN_DERIVATIVES`."""
 _STEP_MM = 0.05
-"""Distance of the dots beside a dot, between which its surroundings are taken as straight."""
+"""Step along a tangent for derivatives by the marker position, mm."""
 _STEP = 0.02
-"""Step of a difference by an unknown, over its standard deviation beforehand."""
+"""Step for derivatives by a parameter, over its prior standard deviation."""
 _LEAST_SD = 1e-6
 _CORNERS = 6
-"""Corners of the polygons that stand for dots; centres of their traces are within 0.0015 px rms of those with 32."""
+"""Corners of a marker's polygon; its projected centroid is within 0.0015 px rms of that with 32."""
 _FORGIVEN = 3.0
-"""Standard deviations beyond which a misprint no longer pulls with its square."""
+"""Residual of a misprint, in standard deviations, above which its cost is linear."""
 
 
 PRINT_SHIFT = ("print_shift_x", "print_shift_y")
-"""Shift of the whole print, mm."""
+"""Displacement of the whole print, mm."""
 
 
 def unit_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (11,) of `UNIT_PARAMETERS` before any image: even within the tolerances."""
+    """Return the prior standard deviations (11,) of `UNIT_PARAMETERS`: uniform within the tolerances."""
     found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNIT_PARAMETERS]) / np.sqrt(3.0)
     return np.maximum(found, _LEAST_SD)
 
 
 def modelled_tolerance(twin: Twin, tolerance: ToleranceSpec) -> ToleranceSpec:
-    """A tolerance without the deviations that a twin leaves out: they are not estimated."""
+    """Return a tolerance without the deviations that a twin does not model; they are not estimated."""
     return tolerance.model_copy(update={_LEFT_OUT[name]: 0.0 for name in twin.left_out})
 
 
 @dataclass(frozen=True, eq=False)
 class UnitPosterior:
-    """What is known of a unit: the image at rest, and a normal distribution of what is not as designed.
+    """Rest image of a unit, and the normal distribution of its parameters.
 
     Attributes
     ----------
     nominal
-        The camera as designed, or as calibrated.
+        Camera as designed or calibrated.
     rest_px
-        (m, 2) dots in the image at rest; NaN where none was seen.
+        (m, 2) markers in the rest image; NaN for a marker that was not detected.
     mean, covariance
         `UNIT_PARAMETERS`, and their covariance (11, 11).
     """
@@ -107,7 +107,7 @@ class UnitPosterior:
     covariance: FloatArray
 
     def camera(self, **changes: float) -> Camera:
-        """The camera believed in, or one whose parameters of these names differ by `changes`."""
+        """Return the mean camera, with `changes` added to its parameters."""
         mean = self.mean.add(tuple(changes), np.array(list(changes.values()), float))
         return build_camera(_camera_of(self.nominal, mean))
 
@@ -125,20 +125,20 @@ def infer_from_rest(
     tolerance: ToleranceSpec,
     noise_px: float,
 ) -> UnitPosterior:
-    """What the image at rest tells about a unit.
+    """Infer the unit parameters from the rest image.
 
     Parameters
     ----------
     twin, layout
-        Skin and print as designed.
+        Skin and layout as designed.
     nominal
-        The camera as designed or calibrated, about where it is.
+        Camera as designed or calibrated, at its approximate pose.
     rest_px
-        (m, 2) the layout's dots in the image; NaN where none was seen.
+        (m, 2) the layout's markers in the image; NaN for a marker that was not detected.
     tolerance
-        How far the unit may be from its design.
+        Tolerances of the unit.
     noise_px
-        Standard deviation of a dot's coordinate.
+        Standard deviation of a marker coordinate.
 
     Returns
     -------
@@ -168,14 +168,14 @@ def infer_from_rest(
 def rest_jacobian(
     twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, noise_px: float
 ) -> tuple[FloatArray, float]:
-    """What the image at rest says of camera and print, dot by dot, where both are about as designed.
+    """Compute the derivatives of each marker in the rest image by camera and print, at the nominal design.
 
     Returns
     -------
     slopes
-        (m, 2, 12) px over the numbers of `CAMERA_PARAMETERS`, and over the print's shift in x and y (mm).
+        (m, 2, 12) px over `CAMERA_PARAMETERS`, and over the print shift in x and y (mm).
     spread_px
-        Standard deviation of a coordinate: noise and the misprint of single dots.
+        Standard deviation of a coordinate: noise and misprint of single markers.
     """
     steps = np.append(_STEP * unit_prior_sd(tolerance)[: len(CAMERA_PARAMETERS)], [1e-3, 1e-3])
     found = np.empty((len(layout), 2, len(steps)))
@@ -187,11 +187,11 @@ def rest_jacobian(
 
 
 _REST = (*CAMERA_PARAMETERS, *PRINT_SHIFT)
-"""Parameters of an image at rest."""
+"""Parameters of a rest image."""
 
 
 def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: State) -> FloatArray:
-    """Pixels (m, 2) of the layout where camera and print differ from the design by these values."""
+    """Return pixels (m, 2) of the layout if camera and print deviate from the design by these values."""
     camera = build_camera(_camera_of(nominal, values))
     x, y = (layout.positions[:, :2] + values[PRINT_SHIFT]).T
     printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
@@ -199,33 +199,33 @@ def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: Stat
 
 
 def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, noise_px: float) -> float:
-    """Standard deviation of a coordinate at rest about its place in the layout, px."""
+    """Return the standard deviation of a marker coordinate at rest about its layout position, px."""
     scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
     return float(np.hypot(noise_px, scale * tolerance.marker_position / np.sqrt(3.0)))
 
 
 def _traces(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
-    """Centres (n, 2) px of the traces of dots that lie on the undeformed surface."""
+    """Return the centroids (n, 2) px of the projected outlines of markers on the undeformed surface."""
     return project_markers(camera, marker_outlines(twin.skin, points, diameter, _CORNERS)).centres
 
 
 class PredictedImage(NamedTuple):
-    """What a unit shows at one pose.
+    """Predicted image of a unit at one pose.
 
     Attributes
     ----------
     pixels
-        (m, 2) px; NaN for a dot that was not seen at rest.
+        (m, 2) px; NaN for a marker that was not visible at rest.
     pose_jacobian
-        (m, 2, 5 or 8) px over the entries of a contact (`CONTACT_STATE`); its motion only if one is given.
+        (m, 2, 5 or 8) px over the entries of a contact (`CONTACT_STATE`); lateral motion only if it is given.
     unit_jacobian
-        (m, 2, 11) px over `UNIT_PARAMETERS`; `None` where it was not asked for.
+        (m, 2, 11) px over `UNIT_PARAMETERS`; `None` if not requested.
     bias
-        (m, 2) px from the trace of a dot's centre to the centre of its trace.
+        (m, 2) px from the projected centre of a marker to the centroid of its projected outline.
     force, force_jacobian
-        (3,) N on the wall, and (3, 5 or 8) by the same.
+        (3,) N on the wall, and its derivatives (3, 5 or 8) by the contact.
     force_by_thickness
-        (3,) N over a mm of thickness.
+        (3,) N per mm of thickness.
     """
 
     pixels: FloatArray
@@ -239,29 +239,27 @@ class PredictedImage(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UnitModel:
-    """A unit ready to be looked at.
+    """Image model of a unit.
 
     Attributes
     ----------
     layout, tolerance
-        Its print as designed, and how far it may be from its design.
+        Layout as designed, and tolerances.
     posterior
-        What is known of it.
+        Distribution of its parameters.
     camera
-        The camera believed in.
-    dots
-        The twin of its print; a dot that was not seen is at its place in the layout.
-    visible
-        (m,) whether a dot was seen at rest.
+        Camera at the posterior mean.
+    dots, visible
+        Twin of its markers, and whether each (m,) was detected at rest; if not, it is at its layout position.
     outlines
-        The twin of the edges of dots: what is seen is the centre of a trace, which is not the trace of the centre,
-        above all where the skin bends.
+        Twin of the marker outlines. The detector measures the centroid of a projected outline, which differs from the
+        projected centre, above all where the skin is strongly curved.
     place_by
-        (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
+        (m, 3, 10) mm, derivative of the marker positions on the undeformed surface by the camera.
     tangent_waves
-        Derivative of the print's waves along two tangents, and the part of `place_by` along each (m, 10).
+        Derivative of the twin's waves along two tangents, and the component of `place_by` along each (m, 10).
     shifted
-        Cameras beside the one believed in.
+        Derivatives of pixels by the camera.
     """
 
     layout: MarkerLayout
@@ -276,16 +274,16 @@ class UnitModel:
     shifted: CameraDerivatives
 
     def with_posterior(self, posterior: UnitPosterior) -> UnitModel:
-        """The model of the same unit, of which something else is known."""
+        """Return the model of this unit with another posterior."""
         return build_unit_model(self.dots.twin, self.layout, posterior, self.tolerance)
 
     def on_branch(self, twin: Twin) -> UnitModel:
-        """The model of the same unit on another branch."""
+        """Return the model of this unit on another branch."""
         return build_unit_model(twin, self.layout, self.posterior, self.tolerance)
 
     @property
     def size(self) -> float:
-        """How many times as great the skin is as that of the constants (`palpate.calibration.scale`)."""
+        """Size of the skin relative to that of the constants (`palpate.calibration.scale`)."""
         return size_scale(self.dots.twin.skin)
 
     def predict(
@@ -298,12 +296,11 @@ class UnitModel:
         unit: bool = True,
         near: PredictedImage | None = None,
     ) -> PredictedImage:
-        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `inverse_friction`.
+        """Predict the image at rx, ry (degrees) and depth (mm), with 1/µ = `inverse_friction`.
 
-        `lateral` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and
-        `curvature` its curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and
-        the bias of traces change little from pose to pose: they are those of a look at one that is `near`, where that
-        is given.
+        `lateral` (3,) is the lateral motion (mm) and twist (degrees) of the wall during the press, and `curvature`
+        its curvature, 1/m. With `unit`, the derivatives by the unit parameters are computed too. They and the bias of
+        the outlines change little with the pose, so they are taken from `near`, if that is given.
         """
         moved = self.dots.evaluate(pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature)
         pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
@@ -324,21 +321,20 @@ class UnitModel:
     def predict_contact(
         self, contact: State, *, lateral: bool, unit: bool = True, near: PredictedImage | None = None
     ) -> PredictedImage:
-        """`predict` for a contact (`CONTACT_STATE`), with its motion in the plane of the wall if `lateral`."""
+        """Predict the image of a contact (`CONTACT_STATE`), with its lateral motion if `lateral`."""
         motion = contact[LATERAL] if lateral else None
         pose, slip = contact[TILT_SPACE.names], contact["inverse_friction"]
         return self.predict(pose, slip, motion, contact["curvature"], unit=unit, near=near)
 
     def _by_unit(self, moved: MarkerState, shown: Projection, by_thickness: FloatArray) -> FloatArray:
-        """Derivatives (m, 2, 11) px by `UNIT_PARAMETERS`; a camera that changes takes the places of the dots
-        along."""
+        """Return the derivatives (m, 2, 11) px by `UNIT_PARAMETERS`; the camera also moves the markers."""
         carried = self.place_by.copy()
         for waves, along in self.tangent_waves:
             carried += (waves @ moved.amplitudes).reshape(-1, 3)[:, :, None] * along[:, None, :]
         return np.dstack([self.shifted.jacobian(moved.positions, shown, carried), by_thickness])
 
     def _bias(self, amplitudes: FloatArray, pixels: FloatArray) -> FloatArray:
-        """From the traces of centres (m, 2) px to the centres of traces, where the waves have amplitudes (2 r,)."""
+        """Return the bias (m, 2) px of the outlines for amplitudes (2 r,) of the waves."""
         edges = self.outlines.positions_at(amplitudes).reshape(len(pixels), -1, 3)
         return np.asarray(project_markers(self.camera, edges).centres - pixels)
 
@@ -346,7 +342,7 @@ class UnitModel:
 def build_unit_model(
     twin: Twin, layout: MarkerLayout, posterior: UnitPosterior, tolerance: ToleranceSpec
 ) -> UnitModel:
-    """Make the model of a unit from what is known of it."""
+    """Build the image model of a unit from its posterior."""
     skin, camera, tolerance = twin.skin, posterior.camera(), modelled_tolerance(twin, tolerance)
     steps = _STEP * unit_prior_sd(tolerance)
     seen: BoolArray = np.asarray(np.isfinite(posterior.rest_px).all(axis=1), dtype=np.bool_)
@@ -385,7 +381,7 @@ def build_unit_model(
 
 
 def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) -> FloatArray:
-    """Where the rays of dots (m, 2) px leave the undeformed inner surface, (m, 3) mm; NaN where there is none."""
+    """Return where the rays of markers (m, 2) px meet the undeformed inner surface, (m, 3) mm, or NaN."""
     known = np.isfinite(pixels).all(axis=1)
     places = np.full((len(pixels), 3), np.nan)
     places[known] = twin.skin.hit(*camera.sight_lines(pixels[known] - bias[known]))
