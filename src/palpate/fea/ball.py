@@ -17,7 +17,7 @@ from palpate.mesh import Mesh
 PATCH = 49
 """Points along each side of a patch."""
 _WIDE = 1.0
-"""Greatest angle (rad) from the middle of a ball's patch to its sides."""
+"""Maximum angle (rad) from the middle of a ball's patch to its sides."""
 
 
 @final
@@ -25,12 +25,7 @@ _WIDE = 1.0
 class Ball(Obstacle):
     """A rigid ball: ``delta = r - |x - c|``, ``n = (c - x)/|x - c|``, Hessian ``-(I - n nᵀ)/|x - c|``.
 
-    Attributes
-    ----------
-    radius
-        mm.
-    point
-        (3,) mm, its centre.
+    `point` (3,) is its centre; lengths in mm.
     """
 
     radius: float
@@ -52,16 +47,10 @@ class Ball(Obstacle):
 
 
 def round_gap(arm: FloatArray, radius: float, across: FloatArray) -> Gap:
-    """Gap of a ball or a cylinder from the vectors (n, 3) mm of points to its middle.
+    """Compute the gap of a ball or a cylinder.
 
-    Parameters
-    ----------
-    arm
-        From each point to the centre or the axis.
-    radius
-        mm.
-    across
-        (3, 3) projector onto the directions in which it is round.
+    `arm` (n, 3) mm are the vectors from points to the centre or a point of the axis; `across` (3, 3) projects onto
+    the directions in which it is round.
     """
     arm = arm @ across
     distance = np.maximum(np.linalg.norm(arm, axis=1), 1e-9 * radius)
@@ -72,7 +61,7 @@ def round_gap(arm: FloatArray, radius: float, across: FloatArray) -> Gap:
 
 @final
 class BallSpec(ObstacleSpec):
-    """A rigid ball that is brought down along the skin's axis, beside it or on it."""
+    """A rigid ball that moves along the skin's axis, at an offset from it."""
 
     kind: Literal["ball"] = "ball"
     radius: float = parameter(5.0, unit="mm", meaning="radius of the ball", gt=0, le=1000)

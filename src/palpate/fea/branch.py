@@ -11,4 +11,4 @@ class Branch(StrEnum):
 
 
 NEITHER = "neither"
-"""Branch of a state whose apex is off the wall, but which is not proved inverted (see `palpate.fea.inverted`)."""
+"""Branch of a state whose apex has left the wall, but that fails the checks of `palpate.fea.inverted`."""

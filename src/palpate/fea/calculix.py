@@ -1,10 +1,10 @@
-"""CalculiX as a second solver: write the deck, run ``ccx``, read a `Press` of the same layout.
+"""CalculiX as a second solver: write the deck, run ``ccx``, and read a `Press` of the same layout.
 
-The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R), the contact is node to surface by a penalty. What
-CalculiX does not give is nan: contact energy, tension of the hold. Stored energy is that of its displacement at the
-2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work that
-of the increments' force along the wall's way by monotone cubics. Contact area and apex gap are measured on its
-displaced surface, as for our own solver.
+The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R); contact is node to surface, by a penalty. Quantities
+that CalculiX does not report are nan: contact energy and stabilisation tension. Stored energy is computed from the
+displacement at the 2 × 2 × 2 points (the printed energy ELSE differs strongly from the work of the wall on coarse
+meshes). Work is the integral of the force along the wall's path, by monotone cubics. Contact area and apex gap are
+measured on the displaced surface, as for palpate's solver.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ from palpate.mesh import Mesh, MeshSpec, gauss_points, mesh_skin, shape_hexahedr
 
 PROGRAM = "ccx"
 _INVERTED_GAP = 0.1
-"""Gap of the first-touched point over the thickness from which the apex counts as inverted."""
+"""Gap of the first-contact point over the thickness above which the apex counts as inverted."""
 
 
 class CalculixSpec(Spec):
-    """How CalculiX is run; the deck's penalty and increment are those of `DeckSpec`."""
+    """Settings of a CalculiX run; penalty and increment are those of `DeckSpec`."""
 
     deck: DeckSpec = DeckSpec(dialect=Dialect.CALCULIX)
     timeout: float = parameter(7200.0, unit="s", meaning="longest time a run may take", gt=0)
 
 
 def find_ccx() -> str:
-    """Path of the program.
+    """Return the path of the program.
 
     Raises
     ------
@@ -70,21 +70,11 @@ def find_ccx() -> str:
 def solve_press_calculix(
     mesh: Mesh, material: Material, obstacle: ObstacleSpec | None = None, spec: CalculixSpec | None = None
 ) -> Press:
-    """Solve one press by CalculiX.
+    """Solve one press by CalculiX; mesh, material and obstacle as in `palpate.fea.solve_press`.
 
-    Parameters
-    ----------
-    mesh, material, obstacle
-        As in `palpate.fea.solve_press`; the bricks are those of the mesh without its face and centre nodes.
-    spec
-        Deck and time limit.
-
-    Returns
-    -------
-    Press
-        At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
-        `stabilisation_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left
-        the wall. Its `solved_by` says ``calculix``.
+    The bricks are those of the mesh without its face and centre nodes, which are interpolated. In the result,
+    `contact_energy`, `dissipation` and `stabilisation_tension` are nan, and `negative_pivots` is -1; `jump_depth` is
+    the first increment whose apex has left the wall; `solved_by` is ``calculix``.
 
     Raises
     ------
@@ -144,7 +134,7 @@ def calculix_recipe(
 
 @cache
 def _program_version() -> str:
-    """Version that ``ccx`` reports; empty if it is not installed."""
+    """Return the version that ``ccx`` reports; empty if it is not installed."""
     path = shutil.which(PROGRAM)
     if path is None:
         return ""
@@ -155,20 +145,14 @@ def _program_version() -> str:
 @final
 @dataclass(frozen=True)
 class CalculixSolver(PressSolver):
-    """CalculiX behind the contract of press solvers.
-
-    Attributes
-    ----------
-    spec
-        How it is run.
-    """
+    """CalculiX as a press solver, with the settings `spec`."""
 
     spec: CalculixSpec = field(default_factory=CalculixSpec)
 
     def check(self, obstacle: ObstacleSpec) -> None:
         if obstacle.unload:
             raise PalpateError(
-                "CalculiX presses from rest to full depth.",
+                "CalculiX solves only presses from rest to full depth.",
                 "Leave out --unload, or --solver.",
                 code="option-not-for-solver",
             )
@@ -179,7 +163,7 @@ class CalculixSolver(PressSolver):
 
 
 def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
-    """Run ``ccx`` on ``press.inp`` in its folder with one thread; CPU-seconds and exit code."""
+    """Run ``ccx`` on ``press.inp`` in its folder with one thread; return CPU-seconds and exit code."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_EQUATION_SOLVER"), "1")
     before = os.times()
     with (folder / "press.log").open("wb") as log:
@@ -208,7 +192,7 @@ def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
 def _last_error(log: Path) -> str:
     lines = [line.strip() for line in log.read_text(errors="replace").splitlines()]
     errors = [line for line in lines if line.startswith("*ERROR")]
-    return errors[-1].removeprefix("*ERROR").strip() if errors else "it says no reason"
+    return errors[-1].removeprefix("*ERROR").strip() if errors else "it gives no reason"
 
 
 def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[EndReason, str]:
@@ -229,7 +213,7 @@ def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: P
 
 
 def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:
-    """Arrays of the `Press`: rest, then every increment."""
+    """Return the arrays of the `Press`: rest, then every increment."""
     half = not mesh.spec.whole
     parts = 2.0 if half else 1.0
     side = np.array([0.0, 1.0, 1.0]) if half else np.ones(3)
@@ -259,7 +243,7 @@ def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: Obs
 def _contact(
     mesh: Mesh, wall: ObstacleSpec, depth: FloatArray, displacement: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every increment."""
+    """Return the gap (n,) mm of the first-contact point and the contact area (n,) mm² of the model."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
     path, touched = wall.path(mesh), wall.at_first_contact(mesh)[1]
@@ -273,7 +257,7 @@ def _contact(
 
 
 def stored_energy(mesh: Mesh, material: Material, displacement: FloatArray) -> float:
-    """Energy in mJ stored in the 20-node bricks of a mesh at their 2 × 2 × 2 points, displacement (n, 3) mm."""
+    """Return the energy in mJ of 20-node bricks at their 2 × 2 × 2 points, at a displacement (n, 3) mm."""
     points, weights = gauss_points((2, 2, 2))
     _, local = shape_hexahedron(points)
     rest = fill_nodes(mesh.cells, mesh.nodes)[mesh.cells]

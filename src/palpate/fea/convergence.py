@@ -1,4 +1,4 @@
-"""How much a press depends on its mesh: the paper's Fig. 9, and what a user needs more, force and markers."""
+"""Mesh convergence of a press: stress as in the paper's Fig. 9, force and marker positions."""
 
 from __future__ import annotations
 
@@ -15,33 +15,25 @@ from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 
 CELLS = (8, 11, 16, 22, 32)
-"""Cells from pole to rim: each mesh has about twice the elements of the one before."""
+"""Cells from pole to rim: each mesh has about twice the elements of the previous one."""
 
 
 @dataclass(frozen=True)
 class MeshResult:
-    """What one mesh says of a press at the deepest increment that every mesh reached, against the finest mesh.
+    """Result of one mesh at the maximum depth that all meshes share, compared with the finest mesh.
 
     Attributes
     ----------
-    cells
-        Cells from pole to rim.
-    elements, unknowns
-        Of the modelled part.
-    depth
-        mm, of the increment compared.
-    peak_stress
-        MPa, greatest von Mises stress.
-    force
-        N along the dome's axis.
+    cells, elements, unknowns
+        Cells from pole to rim, and size of the modelled part.
+    depth, peak_stress, force
+        Depth of the compared increment (mm), maximum von Mises stress (MPa), force along the skin's axis (N).
     stress_error, force_error
-        Deviation over the value of the finest mesh.
-    marker_error
-        Root mean square distance of the points from those of the finest mesh, over the depth.
-    worst_marker_error
-        The greatest such distance, over the depth.
+        Relative deviation from the finest mesh.
+    marker_error, worst_marker_error
+        Root mean square and maximum distance of the points from those of the finest mesh, over the depth.
     cpu_s
-        Cost of the press.
+        CPU time of the press.
     """
 
     cells: int
@@ -65,14 +57,14 @@ def study_convergence(
     cells: Sequence[int] = CELLS,
     on_press: Callable[[int, Press], None] = lambda cells, press: None,
 ) -> tuple[MeshResult, ...]:
-    """Press one dome on finer and finer meshes.
+    """Press one skin on successively finer meshes.
 
     Parameters
     ----------
     mesh, material, obstacle
-        As in `palpate.fea.solve_press`; the mesh gives dome, layers, rim, half or whole.
+        As in `palpate.fea.solve_press`; the mesh gives skin, layers, rim, half or whole.
     points
-        (m, 3) mm of the undeformed inner surface, followed on every mesh.
+        (m, 3) mm on the undeformed inner surface, followed on every mesh.
     cells
         Cells from pole to rim, at least two different numbers.
     on_press
@@ -81,18 +73,18 @@ def study_convergence(
     Returns
     -------
     tuple[MeshResult, ...]
-        One a mesh, from the coarsest to the finest, whose errors are zero.
+        One for each mesh, from the coarsest to the finest, whose errors are zero.
 
     Raises
     ------
     PalpateError
-        If fewer than two meshes are given, or they share no increment but rest.
+        If fewer than two meshes are given, or they share no increment except rest.
     """
     counts = sorted(set(cells))
     if len(counts) < 2:
         raise PalpateError(
-            f"A convergence study needs two meshes, and was given {len(counts)}.",
-            "Give several numbers of cells.",
+            f"A convergence study needs at least two meshes; got {len(counts)}.",
+            "Give two or more different numbers of cells.",
             code="convergence-few-meshes",
         )
     presses = []
@@ -107,8 +99,8 @@ def _deepest_shared(presses: Sequence[Press]) -> float:
     shared: set[float] = set.intersection(*({round(float(depth), 6) for depth in press.depth} for press in presses))
     if max(shared) == 0:
         raise PalpateError(
-            "The presses share no depth but rest.",
-            "Choose a finer step, or more cells.",
+            "The presses share no depth except rest.",
+            "Choose a smaller depth step, or more cells.",
             code="presses-share-no-depth",
         )
     return max(shared)

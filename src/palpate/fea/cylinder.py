@@ -16,16 +16,9 @@ from palpate.mechanics import Gap, Obstacle, grid_quads
 @final
 @dataclass(frozen=True)
 class Cylinder(Obstacle):
-    """A rigid round bar without ends: a ball's gap in the plane across its axis.
+    """A rigid cylinder without ends: the gap is that of a ball in the plane across its axis.
 
-    Attributes
-    ----------
-    radius
-        mm.
-    point
-        (3,) mm, a point of its axis.
-    axis
-        (3,) unit vector along it.
+    `point` (3,) mm is a point of its axis, `axis` (3,) a unit vector along it.
     """
 
     radius: float
@@ -50,7 +43,7 @@ class Cylinder(Obstacle):
 
 @final
 class CylinderSpec(LevelObstacleSpec):
-    """A rigid round bar parallel to the base, brought down along the skin's axis, beside it or on it."""
+    """A rigid bar parallel to the base that moves along the skin's axis, at an offset from it."""
 
     kind: Literal["cylinder"] = "cylinder"
     radius: float = parameter(5.0, unit="mm", meaning="radius of the bar", gt=0, le=1000)

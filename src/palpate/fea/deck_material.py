@@ -1,8 +1,8 @@
 """Material of a deck: hyperelastic laws in the constants of Abaqus and CalculiX, which agree.
 
-Both write ``W = W_iso + sum_i (J - 1)^(2 i) / D_i``, so ``D1 = 2 / K`` is the volumetric part of
-`palpate.material.Material`; with Arruda and Boyce's law alone ``((J² - 1) / 2 - ln J) / D``, which is the same to the
-second order. Each law writes its own constants (`palpate.material.Law.deck`).
+Both use ``W = W_iso + sum_i (J - 1)^(2 i) / D_i``, so ``D1 = 2 / K`` is the volumetric part of
+`palpate.material.Material`. Arruda and Boyce's law alone has ``((J² - 1) / 2 - ln J) / D``, which is equal to second
+order. Each law provides its constants (`palpate.material.Law.deck`).
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from palpate.fea.deck_spec import Dialect
 from palpate.material import Law, Material, Relaxation
 
 _PER_LINE = 8
-"""Most constants of a line."""
+"""Maximum number of constants in a line."""
 
 _NO_TERM = {Dialect.ABAQUS: 0.0, Dialect.CALCULIX: 1e12}
-"""D2 and D3 that leave their terms out: 0 in Abaqus, which CalculiX would replace by a default of its own."""
+"""D2 and D3 that omit their terms: 0 in Abaqus; CalculiX would replace 0 by its own default."""
 
 
 def material_lines(material: Material, dialect: Dialect, name: str = "SILICONE") -> Iterator[str]:
-    """Lines of the material, and of one named FILLING where it has a gel inside.
+    """Yield the lines of the material, and of one named FILLING if it has a gel filling.
 
     Raises
     ------
@@ -46,12 +46,12 @@ def material_lines(material: Material, dialect: Dialect, name: str = "SILICONE")
 
 
 def _relaxation_lines(relaxation: Relaxation, dialect: Dialect) -> Iterator[str]:
-    """Relaxation as comments: the deck's press is elastic, and its pseudo-time is travel, not seconds."""
+    """Yield relaxation as comments: the deck is elastic, and its pseudo-time is depth, not seconds."""
     yield f"** The press is elastic, of the {relaxation.moduli} moduli above; the material relaxes:"
     if dialect is Dialect.CALCULIX:
         terms = zip(relaxation.shares, relaxation.times, strict=True)
         yield "** " + ", ".join(f"share {share:.8g} in {time:.8g} s" for share, time in terms)
-        yield "** CalculiX has no viscoelasticity beside *HYPERELASTIC: left out"
+        yield "** CalculiX cannot combine viscoelasticity with *HYPERELASTIC: left out"
         return
     yield f"** for a step *VISCO in s, add MODULI={relaxation.moduli.upper().replace('-', ' ')} to *HYPERELASTIC, and"
     yield "** *VISCOELASTIC, TIME=PRONY"
@@ -60,7 +60,9 @@ def _relaxation_lines(relaxation: Relaxation, dialect: Dialect) -> Iterator[str]
 
 
 def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[float]]:
-    """Parameter of ``*HYPERELASTIC`` and its constants (MPa; D in 1/MPa); `no_term` stands for D2 and D3.
+    """Return the parameter of ``*HYPERELASTIC`` and its constants (MPa; D in 1/MPa).
+
+    `no_term` is used for D2 and D3.
 
     Raises
     ------
@@ -71,7 +73,7 @@ def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[f
     if line is None:
         raise PalpateError(
             f"The law {law.name} has no counterpart in Abaqus and CalculiX.",
-            "Fit another to its curve and write that: yeoh, ogden or arruda-boyce (`palpate material fit`).",
+            "Fit another law to its curve: yeoh, ogden or arruda-boyce (`palpate material fit`).",
             code="law-not-in-deck",
         )
     return line.parameter, [*line.constants, d1, *[no_term] * (line.volumetric - 1)]

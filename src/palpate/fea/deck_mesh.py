@@ -1,11 +1,11 @@
 """Nodes, elements, sets and surfaces of a deck.
 
-A 27-node hexahedron becomes a 20-node one by leaving out its face and centre nodes; numbers of nodes and cells
-are those of the mesh plus one. The shell is the middle level of nodes, each 9-node face cut into four. ::
+A 27-node hexahedron becomes a 20-node one without its face and centre nodes; numbers of nodes and cells are those of
+the mesh plus one. A shell consists of the middle level of nodes, with each 9-node face divided into four. ::
 
        7--6--5        8--15--7           numbering of Abaqus and CalculiX: corners of the
       /|    /|      16    14 |           face zeta = -1 (inner, S1), of zeta = +1 (outer, S2),
-     4--3--2 |      5--13--6 19          then the middles of the edges of both, then of those
+     4--3--2 |      5--13--6 19          then the middles of their edges, then of the edges along zeta
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _QUARTERS = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
 """Corners of the four quadrilaterals of a 9-node face, counter-clockwise from outside."""
 
 _PER_LINE = 16
-"""Most entries of a line in either dialect."""
+"""Maximum number of entries in a line in either dialect."""
 
 
 @dataclass(frozen=True)
 class DeckMesh:
-    """Mesh of a deck.
+    """Mesh of a deck; nodes and elements are numbered from 0.
 
     Attributes
     ----------
@@ -38,13 +38,11 @@ class DeckMesh:
     points
         (n, 3) mm nodes of the palpate mesh; a deck lists those in `used`.
     used
-        Node numbers (from 0) that elements have.
+        Nodes that belong to an element.
     elements
-        (n_elements, 20 or 4) node numbers (from 0).
-    node_sets
-        Name → node numbers (from 0).
-    element_sets
-        Name → element numbers (from 0).
+        (n_elements, 20 or 4) nodes.
+    node_sets, element_sets
+        Name → node or element numbers.
     surfaces
         Name → (element set, face label).
     """
@@ -59,7 +57,7 @@ class DeckMesh:
 
 
 def deck_mesh(mesh: Mesh, dialect: Dialect, element: DeckElement) -> DeckMesh:
-    """Nodes, elements, sets and surfaces of a mesh in a dialect."""
+    """Return nodes, elements, sets and surfaces of a mesh in a dialect."""
     return _shell(mesh) if element is DeckElement.SHELL else _solid(mesh, dialect)
 
 
@@ -93,7 +91,9 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
 def _shell(mesh: Mesh) -> DeckMesh:
     if mesh.filling:
         raise PalpateError(
-            "A filled skin is no shell.", "Write the deck with --element solid.", code="deck-filled-shell"
+            "A filled skin cannot be meshed by shells.",
+            "Write the deck with --element solid.",
+            code="deck-filled-shell",
         )
     layers = mesh.spec.layers
     level = len(mesh.nodes) // (2 * layers + 1) * layers
@@ -118,12 +118,12 @@ def _shell(mesh: Mesh) -> DeckMesh:
 
 
 def _apex(mesh: Mesh, *numbers: int) -> IntArray:
-    """Those node numbers; none of a skin that is open where an apex would be."""
+    """Return these node numbers, or an empty array if the skin is open at the apex."""
     return np.array([] if mesh.skin.hole else numbers, int)
 
 
 def mesh_lines(deck: DeckMesh) -> Iterator[str]:
-    """Lines of nodes, elements, sets and surfaces; empty sets are left out."""
+    """Yield the lines of nodes, elements, sets and surfaces; empty sets are left out."""
     yield "** Nodes of the dome: number, x, y, z in mm"
     yield "*NODE, NSET=DOME_NODES"
     yield from node_lines(deck.used, deck.points[deck.used])
@@ -146,13 +146,13 @@ def mesh_lines(deck: DeckMesh) -> Iterator[str]:
 
 
 def node_lines(numbers: Iterable[int] | IntArray, points: FloatArray) -> Iterator[str]:
-    """Lines ``number, x, y, z`` of nodes numbered from 0 in the mesh; a deck numbers from 1."""
+    """Yield lines ``number, x, y, z`` of nodes numbered from 0 in the mesh; a deck numbers from 1."""
     for number, (x, y, z) in zip(numbers, points, strict=True):
         yield f"{number + 1}, {x:.10g}, {y:.10g}, {z:.10g}"
 
 
 def _wrapped(numbers: list[int]) -> Iterator[str]:
-    """One record over as many lines as it needs; a line that goes on ends with a comma."""
+    """Yield one record over as many lines as needed; a continued line ends with a comma."""
     lines = [numbers[at : at + _PER_LINE] for at in range(0, len(numbers), _PER_LINE)]
     for k, line in enumerate(lines):
         yield ", ".join(map(str, line)) + ("," if k < len(lines) - 1 else "")

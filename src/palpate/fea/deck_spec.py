@@ -15,7 +15,7 @@ class Dialect(StrEnum):
 
 
 class DeckElement(StrEnum):
-    """Elements of a deck: bricks through the wall of the dome, or shells on its mid surface."""
+    """Elements of a deck: bricks through the skin thickness, or shells on its middle surface."""
 
     SOLID = "solid"
     SHELL = "shell"

@@ -1,4 +1,4 @@
-"""Step and outputs of a deck: the wall moves against its way, pseudo-time is its travel in mm."""
+"""Step and outputs of a deck: the wall moves along its approach axis; pseudo-time is its depth in mm."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from palpate.core import FloatArray
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 
 _NOTHING = 1e-12
-"""Share of a direction below which it is rounding."""
+"""Share of a direction vector below which a component counts as zero."""
 
 
 def time_point_lines(depths: list[float]) -> Iterator[str]:
-    """Lines of the time points IMAGES, which both dialects define before the steps."""
-    yield "** Images: travel of the wall in mm"
+    """Yield the lines of the time points IMAGES, which both dialects define before the steps."""
+    yield "** Stored increments: depth of the wall in mm"
     yield "*TIME POINTS, NAME=IMAGES"
     yield from (f"{depth:.10g}" for depth in depths)
 
 
 def boundary_lines(spec: DeckSpec, *, half: bool) -> Iterator[str]:
-    """Lines of the clamped base and of the mirror plane of a half model; a shell must not turn out of the latter."""
+    """Yield the lines of the clamped base, and of a half model's mirror plane (for shells with rotations)."""
     shell = spec.element is DeckElement.SHELL
-    yield "** Base fixed in x, y and z" + ("; a shell may turn there: write BASE, 1, 6 to clamp it" if shell else "")
+    yield "** Base fixed in x, y and z" + (
+        "; shells may rotate there: write BASE, 1, 6 to clamp them" if shell else ""
+    )
     yield "*BOUNDARY"
     yield "BASE, 1, 3"
     if half:
@@ -36,7 +38,7 @@ def boundary_lines(spec: DeckSpec, *, half: bool) -> Iterator[str]:
 
 
 def step_lines(spec: DeckSpec, depths: list[float], way: FloatArray) -> Iterator[str]:
-    """Lines of the one step to the last of `depths` (mm), against the unit vector `way` (3,), with its outputs."""
+    """Yield the step to the last of `depths` (mm), opposite to the unit vector `way`, with its outputs."""
     travel = depths[-1]
     first = min(spec.increment, depths[0])
     along = _in_words(-way)
@@ -56,7 +58,7 @@ def step_lines(spec: DeckSpec, depths: list[float], way: FloatArray) -> Iterator
 
 
 def _moves(by: FloatArray) -> Iterator[str]:
-    """Lines of ``*BOUNDARY`` that move a set by a vector (3,) mm, without the set: where it stays, and where not."""
+    """Yield lines of ``*BOUNDARY``, without the set, that fix or move each component of a vector (3,) mm."""
     still = np.abs(by) <= _NOTHING * np.abs(by).max()
     for stays, group in groupby(range(3), key=lambda k: bool(still[k])):
         axes = [k + 1 for k in group]
@@ -67,7 +69,7 @@ def _moves(by: FloatArray) -> Iterator[str]:
 
 
 def _in_words(along: FloatArray) -> str:
-    """A unit vector (3,) as text: ``-z`` where it is along an axis."""
+    """Return a unit vector (3,) as text: ``-z`` if it is along an axis."""
     (axes,) = np.nonzero(np.abs(along) > _NOTHING)
     if len(axes) == 1:
         return ("-" if along[axes[0]] < 0 else "+") + "xyz"[axes[0]]
@@ -82,7 +84,7 @@ def _calculix_outputs() -> Iterator[str]:
     yield "RF"
     yield "*EL PRINT, ELSET=DOME, TIME POINTS=IMAGES"
     yield "S"
-    yield "** Results to look at (.frd)"
+    yield "** Results for display (.frd)"
     yield "*NODE FILE, TIME POINTS=IMAGES"
     yield "U"
     yield "*EL FILE, TIME POINTS=IMAGES"
@@ -90,7 +92,7 @@ def _calculix_outputs() -> Iterator[str]:
 
 
 def _abaqus_outputs() -> Iterator[str]:
-    yield "** Fields of every image: displacement, Cauchy stress, contact"
+    yield "** Fields of every stored increment: displacement, Cauchy stress, contact"
     yield "*OUTPUT, FIELD, TIME POINTS=IMAGES"
     yield "*NODE OUTPUT"
     yield "U, RF"

@@ -15,25 +15,22 @@ from palpate.fea.wall import WallSpec
 from palpate.mesh import Mesh
 
 ROUGH_FRICTION = 10.0
-"""Coefficient of friction that stands for no slip in CalculiX, which has no rough friction."""
+"""Coefficient of friction used for no slip in CalculiX, which has no rough friction."""
 
 
 @dataclass(frozen=True)
 class DeckWall:
-    """Rigid facets of an obstacle that is tangent to the skin.
+    """Rigid facets of an obstacle that is tangent to the skin; numbers are from 0.
 
     Attributes
     ----------
     words
-        What the obstacle is.
-    numbers
-        (m,) node numbers (from 0): the facets' corners, and for bricks the same inside the obstacle.
-    points
-        (m, 3) mm.
-    facets
-        (k, 4 or 8) rows of `numbers`: counter-clockwise seen from inside, then the inner ones.
-    element
-        Number (from 0) of the first element.
+        Label of the obstacle.
+    numbers, points
+        (m,) node numbers and (m, 3) mm: the facets' corners, and for bricks the corners inside the obstacle too.
+    facets, element
+        (k, 4 or 8) rows of `numbers`, counter-clockwise seen from inside, then the inner ones; number of the first
+        element.
     """
 
     words: str
@@ -44,22 +41,22 @@ class DeckWall:
 
 
 def ascii_label(wall: ObstacleSpec) -> str:
-    """The obstacle in words that every program reads."""
+    """Return the obstacle's label in ASCII."""
     return wall.label.replace("°", " deg")
 
 
 def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
-    """The obstacle over a mesh; `elements` are already numbered."""
+    """Return the obstacle over a mesh; `elements` are already numbered."""
     if obstacle_spec.moves_laterally:
         raise PalpateError(
-            f"A deck's obstacle moves along one way, and this one drifts or turns besides: {obstacle_spec.label}.",
-            "Leave out drift and twist, or press with a wall instead of a route.",
+            f"The obstacle of a deck moves along one line; this one also moves laterally: {obstacle_spec.label}.",
+            "Leave out lateral motion and twist, or press with a wall instead of a route.",
             code="deck-wall-drifts",
         )
     if isinstance(obstacle_spec, WallSpec) and obstacle_spec.curvature:
         raise PalpateError(
-            "A deck has no wall that is nearly flat.",
-            "Leave the bend out, or press with a ball.",
+            "A deck cannot contain a curved wall.",
+            "Leave out the curvature, or press with a ball.",
             code="deck-wall-bent",
         )
     obstacle, touched = obstacle_spec.at_first_contact(mesh)
@@ -75,13 +72,13 @@ def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: D
 
 
 def _farthest(mesh: Mesh, touched: FloatArray, way: FloatArray) -> float:
-    """Distance in mm of the skin's farthest point from the line on which a point (3,) of the obstacle moves."""
+    """Return the maximum distance in mm of the skin from the path of a point (3,) of the obstacle."""
     arm = mesh.nodes - touched
     return float(np.linalg.norm(arm - np.outer(arm @ way, way), axis=1).max())
 
 
 def wall_lines(wall: DeckWall, dialect: Dialect) -> Iterator[str]:
-    """Lines of the rigid obstacle: its nodes, elements, set and surface WALL_FACE."""
+    """Yield the lines of the rigid obstacle: its nodes, elements, set and surface WALL_FACE."""
     numbers = wall.numbers
     yield f"** Rigid obstacle, tangent to the outer surface at depth 0: {wall.words}"
     yield "*NODE, NSET=WALL_NODES"
@@ -109,11 +106,11 @@ def _facet_lines(wall: DeckWall, facets: IntArray) -> Iterator[str]:
 
 
 def contact_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
-    """Lines of the contact law and the pair OUTER_FACE, WALL_FACE."""
+    """Yield the lines of the contact law and the pair OUTER_FACE, WALL_FACE."""
     calculix = spec.dialect is Dialect.CALCULIX
     yield f"** Contact: linear penalty of {spec.penalty:g} MPa/mm"
     if spec.element is DeckElement.SHELL:
-        yield "** the shell's thickness counts in contact, so first touch is that of the outer surface"
+        yield "** contact includes the shell's thickness, so first contact is that of the outer surface"
     yield "*SURFACE INTERACTION, NAME=TOUCH"
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
     yield f"{spec.penalty:.8g}, 1e-06, 0.001" if calculix else f"{spec.penalty:.8g}"

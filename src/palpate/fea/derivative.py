@@ -1,4 +1,4 @@
-"""Derivatives of a press: what follows them along its path, and what is left of them at its increments."""
+"""Derivatives of a press: propagation along the load path, and values at the stored increments."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Derivative:
     Attributes
     ----------
     name
-        Of the parameter; its unit as in `palpate.fea.variations`.
+        Name of the parameter; its unit as in `palpate.fea.variations`.
     displacement
-        (n, n_nodes, 3) mm over that unit, in the frame of `Press.displacement`, of nodes that keep their place on
-        the unit disc and in the wall.
+        (n, n_nodes, 3) mm over that unit, in the frame of `Press.displacement`, of nodes that keep their position on
+        the unit disc and through the thickness.
     force
-        (n, 3) N over that unit, of the whole dome, dome's frame.
+        (n, 3) N over that unit, of the whole skin, in the skin's frame.
     across
-        Whether the field is antisymmetric about the mirror plane of half a model.
+        Whether the field is antisymmetric about the mirror plane of a half model.
     """
 
     name: str
@@ -58,7 +58,7 @@ def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, obsta
 def differentiate_states(
     path: Continuation, increments: Sequence[int], mesh: Mesh, material: Material, wall: ObstacleSpec
 ) -> Sensitivity:
-    """Derivatives at these increments of a path on which contact remembers nothing, each by itself.
+    """Compute the derivatives at increments of a path without contact history, each independently.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def _prepare(
 def gather_derivatives(
     followed: Sensitivity, increments: Sequence[int], mesh: Mesh, obstacle: ObstacleSpec
 ) -> dict[str, Derivative]:
-    """Derivatives at these increments of a path, by name; zero at rest, nan where there is none."""
+    """Return the derivatives at increments of a path, by name; zero at rest, nan if missing."""
     parts, turn = 1.0 if mesh.spec.whole else 2.0, obstacle.turn(mesh)
     found = {}
     for each in followed.variations:

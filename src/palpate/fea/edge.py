@@ -1,4 +1,4 @@
-"""A rigid edge: a wedge whose ridge is rounded."""
+"""A rigid edge: a wedge with a rounded ridge."""
 
 from __future__ import annotations
 
@@ -16,18 +16,10 @@ from palpate.mechanics import Gap, Obstacle, grid_quads
 @final
 @dataclass(frozen=True)
 class Edge(Obstacle):
-    """A rigid wedge that points down, rounded along its ridge: a bar's gap under the ridge, a plane's at its flanks.
+    """A rigid wedge that points down: gap of a cylinder at its rounded ridge, of a plane at its flanks.
 
-    Attributes
-    ----------
-    radius
-        Of the rounding, mm.
-    point
-        (3,) mm, a point of the rounding's axis.
-    axis
-        (3,) unit vector along the ridge, level.
-    half_angle
-        Between each flank and the plane through the ridge, rad.
+    `radius` is that of the rounding, `point` (3,) a point of its axis, mm; `axis` (3,) is the level unit vector along
+    the ridge, `half_angle` the angle between each flank and the plane through the ridge, rad.
     """
 
     radius: float
@@ -50,7 +42,7 @@ class Edge(Obstacle):
         outward = side * np.cos(self.half_angle) * self._sideways - np.sin(self.half_angle) * np.array(
             [0.0, 0.0, 1.0]
         )
-        # beyond the line on which the rounding ends, a point is nearer to the flank
+        # beyond the line on which the rounding ends, the flank is closer
         upward = side * np.sin(self.half_angle) * self._sideways + np.cos(self.half_angle) * np.array([0.0, 0.0, 1.0])
         beside = (arm * upward).sum(axis=1) > 0
         flank = self.radius - (arm * outward).sum(axis=1)
@@ -62,7 +54,7 @@ class Edge(Obstacle):
         )
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
-        """The rounding as far as it goes, then the flanks, to `half` on either side along the surface."""
+        """Return the rounding, then the flanks, up to `half` on either side along the surface."""
         foot = self.point + ((at - self.point) @ self.axis) * self.axis
         round_ = self.radius * (np.pi / 2 - self.half_angle)
         along = np.linspace(-min(round_, half), min(round_, half), PATCH)
@@ -81,7 +73,7 @@ class Edge(Obstacle):
 
 @final
 class EdgeSpec(LevelObstacleSpec):
-    """A rigid edge parallel to the base, brought down along the skin's axis, beside it or on it."""
+    """A rigid edge parallel to the base that moves along the skin's axis, at an offset from it."""
 
     kind: Literal["edge"] = "edge"
     radius: float = parameter(1.0, unit="mm", meaning="radius by which the edge is rounded", gt=0, le=100)

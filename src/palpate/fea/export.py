@@ -1,13 +1,13 @@
-"""Export a press to look at: a VTK file an increment, a series in time, and the force as a table.
+"""Export of a press: a VTK file for each increment, a time series, and the force as a table.
 
 ``press.pvd`` opens the series in ParaView; its time is the depth in mm. The nodes are those of the undeformed mesh
-in the dome's frame (*Warp by vector* ``displacement_mm`` shows the deformed dome); cells are quadratic in all three
+in the skin's frame (*Warp by vector* ``displacement_mm`` shows the deformed skin); cells are quadratic in all three
 directions (VTK_TRIQUADRATIC_HEXAHEDRON). Fields at nodes:
 
 * ``displacement_mm``, ``wall_gap_mm`` (distance to the wall's plane; on the outer surface the contact gap);
 * ``cauchy_stress_mpa`` (xx, yy, zz, xy, yz, xz), ``von_mises_mpa`` and ``pressure_mpa`` (minus a third of the trace):
-  from the Gauss points to the nodes of each cell, then the mean of the cells that share a node. A press solved by
-  CalculiX has none: its bricks have another pressure than our cells.
+  extrapolated from the Gauss points to the nodes of each cell, then averaged over the cells that share a node. They
+  are missing for a press solved by CalculiX, whose bricks define the pressure differently.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from palpate.fea.press import Press
 from palpate.mechanics import BRICK, Solid, von_mises
 
 _VTK = np.concatenate([BRICK, [12, 14, 10, 16, 4, 22, 13]])
-"""Nodes of a cell in VTK's order: brick, then the middles of faces -x, +x, -y, +y, -z, +z, and of the cell."""
+"""Nodes of a cell in VTK's order: brick, centres of faces -x, +x, -y, +y, -z, +z, centre of the cell."""
 _SYMMETRIC = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
-"""Places of a tensor's components in xx, yy, zz, xy, yz, zx."""
+"""Indices of a tensor's components in xx, yy, zz, xy, yz, zx."""
 
 
 def check_export(folder: Path) -> None:
-    """Refuse an export that could not be written, before anything is solved.
+    """Check that an export can be written, before anything is solved.
 
     Raises
     ------
@@ -41,25 +41,18 @@ def check_export(folder: Path) -> None:
     _meshio()
     if folder.exists():
         raise PalpateError(
-            f"{folder} exists already.", "Name a new folder, or remove that one.", code="folder-exists"
+            f"{folder} already exists.", "Name a new folder, or remove this one.", code="folder-exists"
         )
     if not folder.parent.is_dir():
         raise PalpateError(
             f"The folder {folder.parent} does not exist.",
-            "Make it first, or name another one.",
+            "Create it first, or name another folder.",
             code="folder-missing",
         )
 
 
 def export_press(folder: Path, press: Press) -> None:
-    """Export a press to a new folder, which appears whole or not at all.
-
-    Parameters
-    ----------
-    folder
-        Receives ``press_0000.vtu`` …, ``press.pvd`` and ``force.csv``.
-    press
-        The press.
+    """Export a press: ``press_0000.vtu`` …, ``press.pvd`` and ``force.csv`` in a new folder, or nothing.
 
     Raises
     ------
@@ -98,7 +91,7 @@ def _write_images(folder: Path, press: Press) -> list[str]:
 
 
 def _stress_fields(solid: Solid, u: FloatArray, turn: FloatArray) -> dict[str, FloatArray]:
-    """Stress fields at the nodes in the dome's frame."""
+    """Return the stress fields at the nodes in the skin's frame."""
     stress = nodal_stress(solid, u)
     tensor = turn @ stress[:, _SYMMETRIC] @ turn.T
     turned = np.stack([tensor[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))], axis=-1)
@@ -120,7 +113,7 @@ def _write_series(path: Path, names: list[str], depth: FloatArray) -> None:
 
 
 def _write_force(path: Path, press: Press) -> None:
-    """One row an increment: force of the whole dome on the wall in the dome's frame, energies, contact."""
+    """Write one row for each increment: force of the whole skin in its frame, energies, contact."""
     columns = {
         "depth_mm": press.depth,
         "fx_n": press.force[:, 0],

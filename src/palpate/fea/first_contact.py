@@ -1,4 +1,4 @@
-"""Where an obstacle of any shape that comes down along the axis first touches a skin."""
+"""First contact of a skin and an obstacle of any shape that moves along the axis."""
 
 from __future__ import annotations
 
@@ -12,31 +12,20 @@ from palpate.mesh import Mesh
 _RINGS, _AROUND = 60, 73
 _ROUNDS = 20
 _EXACT = 1e-10
-"""Penetration at first touch over the base radius."""
+"""Penetration at first contact over the base radius."""
 
 
 def find_first_contact(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
-    """Move an obstacle along the axis until it just touches the outer surface.
+    """Move an obstacle along the axis until it just touches the skin; return it and the contact point.
 
-    The travel is found by Newton's method on the greatest penetration of all points of the surface, each of which is
-    sought from the best of a grid by Nelder and Mead's method, for the obstacle need not be smooth.
-
-    Parameters
-    ----------
-    mesh
-        Of the skin; of a half one x >= 0.
-    obstacle
-        Anywhere.
-
-    Returns
-    -------
-    obstacle, point
-        The obstacle at first touch, and the point (3,) mm that it touches.
+    Newton's method finds the depth at which the maximum penetration of the surface is zero. Each maximum is found by
+    the Nelder-Mead method from the best point of a grid, since the obstacle may not be smooth. The mesh is that of
+    the skin; a half one has x >= 0. The obstacle may be at any height.
 
     Raises
     ------
     PalpateError
-        If it passes by the skin, or touches its clamped rim first.
+        If it misses the skin, or touches its clamped rim first.
     """
     size = mesh.skin.base_radius
     turn = np.pi if not mesh.spec.whole else 2 * np.pi
@@ -52,14 +41,14 @@ def find_first_contact(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatA
             break
         obstacle = obstacle.moved(np.array([0.0, 0.0, reach / slope]))
     raise PalpateError(
-        "The obstacle does not touch the skin when it comes down along its axis.",
-        "Move it nearer to the axis, or make it larger.",
+        "The obstacle does not touch the skin when it moves along the axis.",
+        "Move it closer to the axis, or make it larger.",
         code="obstacle-misses-skin",
     )
 
 
 def _deepest(mesh: Mesh, obstacle: Obstacle, disc: FloatArray) -> tuple[FloatArray, float]:
-    """Point (3,) mm of the outer surface that lies deepest in the obstacle, and its penetration, mm."""
+    """Return the point (3,) mm of the outer surface with the maximum penetration, and its penetration, mm."""
 
     def outside(place: FloatArray) -> FloatArray:
         return mesh.skin.point(place, 1.0, mesh.spec.rim)
@@ -75,7 +64,7 @@ def _deepest(mesh: Mesh, obstacle: Obstacle, disc: FloatArray) -> tuple[FloatArr
     if np.hypot(*best) > 1 - 1e-6:
         raise PalpateError(
             "The obstacle touches the clamped rim before the skin.",
-            "Move it nearer to the axis.",
+            "Move it closer to the axis.",
             code="rim-touched-first",
         )
     if not mesh.spec.whole:

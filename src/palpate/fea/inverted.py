@@ -1,12 +1,13 @@
-"""The inverted state: the skin beyond the wall mirrored in it, relaxed there, followed both ways, and proved.
+"""The inverted branch: the skin mirrored in the wall, relaxed, followed in both directions, checked.
 
-A thin shell bends without stretching where a cap of it is mirrored in a plane (Pogorelov, *Bendings of Surfaces and
-Stability of Shells*, 1988). Mirrored in the wall's plane it touches the wall on a ring and is nearly an equilibrium
-already: only its ridge has to find its width. So the search does not press from rest. It relaxes the mirrored skin
-at a depth where its ridge is well off the clamp, else deeper, and follows the branch from there, deeper and back to
-its limit point.
+A thin shell deforms without stretching if a cap of it is mirrored in a plane (Pogorelov, *Bendings of Surfaces and
+Stability of Shells*, 1988). Mirrored in the wall's plane, the skin touches the wall on a ring and is nearly in
+equilibrium; only the width of its ridge must adjust. The search therefore does not press from rest. It relaxes the
+mirrored skin at a depth at which the ridge is well away from the clamp, or else deeper, and follows the branch from
+there to larger depths and back to its limit point.
 
-A state is called inverted only if `doubt` finds nothing against it, and if the energy of its branch is the work done.
+A state is called inverted only if `explain_rejection` finds no fault, and if the energy of its branch is equal to the
+work done.
 """
 
 from __future__ import annotations
@@ -25,47 +26,52 @@ from palpate.mesh import Mesh, default_core, mesh_skin
 RING_POINTS = 12
 """Contact points along a side of a face: the ring is some tenths of a mm wide, a tenth of a cell."""
 _SOFTER = 0.25
-"""Penalty on the ring over that of a patch: with a stiffer one the load jumps from point to point (the ring enters by
-micrometres)."""
+"""Penalty on the ring over that of a patch.
+
+With a stiffer penalty the load jumps between points, since the penetration of the ring is some micrometres.
+"""
 _FINER = 4 / 3
-"""Cells of a meridian over those of a press from rest: the force of a ring that crosses them varies less."""
+"""Cells of a meridian over those of a press from rest: the ring's force then varies less."""
 _RIDGE = 0.5
-"""Half width of the mirrored cap's ridge, in height, over sqrt(2 d T): a ridge is as wide as sqrt(R T)."""
+"""Half width of the mirrored cap's ridge, in height, over sqrt(2 d T): its width scales as sqrt(R T)."""
 _CLAMPED = 1.5
 """Half width of the ridge over the height above the base at which a point is free of the clamp."""
 _SEED = 0.5
-"""Depth over the skin's outer height down to which the mirrored cap's ridge is well off the clamp."""
+"""Depth over the skin's outer height up to which the mirrored cap's ridge is well away from the clamp."""
 _LESS = 0.85
-"""Share of the greatest depth at which it is tried last: a ridge lower down relaxes more easily."""
-_CAME_BACK = "came back to it"
-"""End of the reason where there is no inverted state, nor at any lesser depth."""
+"""Last depth tried, as a share of the maximum depth: a ridge lower down relaxes more easily."""
+_CAME_BACK = "returned to it"
+"""End of the reason if there is no inverted state, neither here nor at any smaller depth."""
 _GAP = 0.2
-"""Least gap of the first-touched point over the depth: near the depth less two ridges, and least at the onset."""
+"""Minimum gap of the first-contact point over the depth.
+
+The gap is about the depth less two ridges, and smallest at the onset.
+"""
 _HOLE = 0.5
-"""Least inner radius of the ring of contact over its outer one."""
+"""Minimum inner radius of the ring of contact over its outer one."""
 _SECTORS = 6
 """Sectors of half a turn in each of which the ring must touch."""
 _IMBALANCE = 0.02
-"""Greatest difference of the energy gained along the branch and the work of the wall, over the energy stored."""
+"""Maximum difference of energy gained along the branch and work of the wall, over the stored energy."""
 _FEWEST = 3
-"""Fewest increments of a branch: with fewer its energy proves nothing."""
+"""Minimum number of increments of a branch: the energy check of fewer is not conclusive."""
 _ONSET = 0.015
-"""Increment (mm, times the unit) that finds no more of the branch at its end."""
+"""Increment (mm, times the unit) at which the search for the end of the branch stops."""
 _FIRST, _LARGEST = 0.1, 0.5
-"""First and largest increment of drawing back over the thickness."""
+"""First and largest increment of moving back over the thickness."""
 _SAME = 1e-9
-"""Difference of depth in mm that counts as none."""
+"""Difference of depth in mm that counts as zero."""
 
 
 class ContactRing(NamedTuple):
-    """Contact of a state, seen along the obstacle's normal from the point that it touched first.
+    """Contact of a state, projected along the obstacle's normal, about the first-contact point.
 
     Attributes
     ----------
     gap
-        mm between that point and the obstacle.
+        Distance between that point and the obstacle, mm.
     inner, outer
-        mm, distances of the nearest and farthest points in contact; nan without contact.
+        Minimum and maximum distance of points in contact, mm; nan without contact.
     closed
         Whether there is contact in all directions.
     """
@@ -77,12 +83,12 @@ class ContactRing(NamedTuple):
 
 
 def mirror_displacement(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
-    """Displacement (n, 3) mm that mirrors what lies beyond an obstacle in its surface.
+    """Return the displacement (n, 3) mm that mirrors the part beyond an obstacle in its surface.
 
-    The middle surface at a height h over the obstacle goes to ``-w log(2 cosh(h / w))``: far below it stays, far
-    above it is mirrored, and the ridge between is round over w. The wall keeps its order, for its normal
-    ``a n + b t`` turns to ``a n - b tanh(h / w) t`` and the outer surface faces the obstacle still; and its volume,
-    for where the ridge shortens it, it becomes as much thicker.
+    The middle surface at a height h over the obstacle goes to ``-w log(2 cosh(h / w))``: far below, it stays; far
+    above, it is mirrored; the ridge between is rounded over w. The normal ``a n + b t`` of the skin becomes ``a n - b
+    tanh(h / w) t``, so the outer surface still faces the obstacle. The volume is preserved: where the ridge is
+    shortened, the skin gets thicker.
     """
     thickness = mesh.skin.thickness
     middle = mesh.skin.point(mesh.inner_disc, 0.5, mesh.spec.rim)
@@ -103,7 +109,7 @@ def mirror_displacement(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
 
 
 def refine_mesh(mesh: Mesh) -> Mesh:
-    """The skin meshed finer along the meridian, as the ring needs it; a mesh whose pole must stay is kept."""
+    """Mesh the skin finer along the meridian, as the ring requires, unless its pole must stay."""
     spec = mesh.spec
     if not spec.centred or spec.cells is None:
         return mesh
@@ -112,7 +118,7 @@ def refine_mesh(mesh: Mesh) -> Mesh:
 
 
 def find_contact_ring(monitor: SkinMonitor, at: float, state: State) -> ContactRing:
-    """Ring of contact of a state at a depth in mm."""
+    """Return the ring of contact of a state at a depth in mm."""
     met = monitor.loading.contact_pair(at, state)
     touching = monitor.loading.touching(at, state)
     along, across = monitor.axes
@@ -131,46 +137,46 @@ def find_contact_ring(monitor: SkinMonitor, at: float, state: State) -> ContactR
 
 
 def explain_rejection(monitor: SkinMonitor, increment: Increment) -> str:
-    """Why an equilibrium is not the inverted state, in words; empty if it is.
+    """Return the reason why an equilibrium is not the inverted state; empty if it is.
 
-    It is if the first-touched point is off the obstacle by more than `_GAP` of the depth, contact is a closed ring
-    about that point, and no pivot of its tangent is negative.
+    It is inverted if the gap of the first-contact point exceeds `_GAP` of the depth, contact is a closed ring about
+    that point, and no pivot of its tangent is negative.
     """
     ring = find_contact_ring(monitor, increment.depth, increment.state)
     if not ring.gap > _GAP * increment.depth:
-        return f"the point touched first is {ring.gap:.3g} mm off the wall at a depth of {increment.depth:.4g} mm"
+        return f"the gap of the first-contact point is {ring.gap:.3g} mm at a depth of {increment.depth:.4g} mm"
     if not ring.inner > _HOLE * ring.outer:
-        return f"contact reaches to {ring.inner:.3g} mm from the point touched first, and is no ring"
+        return f"contact extends to {ring.inner:.3g} mm from the first-contact point and is not a ring"
     if not ring.closed:
         return "the ring of contact is open"
     if increment.negative_pivots > 0:
-        return f"it is unstable in {increment.negative_pivots} ways"
+        return f"it has {increment.negative_pivots} unstable modes"
     return ""
 
 
 def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[int]:
-    """Find the inverted state and follow it to where it ends, deeper and back.
+    """Find the inverted state and follow it to its ends, in both directions.
 
     Parameters
     ----------
     path
-        At rest; afterwards its increments are those of the branch, from the least depth to the greatest, or that at
-        rest alone, with the reason.
+        At rest; afterwards its increments are those of the branch in ascending depth, or only the one at rest, with
+        the reason.
     goals
-        Depths in mm of the increments that are wanted.
+        Requested depths of increments, mm.
     mesh
-        Of the skin.
+        Mesh of the skin.
 
     Returns
     -------
     list of int
-        The increments that were wanted, and the first and the last of the branch.
+        The requested increments, and the first and the last of the branch.
 
     Notes
     -----
-    Contact slides freely while the skin inverts, and points stick where they come to rest. So every state of the
-    branch is the one that forms at its own depth: in equilibrium under any friction, and the same for all contact
-    laws. What sticks there and is then pressed on or drawn back depends on where it formed.
+    Contact slides freely while the skin inverts, and points stick at the places of rest. Every state of the branch
+    is therefore the one that forms at its own depth, in equilibrium for any friction and contact law. A state that
+    sticks and is then moved depends on the depth at which it formed.
     """
     rest, loading = path.increments[0], path.loading
     assert isinstance(loading, ContactLoading)
@@ -196,13 +202,13 @@ def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[
 
 
 def _seeds(mesh: Mesh, deepest: float) -> list[float]:
-    """Depths in mm at which the mirrored skin is relaxed, in turn."""
+    """Return the depths in mm at which the mirrored skin is relaxed, in order."""
     first = min(deepest, _SEED * (mesh.skin.height + mesh.skin.thickness))
     return list(dict.fromkeys([first, (first + deepest) / 2, deepest, _LESS * deepest]))
 
 
 def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
-    """Relax the mirrored skin at a depth in mm and begin the path there; why it is not inverted, if it is not."""
+    """Relax the mirrored skin at a depth in mm as start of the path; return the reason if not inverted."""
     monitor = path.monitor
     assert isinstance(monitor, SkinMonitor)
     shape = mirror_displacement(mesh, monitor.loading.obstacle(depth))
@@ -220,7 +226,7 @@ def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
 
 
 def _follow(path: Continuation, goals: list[float], thickness: float) -> str:
-    """Follow the branch from its seed back and deeper; why its energy is not proved, if it is not."""
+    """Follow the branch from its seed back and deeper; return the reason if it is too short."""
     seed = path.last
     _draw_back(path, [goal for goal in reversed(goals) if goal < seed.depth], thickness)
     back, _ = _proved(path)
@@ -235,11 +241,11 @@ def _follow(path: Continuation, goals: list[float], thickness: float) -> str:
         path.message = f"The inverted state was followed to {deeper[-1].depth:.4g} mm: beyond, {wrong}."
     path.increments = [replace(point, jumped=False) for point in (*reversed(back[1:]), *deeper)]
     few = len(path.increments) < _FEWEST
-    return f"what was found at {seed.depth:.4g} mm could not be followed from there" if few else ""
+    return f"the state found at {seed.depth:.4g} mm could not be followed from there" if few else ""
 
 
 def _draw_back(path: Continuation, goals: list[float], thickness: float) -> None:
-    """Follow the branch back from its seed through depths in mm until an increment of `_ONSET` finds no more."""
+    """Follow the branch back from its seed through depths in mm until an increment of `_ONSET` fails."""
     onset, step, goals, monitor = _ONSET * path.unit, _FIRST * thickness, [*goals, 0.0], path.monitor
     assert isinstance(monitor, SkinMonitor)
     while goals:
@@ -255,11 +261,12 @@ def _draw_back(path: Continuation, goals: list[float], thickness: float) -> None
 
 
 def _predict(path: Continuation, depth: float, onset: float) -> tuple[float, State]:
-    """A depth in mm, no farther than a prediction reaches, and the state there, from the last three increments.
+    """Extrapolate the last three increments to a depth in mm; return the depth reached and its state.
 
-    Near a limit point the states go as the gap of the apex, and the depth as a parabola of it: the prediction is a
-    polynomial of the gap where such a parabola is found, and goes three quarters of the way to its end at most, but
-    by `onset` mm at least. Else it is one of the depth, and goes as far as the increment before at most.
+    Near a limit point the states vary smoothly with the apex gap, and the depth is a parabola of it. If such a
+    parabola is found, the state is extrapolated over the gap, up to three quarters of the way to the end of the
+    parabola, but by at least `onset` mm. Otherwise it is extrapolated over the depth, at most by the previous
+    increment.
     """
     monitor, known = path.monitor, path.increments[-3:]
     assert isinstance(monitor, SkinMonitor)
@@ -282,7 +289,7 @@ def _predict(path: Continuation, depth: float, onset: float) -> tuple[float, Sta
 
 
 def _proved(path: Continuation) -> tuple[list[Increment], str]:
-    """The increments from the first on that are inverted and whose energy is the work, and what is wrong beyond."""
+    """Return the leading increments that pass the inverted-state checks, and the reason of the end."""
     monitor, points = path.monitor, path.increments
     assert isinstance(monitor, SkinMonitor)
     stored = np.array([sum(point.loads[:2]) for point in points])
@@ -291,7 +298,7 @@ def _proved(path: Continuation) -> tuple[list[Increment], str]:
     for k, point in enumerate(points):
         wrong = explain_rejection(monitor, point)
         if missed[k] > _IMBALANCE * max(stored[0], stored[k]):
-            wrong = f"the energy gained misses the work of the wall by {missed[k]:.2g} mJ"
+            wrong = f"energy gained and work of the wall differ by {missed[k]:.2g} mJ"
         if wrong:
             return points[:k], wrong
     return points, ""

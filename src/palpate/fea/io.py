@@ -1,4 +1,4 @@
-"""Write and read a press: one HDF5 file, every array with its unit."""
+"""Writing and reading of a press: one HDF5 file, every array with its unit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _ARRAYS = {
     "negative_pivots": "1",
 }
 PRESS_FORMAT = "9"
-"""Version of the file format; files of another one are refused."""
+"""Version of the file format; files of other versions are rejected."""
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
 
 
@@ -72,14 +72,14 @@ def read_press(path: Path) -> Press:
     Raises
     ------
     PalpateError
-        If the file is no press, or one of another version.
+        If the file is not a press of this version.
     """
     try:
         with h5py.File(path, "r") as file:
             reject_external_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
                 raise PalpateError(
-                    f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
+                    f"{path} is not a press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
                 )
             dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}

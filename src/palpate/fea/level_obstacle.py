@@ -1,4 +1,4 @@
-"""What obstacles have in common that lie level across a skin: bars and edges."""
+"""Common parameters of obstacles that lie level across a skin: bars and edges."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from palpate.mesh import Mesh
 
 
 class LevelObstacleSpec(ObstacleSpec, ABC):
-    """A rigid obstacle parallel to the base, alike along its length, brought down along the skin's axis."""
+    """A rigid obstacle parallel to the base, uniform along its length, that moves along the skin's axis."""
 
     offset: float = parameter(0.0, unit="mm", meaning="distance of its axis from the skin's", ge=-60, le=60)
     azimuth_deg: float = parameter(
@@ -24,7 +24,7 @@ class LevelObstacleSpec(ObstacleSpec, ABC):
 
     @abstractmethod
     def place(self, point: FloatArray, along: FloatArray) -> Obstacle:
-        """The obstacle whose axis passes through a point (3,) mm along a unit vector (3,)."""
+        """Return the obstacle whose axis passes through a point (3,) mm along a unit vector (3,)."""
 
     @property
     @abstractmethod

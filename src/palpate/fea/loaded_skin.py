@@ -1,4 +1,4 @@
-"""A skin as mechanics sees it: a body on its clamped base, and an obstacle that comes down on its outer surface."""
+"""Mechanical model of a skin: a body on its clamped base, and an obstacle on its outer surface."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from palpate.mechanics import ContactLaw, ContactLoading, OuterSurface, Solid, S
 from palpate.mesh import Mesh
 
 POINTS_PER_SIDE = 6
-"""Gauss points along each side of a face in contact: with four the force ripples as the patch grows past them."""
+"""Gauss points along each side of a contact face; with four, the force oscillates as the patch grows."""
 
 
 def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid:
-    """The skin on its clamped base; half of it symmetric about its mirror plane, or antisymmetric: `across` it."""
+    """Return the skin on its clamped base; a half skin is symmetric, or with `across` antisymmetric."""
     fixed = np.zeros((len(mesh.nodes), 3), bool)
     fixed[mesh.base] = True
     fixed[mesh.mirror] |= np.array([not across, across, across])
     if material.gel is not None and not mesh.filling:
         raise PalpateError(
-            f"The material fills the skin with {material.gel.name}, and the mesh is hollow.",
+            f"The material has a filling of {material.gel.name}, but the mesh is hollow.",
             "Mesh the filling too: MeshSpec(filled=True).",
             code="mesh-not-filled",
         )
@@ -31,7 +31,7 @@ def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid
 def load_surface(
     solver: SolverSpec, mesh: Mesh, material: Material, obstacle: ObstacleSpec, points_per_side: int = POINTS_PER_SIDE
 ) -> ContactLoading:
-    """The obstacle that comes down on the outer surface from first touch on; Gauss points along a face's side."""
+    """Return the loading of the outer surface by an obstacle, with Gauss points along each side of a face."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)), points_per_side)
     stiffness = solver.penalty_ratio * material.young_modulus / mesh.skin.thickness

@@ -1,11 +1,10 @@
-"""What watches a path: which branch a state belongs to, how contact is stabilised, and what ends a press.
+"""Monitor of a press: branch of a state, contact stabilisation, and end criteria.
 
-*Contact stabilisation.* Past a travel of some thicknesses the flattened disc of a thin dome carries almost no contact
+*Contact stabilisation.* Beyond a depth of some thicknesses, the flattened disc of a thin skin has almost no contact
 pressure: some 7 Pa at T = 2 mm, less than the mesh resolves at T = 1 mm. Quadrature points of the disc then lose
-contact here and there, and a discrete dome falls inside out where the continuum would not. So the middle of the
-contact patch is held by a weak spring that also pulls; the greatest tension it bears is recorded with every
-equilibrium, and the flat branch counts as lost where that exceeds the solver's `adhesion` (silicone itself sticks far
-better).
+contact, and the discrete skin inverts where the continuum would not. The middle of the contact patch is therefore
+held by a weak spring that also pulls. Its maximum tension is recorded with every equilibrium. The flat branch counts
+as lost if this exceeds the solver's `adhesion` (silicone itself adheres much more strongly).
 """
 
 from __future__ import annotations
@@ -20,24 +19,32 @@ from palpate.mechanics import ContactLoading, EndReason, Monitor, Solid, State, 
 
 _SECTORS = 6
 _MIDDLE = 0.9
-"""Share of the patch's radius that is held; with less, points outside it leave and return without end at T = 1."""
+"""Share of the patch's radius that is stabilised.
+
+With a smaller share, points outside it leave and return without end at T = 1.
+"""
 _INVERTED_GAP = 0.1
-"""Gap of the first-touched point over the thickness from which the apex counts as inverted (flat: micrometres)."""
+"""Gap of the first-contact point over the thickness above which the apex counts as inverted.
+
+It is some micrometres on the flat branch.
+"""
 _PULL, _PULL_FROM = 0.01, 1.5
-"""Stabilising spring over the contact penalty, and the travel over the thickness from which there is one."""
+"""Stabilising spring over the contact penalty, and the depth over the thickness above which it acts."""
 _FOLDING_STRETCH = 0.647
-"""Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009); smooth, it is
-unstable from 0.544 on (Biot 1963). A branch that is lost below it was lost to a fold."""
+"""Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009).
+
+A smooth surface is unstable below 0.544 (Biot 1963). The loss of a branch below this stretch is attributed to a fold.
+"""
 _STEEP = 0.999
-"""Share of a normal along y from which y tells no way across it."""
+"""Component of a normal along y above which y defines no direction across it."""
 _SHALLOW = 1.0
-"""Depth (mm, times the unit) below which the width of a push does not shrink."""
+"""Depth (mm, times the unit) below which the width of a perturbation is constant."""
 
 
 @final
 @dataclass(frozen=True)
 class SkinMonitor(Monitor):
-    """Watches a skin over a base plane, pressed from above.
+    """Monitor of a skin over a base plane, pressed from above.
 
     Attributes
     ----------
@@ -46,7 +53,7 @@ class SkinMonitor(Monitor):
     loading
         The obstacle and the skin's outer surface.
     probe
-        Contact point that touches first; its gap tells the branch.
+        First-contact point; its gap determines the branch.
     normal
         (3,) normal of the obstacle there.
     thickness
@@ -54,7 +61,7 @@ class SkinMonitor(Monitor):
     unit
         Factor on lengths, as in `palpate.mechanics.continuation`.
     centre
-        (3,) mm, undeformed centre of the contact patch where symmetry tells it; else it is that of the points.
+        (3,) mm, undeformed centre of the contact patch if known by symmetry; else it is the mean of the points.
     """
 
     solid: Solid
@@ -80,7 +87,7 @@ class SkinMonitor(Monitor):
         return along, np.cross(self.normal, along)
 
     def gap(self, at: float, state: State) -> float:
-        """Distance in mm between the obstacle at a depth and the point that it touched first."""
+        """Return the distance in mm between the obstacle at a depth and the first-contact point."""
         met = self.loading.contact_pair(at, state)
         return -float(met.obstacle.penetration(met.points[self.probe : self.probe + 1])[0])
 
@@ -98,7 +105,7 @@ class SkinMonitor(Monitor):
         return float((springs * np.maximum(lift, 0.0)).max(initial=0.0))
 
     def perturbed(self, at: float, state: State, push: float) -> FloatArray:
-        """A dent about the first-touched point, as wide as a ring of contact at this depth."""
+        """Add a dent at the first-contact point, as wide as a contact ring at this depth."""
         touched = self.loading.surface.points[self.probe]
         away = np.linalg.norm(self.solid.nodes - touched, axis=1)
         width = np.sqrt(max(at, _SHALLOW * self.unit) * np.linalg.norm(touched)) / 2
@@ -106,20 +113,20 @@ class SkinMonitor(Monitor):
         return dented
 
     def fault(self, state: State) -> tuple[EndReason, str] | None:
-        """Silicone that is squeezed so far that its free surface folds on itself."""
+        """Report silicone that is compressed so much that its free surface folds."""
         stretch, place = smallest_stretch(self.solid, state)
         if stretch >= _FOLDING_STRETCH:
             return None
         where = ", ".join(f"{value:.1f}" for value in place)
         return (
             EndReason.FOLDED,
-            f"where the silicone at ({where}) mm is squeezed to {stretch:.2f} of its length: below "
+            f"where the silicone at ({where}) mm is compressed to {stretch:.2f} of its length: below "
             f"{_FOLDING_STRETCH:g} a free surface folds",
         )
 
 
 def tilt_way(normal: FloatArray) -> FloatArray:
-    """Unit vector (3,) across a normal (3,) in the tilt plane of a half model: nearest to y, or z of a side wall."""
+    """Return the unit vector (3,) across a normal (3,) in the tilt plane, closest to y (side wall: z)."""
     steep = abs(normal[1]) > _STEEP
     along = (
         np.array([0.0, 0.0, 1.0]) - normal[2] * normal if steep else np.array([0.0, 1.0, 0.0]) - normal[1] * normal
@@ -130,24 +137,11 @@ def tilt_way(normal: FloatArray) -> FloatArray:
 def patch_middle(
     place: FloatArray, normal: FloatArray, touching: BoolArray, centre: FloatArray | None = None
 ) -> BoolArray:
-    """Points in the middle of the contact patch.
+    """Return the (n,) contact points, undeformed at `place` (n, 3) mm, in the middle of the contact patch.
 
-    Parameters
-    ----------
-    place
-        (n, 3) mm undeformed contact points.
-    normal
-        (3,) normal of the wall.
-    touching
-        (n,) bool, points in contact.
-    centre
-        (3,) mm, of the patch; without it the mean of the points along the tilt.
-
-    Returns
-    -------
-    (n,) bool
-        Points nearer to the patch's centre than nine tenths of the radius at which contact ends, in the direction
-        where it ends soonest. Directions are folded about the tilt plane, so half and whole models agree.
+    These are the points within 90 % of the radius of contact about the centre, in the direction of its smallest
+    radius. Directions are folded about the tilt plane, so half and whole models agree. Without a `centre` (3,) mm it
+    is the mean of the points `touching` along the tilt.
     """
     if np.count_nonzero(touching) < 4 * _SECTORS:
         return np.zeros(len(place), bool)
@@ -157,7 +151,7 @@ def patch_middle(
     arm = flat - np.array([flat[touching, 0].mean() if centre is None else centre @ along, 0.0])
     radius = np.hypot(arm[:, 0], arm[:, 1])
     sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
-    there = [k for k in range(_SECTORS) if (sector == k).any()]  # a model of a quarter has no others
+    there = [k for k in range(_SECTORS) if (sector == k).any()]  # a quarter model has no other sectors
     reach = [radius[touching & (sector == k)].max(initial=0.0) for k in there]
     middle: BoolArray = (radius < _MIDDLE * min(reach)) & (place @ normal > 0)
     return middle

@@ -11,18 +11,18 @@ from palpate.mesh import gauss_points, shape_hexahedron
 
 
 def clamped_solid(press: Press) -> Solid:
-    """The press's body with every node held: nothing is solved, so no pattern of a matrix is made."""
+    """Return the press's body with every node fixed: nothing is solved, so no matrix pattern is needed."""
     mesh = press.mesh
     return Solid(mesh.nodes, mesh.cells, press.material, np.ones_like(mesh.nodes, bool), mesh.filling)
 
 
 def nodal_von_mises(press: Press) -> FloatArray:
-    """Von Mises Cauchy stress (n, n_nodes) in MPa at the nodes of every increment kept.
+    """Return the von Mises Cauchy stress (n, n_nodes) in MPa at the nodes of every increment.
 
     Raises
     ------
     PalpateError
-        If another solver made it: its elements have another pressure than our cells.
+        If another solver made the press: its elements define the pressure differently.
     """
     if press.solved_by != "palpate":
         raise PalpateError(
@@ -35,10 +35,10 @@ def nodal_von_mises(press: Press) -> FloatArray:
 
 
 def nodal_stress(solid: Solid, u: FloatArray) -> FloatArray:
-    """Cauchy stress (n, 6) MPa at the nodes, order xx, yy, zz, xy, yz, zx, for a displacement (n, 3) mm.
+    """Return the Cauchy stress (n, 6) MPa at the nodes, xx, yy, zz, xy, yz, zx.
 
-    The pressure of each cell is that of equilibrium, ``p = K M^-1 ∫ q (J - 1) dV`` (`palpate.mechanics`); the 27
-    Gauss points define a triquadratic field in each cell, taken at its nodes.
+    The pressure of each cell is that of equilibrium, ``p = K M^-1 ∫ q (J - 1) dV`` (`palpate.mechanics`). The 27
+    Gauss points define a triquadratic field in each cell, evaluated at its nodes and averaged over cells.
     """
     cells = solid.cells
     F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)

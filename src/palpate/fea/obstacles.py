@@ -1,4 +1,4 @@
-"""Obstacles by name: the package's own, and those of installed packages."""
+"""Registry of obstacles: those of palpate, and those of installed packages."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
     },
     lambda found: isinstance(found, type) and issubclass(found, ObstacleSpec),
 )
-"""Obstacle specs by their `kind`; a wall, the oldest, names none in files."""
+"""Obstacle specs by their `kind`; files without a kind contain a wall."""
 
 
 def obstacle_from_data(data: Mapping[str, Any]) -> ObstacleSpec:
@@ -30,18 +30,18 @@ def obstacle_from_data(data: Mapping[str, Any]) -> ObstacleSpec:
     Raises
     ------
     PalpateError
-        If there is no obstacle of that kind, or a number is missing, unknown or out of bounds.
+        If the kind is unknown, or a number is missing, unknown or out of bounds.
     """
     return spec_from_data(OBSTACLES, data, "wall")
 
 
 def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
-    """Read an obstacle from words, ``KIND`` or ``KIND:NAME=VALUE,…``, with travel and contact law of another.
+    """Read an obstacle from ``KIND`` or ``KIND:NAME=VALUE,…``, with depth and contact law of `travel`.
 
     Raises
     ------
     PalpateError
-        If it is not written so, or is no obstacle.
+        If the text has another form, or is not an obstacle.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Picture of a convergence study, as the paper's Fig. 9."""
+"""Figure of a convergence study, as the paper's Fig. 9."""
 
 from __future__ import annotations
 
@@ -12,16 +12,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PAPER_LIMIT = 5.0
-"""Percent below which the paper calls its maximum stress converged."""
+"""Deviation in percent below which the paper calls its maximum stress converged."""
 
 
 def plot_convergence(results: Sequence[MeshResult]) -> Figure:
-    """Draw the greatest stress and the errors of stress, force and markers against the number of elements.
+    """Draw the maximum stress and the errors of stress, force and markers against the number of elements.
 
-    Parameters
-    ----------
-    results
-        From the coarsest to the finest mesh, at least two.
+    `results` are those of at least two meshes, from the coarsest to the finest.
     """
     from matplotlib.figure import Figure  # here, because matplotlib is slow to load
 
@@ -29,11 +26,11 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     stress, errors = figure.subplots(1, 2)
     elements = [result.elements for result in results]
     stress.plot(elements, [result.peak_stress for result in results], "o-", color="C0")
-    stress.set_ylabel("greatest von Mises stress (MPa)")
+    stress.set_ylabel("maximum von Mises stress (MPa)")
     stress.set_ylim(0, 1.15 * max(result.peak_stress for result in results))
     coarser = results[:-1]
     curves = {
-        "greatest stress": [100 * abs(result.stress_error) for result in coarser],
+        "maximum stress": [100 * abs(result.stress_error) for result in coarser],
         "force": [100 * abs(result.force_error) for result in coarser],
         "markers, rms over depth": [100 * result.marker_error for result in coarser],
     }

@@ -1,4 +1,4 @@
-"""A press as a picture and as a table: for notebooks and reports."""
+"""A press as a figure and as a table, for notebooks and reports."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 _GRAPHICS = "libEGL.so.1"
 _DRAWN = 4
-"""Outlines of the section that are drawn, from rest to the end."""
+"""Number of outlines of the section that are drawn, from rest to the end."""
 
 
 def plot_press(press: Press) -> Figure:
-    """Draw a press: its section in the plane of the tilt as it is flattened, and the force over the depth."""
+    """Draw a press: its section in the tilt plane at several depths, and the force over the depth."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
@@ -52,7 +52,7 @@ def plot_press(press: Press) -> Figure:
 
 
 def tabulate_press(press: Press) -> str:
-    """A press as an HTML table, a row an increment."""
+    """Return a press as an HTML table, one row for each increment."""
     heads = ("depth (mm)", "force (N)", "peak stress (MPa)", "contact (mm²)", "branch")
     force = np.linalg.norm(press.force, axis=1)
     figures = zip(press.depth, force, press.peak_stress, press.contact_area, strict=True)
@@ -64,35 +64,23 @@ def tabulate_press(press: Press) -> str:
 
 
 def html_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table with a title, its texts escaped."""
+    """Return a table with a title, its texts escaped."""
     line = "".join(f"<th>{html.escape(head)}</th>" for head in heads)
     body = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
     return f"<table><caption>{html.escape(title)}</caption><tr>{line}</tr>{body}</table>"
 
 
 def render_press_3d(press: Press, increment: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
-    """Picture of the pressed dome in 3-D, coloured by von Mises stress.
+    """Render the pressed skin in 3-D, coloured by von Mises stress, as (h, w, 3) colours.
 
-    Parameters
-    ----------
-    press
-        The press.
-    increment
-        Which of its increments; the last by default.
-    path
-        PNG file to write as well.
-
-    Returns
-    -------
-    ndarray
-        (h, w, 3) colours.
+    If `path` is given, a PNG file is written as well.
 
     Raises
     ------
     MissingExtraError
         If pyvista is not installed.
     PalpateError
-        If this machine has no OpenGL to draw with, or the file cannot be written.
+        If this machine has no OpenGL, or the file cannot be written.
     """
     check_graphics()
     pyvista = load_extra("pyvista", "viz")
@@ -115,25 +103,25 @@ def render_press_3d(press: Press, increment: int = -1, path: Path | None = None)
 
 
 def check_graphics() -> None:
-    """Refuse to draw in 3-D where the library would end the whole program.
+    """Check for OpenGL's library, without which the 3-D library would end the whole program.
 
     Raises
     ------
     PalpateError
-        If OpenGL's library is not there.
+        If the library is missing.
     """
     try:
         ctypes.CDLL(_GRAPHICS)
     except OSError:
         raise PalpateError(
-            f"This machine has no {_GRAPHICS}: nothing can be drawn in 3-D.",
-            "On Debian: apt-get install libegl1. In 2-D, plot() needs none; `palpate view` draws in the browser.",
+            f"This machine has no {_GRAPHICS}, which 3-D images require.",
+            "On Debian: apt-get install libegl1. Or draw in 2-D by plot(), or in the browser by `palpate view`.",
             code="graphics-missing",
         ) from None
 
 
 def _surface(pyvista: Any, press: Press, increment: int) -> Any:
-    """Both halves of the deformed surfaces as one mesh of quadrilaterals."""
+    """Return both halves of the deformed surfaces as one mesh of quadrilaterals."""
     mesh = press.mesh
     quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
     faces = np.concatenate([mesh.outer_faces, mesh.inner_faces])[:, quads].reshape(-1, 4)
@@ -149,7 +137,7 @@ def _surface(pyvista: Any, press: Press, increment: int) -> Any:
 
 
 def _draw_section(axis: Any, press: Press, increment: int, shade: str) -> None:
-    """Inner and outer outline of the deformed section x = 0."""
+    """Draw the inner and outer outline of the deformed section x = 0."""
     mesh = press.mesh
     inside = np.flatnonzero(np.abs(mesh.nodes[:, 0]) < 1e-9)
     moved = mesh.nodes + press.displacement[increment]

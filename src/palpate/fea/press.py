@@ -1,4 +1,4 @@
-"""A press: one simulated contact from first touch to full depth."""
+"""A press: one simulated contact from first contact to full depth."""
 
 from __future__ import annotations
 
@@ -36,43 +36,41 @@ class IncrementFields(TypedDict):
 
 @dataclass(frozen=True)
 class Press:
-    """What a press left: one increment at rest, one every increment step, and the last state where it ended early.
+    """Result of a press: increments at rest, at every depth step, and the last state if it ended early.
 
     Attributes
     ----------
     mesh, material, obstacle, solver
-        What made it.
+        Inputs.
     depth
-        (n,) mm travel of the wall since first touch.
+        (n,) mm travel of the wall since first contact.
     displacement
-        (n, n_nodes, 3) mm; of a half model in the frame whose y-z plane is the tilt plane, else in the dome's.
+        (n, n_nodes, 3) mm; of a half model in the frame whose y-z plane is the tilt plane, else in the skin's.
     force
-        (n, 3) N of the whole dome on the wall, dome's frame.
+        (n, 3) N of the whole skin on the wall, in the skin's frame.
     energy, contact_energy, dissipation, work
-        (n,) mJ stored in the whole dome, in the contact penalty and sticking springs, lost to friction since rest,
-        and done by the wall.
+        (n,) mJ stored in the whole skin, stored in the contact penalty and sticking springs, lost to friction since
+        rest, and done by the wall.
     branch
         (n,) `Branch` values, or `NEITHER`.
     peak_stress
-        (n,) MPa greatest von Mises Cauchy stress at a Gauss point.
+        (n,) MPa maximum von Mises Cauchy stress at a Gauss point.
     contact_area
-        (n,) mm² deformed area that touches the wall, whole dome.
+        (n,) mm² deformed area in contact with the wall, whole skin.
     apex_gap
-        (n,) mm distance between the wall and the point that it touched first.
+        (n,) mm distance between the wall and the first-contact point.
     stabilisation_tension
-        (n,) MPa greatest tension that held the flat patch to the wall (see `palpate.fea.monitor`).
+        (n,) MPa maximum tension of the contact stabilisation (see `palpate.fea.monitor`).
     negative_pivots
-        (n,) unstable modes of the discrete equilibrium (0: stable; -1: the linear solver cannot tell).
-    ended, ended_depth
-        Reason of the end and the depth in mm at which it came.
+        (n,) unstable modes of the discrete equilibrium (0: stable; -1: not computed by the linear solver).
+    ended, ended_depth, message
+        Reason of the end, its depth in mm, and one sentence with numbers if it is not the full depth.
     jump_depth
-        Depth in mm at which the branch changed by a jump; nan where none did.
+        Depth in mm at which the branch changed by a jump; nan without a jump.
     cpu_s, unknowns, newton_iterations
         Cost.
-    message
-        One sentence with numbers where the end was not the full depth.
     derivatives
-        By name, those that `solver` asks for.
+        Derivatives that `solver` requests, by name.
     solved_by
         Name of the press solver; only palpate's own presses have stresses at the nodes.
     """
@@ -105,46 +103,46 @@ class Press:
     solved_by: str = "palpate"
 
     def derivative(self, name: str, depth: float | None = None) -> Derivative:
-        """Derivative of the press by a parameter, at every increment.
+        """Return the derivative of the press by a parameter, at every increment.
 
         Parameters
         ----------
         name
             One of `derivatives`.
         depth
-            Up to where in mm it is wanted; the whole press by default.
+            Depth in mm up to which it is needed; the whole press by default.
 
         Raises
         ------
         PalpateError
-            If it was not asked for when the press was solved, or the branch jumped or ended before that depth: there
-            the press does not depend smoothly on anything.
+            If it was not requested when the press was solved, or the branch jumped or ended before that depth: the
+            press is not differentiable there.
         """
         if name not in self.derivatives:
             known = ", ".join(self.derivatives) or "nothing"
             raise PalpateError(
-                f"This press was differentiated by {known}, not by '{name}'.",
-                "Ask for it when it is solved: SolverSpec(derivatives=[name]).",
+                f"This press was differentiated by {known} and has no derivative by '{name}'.",
+                "Solve it with this derivative: SolverSpec(derivatives=[name]).",
                 code="derivative-not-solved",
             )
         depth = self.ended_depth if depth is None else depth
         if self.jump_depth <= depth:
             raise PalpateError(
-                f"At {self.jump_depth:.3g} mm the press jumped to another branch: beyond, it has no derivative.",
-                f"Ask for less than that: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
+                f"The press jumped to another branch at {self.jump_depth:.3g} mm and has no derivative from there.",
+                f"Request a smaller depth: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
                 code="derivative-beyond-jump",
             )
         lost = self.ended not in (EndReason.DEPTH_REACHED, EndReason.WALL_AT_CLAMP)
         if lost and depth >= self.ended_depth:
             raise PalpateError(
-                f"The press ended at {self.ended_depth:.3g} mm ({self.ended}): there it has no derivative.",
-                f"Ask for less than that: derivative('{name}', depth={0.99 * self.ended_depth:.3g}).",
+                f"The press ended at {self.ended_depth:.3g} mm ({self.ended}) and has no derivative there.",
+                f"Request a smaller depth: derivative('{name}', depth={0.99 * self.ended_depth:.3g}).",
                 code="derivative-beyond-end",
             )
         return self.derivatives[name]
 
     def cut(self, first: int, last: int) -> Press:
-        """The increments from `first` up to, but not with, `last`; why and where the press ended stays as it is."""
+        """Return the press with the increments from `first` up to, but without, `last`; its end is unchanged."""
         here = slice(first, last)
         derivatives = {
             name: replace(each, displacement=each.displacement[here], force=each.force[here])
@@ -169,7 +167,7 @@ class Press:
         )
 
     def interpolated_to(self, mesh: Mesh) -> Press:
-        """The press with its fields interpolated to another mesh of the skin, of as many layers."""
+        """Interpolate the fields to another mesh of the skin with the same number of layers."""
         nodes = locate_nodes(self.mesh, mesh)
         derivatives = {
             name: replace(each, displacement=nodes.interpolate(each.displacement))
@@ -178,23 +176,18 @@ class Press:
         return replace(self, mesh=mesh, displacement=nodes.interpolate(self.displacement), derivatives=derivatives)
 
     def positions(self, points: FloatArray) -> FloatArray:
-        """Follow points of the undeformed inner surface, or tips of its pins, through every increment.
-
-        Parameters
-        ----------
-        points
-            (m, 3) mm, dome's frame.
+        """Follow points (m, 3) mm of the undeformed inner surface, or pin tips, through every increment.
 
         Returns
         -------
         (n, m, 3) mm
-            Deformed positions, dome's frame.
+            Deformed positions, in the skin's frame like the points.
         """
         result: FloatArray = np.asarray(points, float) + self.displacement_at(points)
         return result
 
     def displacement_at(self, points: FloatArray, by: str = "") -> FloatArray:
-        """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`."""
+        """Return the displacement (n, m, 3) mm of such points, or its derivative `by` one of `derivatives`."""
         turn = self.obstacle.turn(self.mesh)
         points = np.asarray(points, float)
         local = points @ turn

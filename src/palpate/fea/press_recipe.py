@@ -1,4 +1,4 @@
-"""By what a store knows a press, whoever solves it: a study, the bench or the validation of a search."""
+"""Recipe of a press in the store, for any solver."""
 
 from __future__ import annotations
 
@@ -22,16 +22,10 @@ def press_recipe(
     solver: Mapping[str, Any],
     branch: Branch = Branch.FLAT,
 ) -> Recipe:
-    """The recipe of a press.
+    """Return the recipe of a press on one `branch`.
 
-    Parameters
-    ----------
-    skin, mesh, material, wall
-        What is pressed, and by what.
-    solver
-        Data of the `SolverSpec` where palpate solves it; of another solver, its name and the data of its spec.
-    branch
-        Which is followed.
+    `solver` contains the data of the `SolverSpec` of palpate's solver; else the solver's name and the data of its
+    spec.
     """
     spec = {
         "dome": skin.model_dump(mode="json"),

@@ -1,4 +1,4 @@
-"""Who solves a press: palpate's own elements, another program, or a package of somebody else's."""
+"""Press solvers: palpate's own elements, another program, or an installed package."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 
 class PressSolver(ABC):
-    """Solves presses of the flat branch from rest; made without arguments it has usual settings."""
+    """Solver of presses of the flat branch from rest; made without arguments it has default settings."""
 
     @abstractmethod
     def check(self, obstacle: ObstacleSpec) -> None:
-        """Refuse what cannot be solved, before anything is computed.
+        """Raise if a press cannot be solved, before anything is computed.
 
         Raises
         ------
         PalpateError
-            If a program is missing, or this press is beyond it.
+            If a program is missing, or the solver does not support this press.
         """
 
     @abstractmethod
@@ -37,28 +37,20 @@ class PressSolver(ABC):
         Raises
         ------
         PalpateError
-            If the obstacle does not touch the skin first, or nothing is left of the press.
+            If the obstacle does not touch the skin first, or the solver returns no increment.
         """
 
 
 @final
 @dataclass(frozen=True)
 class PalpateSolver(PressSolver):
-    """Quadratic hexahedra, contact by a penalty and continuation (see `solve_press`).
-
-    Attributes
-    ----------
-    spec
-        How.
-    branch
-        Which of the two states.
-    """
+    """Quadratic hexahedra, contact by a penalty, and continuation (see `solve_press`), on one `branch`."""
 
     spec: SolverSpec = field(default_factory=SolverSpec)
     branch: Branch = Branch.FLAT
 
     def check(self, obstacle: ObstacleSpec) -> None:
-        """Nothing is beyond it that a spec can say."""
+        """Accept every obstacle that a spec can describe."""
 
     def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
         from palpate.fea.solve_press import solve_press  # here: flags of a press need the settings alone

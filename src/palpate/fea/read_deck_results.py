@@ -1,4 +1,4 @@
-"""Read what CalculiX printed: the text results (.dat) of a deck, increment by increment, and the counts of its log.
+"""Reading of CalculiX results: the text results (.dat) by increment, and the counts of its log.
 
 A block of a ``.dat`` file is a line of text that ends with the time, then rows of numbers::
 
@@ -22,21 +22,16 @@ from palpate.mechanics import von_mises
 _TITLE = re.compile(r"^\s*(\w[\w ]*?)\s*\(.*for set (\w+) and time\s+([\d.E+-]+)", re.IGNORECASE)
 _QUANTITIES = ("displacements", "total force", "stresses")
 _STRESS = (2, 3, 4, 5, 7, 6)
-"""Columns of xx, yy, zz, xy, yz, zx in a row of stresses, which prints xz before yz."""
+"""Columns of xx, yy, zz, xy, yz, zx in a row of stresses, which has xz before yz."""
 _LETTERS = re.compile(r"[A-DF-Za-df-z]")
 _EQUATIONS = re.compile(r"number of equations\s+(\d+)")
 
 
 @dataclass(frozen=True)
 class Block:
-    """One block of a ``.dat`` file.
+    """One block of a ``.dat`` file: ``rows`` (n, k) as printed.
 
-    Attributes
-    ----------
-    quantity, members, time
-        E.g. ``displacements`` of ``DOME_NODES`` at 0.8 (mm of travel).
-    rows
-        (n, k) numbers as printed.
+    `quantity`, `members` and `time` are e.g. ``displacements`` of ``DOME_NODES`` at 0.8 (mm of depth).
     """
 
     quantity: str
@@ -47,18 +42,18 @@ class Block:
 
 @dataclass(frozen=True)
 class CalculixIncrements:
-    """Increments that CalculiX left.
+    """Increments in the results of CalculiX.
 
     Attributes
     ----------
     depth
-        (n,) mm travel of the wall.
+        (n,) mm depth of the wall.
     displacement
         (n, n_nodes, 3) mm; nan at nodes that were not printed.
     wall_force
         (n, 3) N of the modelled part on the wall.
     peak_stress
-        (n,) MPa greatest von Mises stress at an integration point.
+        (n,) MPa maximum von Mises stress at an integration point.
     """
 
     depth: FloatArray
@@ -68,14 +63,10 @@ class CalculixIncrements:
 
 
 def read_increments(path: Path, nodes: int) -> CalculixIncrements:
-    """Read the increments of a ``.dat`` file; one whose blocks are not all there is left out.
+    """Read the increments of a ``.dat`` file.
 
-    Parameters
-    ----------
-    path
-        The file; none at all counts as no increment.
-    nodes
-        Number of nodes of the palpate mesh; node k of it is k + 1 there.
+    `nodes` is the number of nodes of the palpate mesh; its node k is k + 1 in the file. An incomplete increment is
+    left out; a missing file counts as empty.
     """
     found: dict[float, dict[str, FloatArray]] = {}
     for block in read_blocks(path):
@@ -94,7 +85,7 @@ def read_increments(path: Path, nodes: int) -> CalculixIncrements:
 
 
 def read_blocks(path: Path) -> Iterator[Block]:
-    """Blocks of a ``.dat`` file in their order; nothing where there is no file."""
+    """Yield the blocks of a ``.dat`` file in order; nothing if the file is missing."""
     title: re.Match[str] | None = None
     rows: list[list[float]] = []
     for line in path.read_text().splitlines() if path.is_file() else []:
@@ -110,7 +101,7 @@ def read_blocks(path: Path) -> Iterator[Block]:
 
 
 def read_counts(log: Path, convergence: Path) -> tuple[int, int]:
-    """Number of unknowns from the log, and of Newton iterations from the ``.cvg`` file; 0 where not found."""
+    """Read the number of unknowns (log) and of Newton iterations (``.cvg``); 0 if not found."""
     equations = _EQUATIONS.search(log.read_text(errors="replace")) if log.is_file() else None
     lines = convergence.read_text().splitlines() if convergence.is_file() else []
     iterations = sum(line.split()[:1] != [] and line.split()[0].isdigit() for line in lines)

@@ -1,8 +1,9 @@
-"""A flat wall on a route: through waypoints in all six degrees of freedom, as robots press, slide, twist and tilt.
+"""A flat wall on a route through waypoints in six degrees of freedom: press, slide, twist and tilt.
 
-The wall comes at the tilt of its first waypoint to first touch. The point that it touches there is its pivot: it
-goes down by the depth and aside in the wall's own plane, and the wall turns about it. Between waypoints all six
-numbers change evenly over the length of the route, in which a turn counts as what it moves a point `ARM` away.
+The wall has the tilt of its first waypoint at first contact. The contact point is its pivot: it moves by the depth
+along the skin's axis and laterally in the wall's plane, and the wall rotates about it. Between waypoints all six
+numbers vary linearly with the length of the route, in which a rotation counts as the motion of a point at distance
+`ARM`.
 """
 
 from __future__ import annotations
@@ -27,21 +28,21 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 ARM = 20.0
-"""Distance in mm at which a turn is counted as a length."""
+"""Distance in mm by which a rotation is converted to a length."""
 _SHORTEST = 1e-6
-"""Length in mm below which two waypoints are one."""
+"""Length in mm below which two waypoints are equal."""
 
 
 class Waypoint(NamedTuple):
-    """Where a wall is.
+    """Pose of a wall.
 
     Attributes
     ----------
     depth_mm, x_mm, y_mm
-        How far its pivot went down along the skin's axis, and aside in the wall's plane along its x and y, which
-        tilt with it but do not twist.
+        Motion of its pivot along the skin's axis, and in the wall's plane along x and y, which tilt with it but do
+        not twist.
     rx_deg, ry_deg, twist_deg
-        Its rotation vector across the skin's axis, and its turn about its own normal.
+        Its rotation vector across the skin's axis, and its rotation about its own normal.
     """
 
     depth_mm: float = 0.0
@@ -56,7 +57,7 @@ _MOST = Waypoint(60.0, 30.0, 30.0, 30.0, 30.0, 90.0)
 
 
 def _read(value: Any) -> Any:
-    """Waypoints from words, ``4 0 0 0 5; 4 2 0 0 5``: numbers that are left out are 0."""
+    """Read waypoints from text, ``4 0 0 0 5; 4 2 0 0 5``: omitted numbers are 0."""
     if isinstance(value, str):
         value = [point.split() for point in value.split(";") if point.strip()]
     if not isinstance(value, list | tuple):
@@ -66,20 +67,20 @@ def _read(value: Any) -> Any:
     except (TypeError, ValueError):
         raise PydanticCustomError(
             "waypoints-malformed",
-            "waypoints are lists of up to six numbers, {names}: [[4, 0, 0, 0, 5], [4, 2]]",
+            "each waypoint must be a list of up to six numbers, {names}: [[4, 0, 0, 0, 5], [4, 2]]",
             {"names": ", ".join(Waypoint._fields)},
         ) from None
 
 
 @final
 class RouteSpec(ObstacleSpec):
-    """A rigid flat wall that goes through waypoints."""
+    """A rigid flat wall that moves through waypoints."""
 
     kind: Literal["route"] = "route"
     waypoints: Annotated[tuple[Waypoint, ...], BeforeValidator(_read)] = parameter(
         (Waypoint(4.0), Waypoint(4.0, 1.0)),
         unit="mm, deg",
-        meaning="where the wall goes from first touch: depth, x, y in its own plane, rx, ry, twist",
+        meaning="poses of the wall after first contact: depth, x, y in its own plane, rx, ry, twist",
     )
     depth: float = parameter(5.0, unit="mm", meaning="length of the route; follows from its waypoints", gt=0, le=1000)
 
@@ -92,7 +93,7 @@ class RouteSpec(ObstacleSpec):
         if not isinstance(points, tuple):
             return values
         if not points:
-            raise PydanticCustomError("waypoints-none", "a route has at least 1 waypoint", {})
+            raise PydanticCustomError("waypoints-none", "a route needs at least 1 waypoint", {})
         _check(points)
         return {**values, "waypoints": points, "depth": float(_lengths(points)[-1])}
 
@@ -121,7 +122,7 @@ class RouteSpec(ObstacleSpec):
         return 0.0
 
     def waypoint(self, length: float) -> Waypoint:
-        """Where the wall is after a length in mm of its route."""
+        """Return the pose of the wall after a length in mm of its route."""
         at, points = _lengths(self.waypoints), np.array(_whole(self.waypoints))
         return Waypoint(*(float(np.interp(length, at, points[:, k])) for k in range(len(_MOST))))
 
@@ -132,7 +133,7 @@ class RouteSpec(ObstacleSpec):
         return Plane(normal, touched), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        """The wall after a length in mm of its route.
+        """Return the wall after a length in mm of its route.
 
         Raises
         ------
@@ -141,7 +142,7 @@ class RouteSpec(ObstacleSpec):
         """
         if not mesh.spec.whole:
             raise PalpateError(
-                "A wall on a route is not symmetric.",
+                "A half mesh cannot be used with a route, which is not symmetric.",
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
                 code="mesh-whole-needed",
             )
@@ -149,20 +150,20 @@ class RouteSpec(ObstacleSpec):
         for number, (point, length) in enumerate(zip(self.waypoints, self.stop_depths, strict=True), start=1):
             tilt_deg, plane = float(np.hypot(point.rx_deg, point.ry_deg)), path(length)
             refuse_rim_first(mesh, tilt_deg)
-            # below where a wall of this tilt touches first: it may have tilted on its way
+            # depth below first contact of a wall of this tilt: the tilt may have changed along the route
             deep = float((mesh.skin.support_point(plane.normal) - plane.point) @ plane.normal / plane.normal[2])
             most = mesh.skin.clamp_depth(np.radians(tilt_deg), mesh.spec.rim)
             if deep > most:
                 raise PalpateError(
                     f"At waypoint {number} the wall is {deep:.3g} mm deep; at its tilt of {tilt_deg:.3g}° it reaches "
                     f"the clamped rim at {most:.3g} mm.",
-                    "Press less deep, or tilt less.",
+                    "Reduce the depth or the tilt.",
                     code="route-reaches-rim",
                 )
         return path
 
     def _at(self, touched: FloatArray, length: float) -> Plane:
-        """The wall after a length in mm, whose pivot was at `touched` (3,) mm."""
+        """Return the wall after a length in mm, with its pivot at `touched` (3,) mm at first contact."""
         point = self.waypoint(length)
         axes, first = _turned(point).as_matrix(), _turned(self.waypoint(0.0)).as_matrix()
         tilted = _turned(point._replace(twist_deg=0.0)).as_matrix()
@@ -171,12 +172,12 @@ class RouteSpec(ObstacleSpec):
 
 
 def _whole(points: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
-    """Waypoints with the one before the first: at first touch, at its tilt."""
+    """Return the waypoints with one before the first: at first contact, with its tilt."""
     return (Waypoint(rx_deg=points[0].rx_deg, ry_deg=points[0].ry_deg), *points)
 
 
 def _turned(point: Waypoint) -> Rotation:
-    """Rotation of the wall: its twist about the skin's axis, then its tilt."""
+    """Return the rotation of the wall: its twist about the skin's axis, then its tilt."""
     from scipy.spatial.transform import Rotation  # here: its import takes half a second
 
     tilt = Rotation.from_rotvec([point.rx_deg, point.ry_deg, 0.0], degrees=True)
@@ -184,7 +185,7 @@ def _turned(point: Waypoint) -> Rotation:
 
 
 def _lengths(points: tuple[Waypoint, ...]) -> FloatArray:
-    """Length (n + 1,) mm of the route at its start and at every waypoint."""
+    """Return the length (n + 1,) mm of the route at its start and at every waypoint."""
     steps = []
     for a, b in pairwise(_whole(points)):
         turn = np.radians(np.subtract(b[3:], a[3:]))
@@ -193,20 +194,20 @@ def _lengths(points: tuple[Waypoint, ...]) -> FloatArray:
 
 
 def _check(points: tuple[Waypoint, ...]) -> None:
-    """Refuse numbers out of bounds, and waypoints that are the same twice."""
+    """Raise if a number is out of bounds or two successive waypoints are equal."""
     for number, point in enumerate(points, start=1):
         for name, value, most in zip(Waypoint._fields, point, _MOST, strict=True):
             least = 0.0 if name == "depth_mm" else -most
             if not least <= value <= most:
                 raise PydanticCustomError(
                     "waypoint-out-of-bounds",
-                    "waypoint {number} has {name} = {value}; choose one from {least} to {most}",
+                    "waypoint {number} has {name} = {value}; choose a value from {least} to {most}",
                     {"number": number, "name": name, "value": f"{value:g}", "least": least, "most": most},
                 )
     short = np.flatnonzero(np.diff(_lengths(points)) < _SHORTEST)
     if len(short):
         raise PydanticCustomError(
             "waypoint-twice",
-            "waypoint {number} is where the one before is; leave it out",
+            "waypoint {number} is equal to the one before; leave it out",
             {"number": int(short[0]) + 1},
         )

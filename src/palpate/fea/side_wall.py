@@ -1,4 +1,4 @@
-"""A flat wall that comes to the side of a barrel: a rigid plane that moves along its own normal from first touch.
+"""A flat wall at the side of a barrel: a rigid plane that moves along its normal from first contact.
 
 ::
 
@@ -8,8 +8,8 @@
      ||  |  /          tilt 90° + d: by the radius of the arc times sin d nearer to the rim
          |=.
 
-Its pose is a wall's: the rotation vector (rx, ry) = tilt (cos azimuth, sin azimuth), and the depth, here along the
-normal.
+Its pose is that of a wall: the rotation vector (rx, ry) = tilt (cos azimuth, sin azimuth), and the depth, here along
+the normal.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from palpate.mesh import Mesh
 
 @final
 class SideWallSpec(ObstacleSpec):
-    """A rigid flat wall beside the axis that moves along its own normal."""
+    """A rigid flat wall at the side of a skin that moves along its own normal."""
 
     kind: Literal["side_wall"] = "side_wall"
     tilt_deg: float = parameter(90.0, unit="deg", meaning="angle between wall normal and skin axis", ge=60, le=120)
@@ -62,12 +62,12 @@ class SideWallSpec(ObstacleSpec):
         return Plane(normal, touched), touched
 
     def approach_axis(self, mesh: Mesh) -> FloatArray:
-        """See `ObstacleSpec`.
+        """Return the wall's normal, as described in `ObstacleSpec`.
 
         Raises
         ------
         PalpateError
-            If the skin is no barrel, or the wall touches a clamped end first.
+            If the skin is not a barrel, or the wall touches a clamped end first.
         """
         self.check_skin(mesh.skin, mesh.spec.rim)
         azimuth = np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
@@ -76,8 +76,8 @@ class SideWallSpec(ObstacleSpec):
     def check_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         if not skin.hole:
             raise PalpateError(
-                f"A wall comes to the side of a barrel, and {skin.name} is none.",
-                "Press it along its axis: a wall of a tilt up to 30°.",
+                f"A side wall requires a barrel; {skin.name} is not one.",
+                "Press it along its axis, by a wall with a tilt of up to 30°.",
                 code="side-wall-needs-barrel",
             )
         most = np.degrees(skin.rim_slope(rim))

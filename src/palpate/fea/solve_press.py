@@ -1,4 +1,4 @@
-"""Press a skin by a rigid obstacle."""
+"""Solution of a press of a skin by a rigid obstacle."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from palpate.mechanics import (
 from palpate.mesh import Mesh, centre_mesh
 
 _SAME_MM = 1e-6
-"""Difference below which two depths are one."""
+"""Difference below which two depths are equal."""
 
 
 def solve_press(
@@ -44,52 +44,55 @@ def solve_press(
     branch: Branch = Branch.FLAT,
     on_increment: Callable[[float], None] | None = None,
 ) -> Press:
-    """Solve one press from first touch to full depth.
+    """Solve one press from first contact to full depth.
 
     Parameters
     ----------
     mesh
-        Half or whole dome. A half model is solved in the tilt plane and turned to the azimuth of the wall; a whole
-        one is solved with the wall where it is. Unless its spec forbids it, its pole is moved to where the obstacle
-        touches first.
+        Half or whole skin. A half model is solved in the tilt plane and rotated to the azimuth of the wall; a whole
+        one is solved with the wall at its azimuth. Unless its spec forbids it, its pole is moved to the first-contact
+        point.
     material
         The elastomer.
     obstacle
-        The obstacle: where it is, how far it goes, increment step and contact law; a flat wall by default.
+        Pose, depth, depth step and contact law; a flat wall by default.
     solver
-        How to solve.
+        Settings of the solver.
     branch
-        Flat: pressed from rest. Inverted: the other state, followed from where it begins to the greatest depth on a
-        mesh a third finer (see `palpate.fea.inverted`); it has no increment at rest, and its work counts from the
-        energy stored in its first.
+        Flat: pressed from rest. Inverted: followed from its onset to the full depth on a mesh a third finer (see
+        `palpate.fea.inverted`); it has no increment at rest, and its work counts from the energy stored in its first.
     on_increment
-        Called with the depth in mm of each increment on the way down as soon as it is solved.
+        Called with the depth in mm of each increment of loading when it is solved.
 
     Returns
     -------
     Press
-        Increments at rest, at every increment step, and at the end where it came early, with its reason.
+        Increments at rest, at every depth step, and at the end if it ended early, with its reason.
 
     Raises
     ------
     PalpateError
-        If the obstacle would touch the clamped rim before the skin, or miss it; there is no such derivative; or the
-        inverted state is asked of a filled skin or along a route.
+        If the obstacle touches the clamped rim before the skin, or misses it; a derivative does not exist; or the
+        inverted branch is requested for a filled skin, an open skin or a route.
     """
     obstacle, solver = obstacle or WallSpec(), solver or SolverSpec()
     started = time.process_time()
     check_half_model(mesh, obstacle)
     if branch is Branch.INVERTED and mesh.filling:
-        raise PalpateError("A filled skin has no inverted state.", "Press it from rest.", code="inverted-state-gel")
+        raise PalpateError(
+            "A filled skin has no inverted branch.", "Choose the flat branch.", code="inverted-state-gel"
+        )
     if branch is Branch.INVERTED and mesh.skin.hole:
         raise PalpateError(
-            f"The inverted state of {mesh.skin.name} is not followed.",
-            "Press it from rest.",
+            f"The inverted branch of {mesh.skin.name} is not supported, because the skin is open.",
+            "Choose the flat branch.",
             code="inverted-state-skin",
         )
     if branch is Branch.INVERTED and obstacle.stop_depths:
         raise PalpateError(
-            "The inverted state is not followed along a route.", "Press it from rest.", code="inverted-state-route"
+            "The inverted branch is not supported along a route.",
+            "Choose the flat branch.",
+            code="inverted-state-route",
         )
     mesh = refine_mesh(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, obstacle.at_first_contact(mesh)[1]) if obstacle.axisymmetric else mesh
@@ -132,9 +135,9 @@ def solve_press(
 def _press_down(
     path: Continuation, goals: list[float], stops: tuple[float, ...], observe: Callable[[float], None] | None
 ) -> list[int]:
-    """Press to the depths (mm) of the increments as far as they go; the points of the path that are increments.
+    """Press to the depths (mm) of the increments as far as possible; return the indices of the increments.
 
-    At the stops the obstacle changes its way.
+    At the stops the path of the obstacle changes.
     """
     increments = [0]
     for goal in goals:
@@ -151,7 +154,7 @@ def _press_down(
 
 
 def _draw_back(path: Continuation, goals: list[float], stops: tuple[float, ...]) -> list[int]:
-    """Draw the wall back through the depths (mm) of the increments to first touch; the points that are increments."""
+    """Move the wall back through the depths (mm) of the increments to first contact; return their indices."""
     increments = []
     for goal in [*reversed(goals[:-1]), 0.0]:
         if _is_stop(path.last.depth, stops):
@@ -167,7 +170,7 @@ def _is_stop(depth: float, stops: tuple[float, ...]) -> bool:
 
 
 def increment_depths(obstacle: ObstacleSpec, deepest: float) -> list[float]:
-    """Depths in mm of the increments after rest: every increment step, every stop, and the deepest."""
+    """Return the depths in mm of the increments after rest: every depth step, every stop, and the deepest."""
     count = int(np.floor(deepest / obstacle.depth_step + 1e-9))
     depths = [obstacle.depth_step * (k + 1) for k in range(count)]
     for stop in obstacle.stop_depths:
@@ -184,7 +187,7 @@ def start_press(
     solver: SolverSpec,
     points_per_side: int = POINTS_PER_SIDE,
 ) -> Continuation:
-    """Start the flat branch: the skin at rest with its base fixed, the obstacle at first touch."""
+    """Start the flat branch: the skin at rest with its base fixed, the obstacle at first contact."""
     solid = clamp_skin(mesh, material)
     loading = load_surface(solver, mesh, material, obstacle_spec, points_per_side)
     obstacle, touched = obstacle_spec.at_first_contact(mesh)
@@ -200,7 +203,7 @@ def start_press(
 
 
 def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: ObstacleSpec) -> IncrementFields:
-    """Arrays of the `Press` at the increments."""
+    """Return the arrays of the `Press` at the increments."""
     monitor = path.monitor
     assert isinstance(monitor, SkinMonitor)
     points = [path.increments[k] for k in increments]
@@ -231,22 +234,22 @@ def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: Obstacl
 
 
 def _label(monitor: SkinMonitor, point: Increment) -> str:
-    """Branch of an increment, or `NEITHER`."""
+    """Return the branch of an increment, or `NEITHER`."""
     if not monitor.inverted(point.depth, point.state):
         return str(Branch.FLAT)
     return NEITHER if explain_rejection(monitor, point) else str(Branch.INVERTED)
 
 
 def _work(points: list[Increment]) -> FloatArray:
-    """Work (n,) mJ of the wall at every equilibrium, from the energy stored at the first.
+    """Return the work (n,) mJ of the wall at every equilibrium, from the energy stored at the first.
 
-    The power, an axial force where the wall only descends, is integrated by cubic splines between jumps and turns of
-    the wall, by the trapezoid in a jump.
+    The power is integrated by cubic splines between jumps and reversals of the wall, and by the trapezoidal rule in a
+    jump.
     """
     depth = np.array([point.depth for point in points])
     force = np.array([point.power for point in points])
     jumps = {k for k, point in enumerate(points) if point.jumped and k > 0}
-    # where the wall turns back, and at both points of a stop, which have one depth
+    # reversals of the wall, and both points of a stop, which have one depth
     turns = {k for k in range(1, len(points) - 1) if (depth[k + 1] - depth[k]) * (depth[k] - depth[k - 1]) <= 0}
     gained = np.zeros(len(points))
     for first, last in pairwise(sorted({0, len(points) - 1} | jumps | {k - 1 for k in jumps} | turns)):

@@ -20,7 +20,7 @@ FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
 GREATEST_FRICTION = 10.0
 """Maximum coefficient of friction; above it, choose `NO_SLIP`."""
 _SAME_TURN_DEG = 1e-9
-"""Maximum angle between an obstacle's plane and a mirror plane of the skin that count as equal, degrees."""
+"""Maximum angle in degrees at which an obstacle's plane and a mirror plane of the skin count as equal."""
 
 
 def check_contact(value: Any) -> str | float:
@@ -47,7 +47,7 @@ def check_contact(value: Any) -> str | float:
 
 
 class ObstacleSpec(Spec, ABC):
-    """Obstacle that is pressed on a skin along its axis or on its side: parameters common to all obstacles.
+    """Obstacle that is pressed on the apex or the side of a skin: parameters common to all obstacles.
 
     A half model is symmetric about x = 0 of its mesh; `turn_deg` rotates its results to the obstacle's direction. A
     subclass adds its parameters and a ``kind`` that names it in files.
@@ -86,7 +86,7 @@ class ObstacleSpec(Spec, ABC):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether the surface is equal in all directions about the point of first contact; that of a bar is not.
+        """Whether the surface is equal in all directions about the first-contact point, unlike that of a bar.
 
         The press is then nearly axisymmetric, and is meshed with few cells around that point.
         """

@@ -1,9 +1,8 @@
-"""The two stable states of a pressed dome: where the inverted one exists, where the flat one ends, and their energy.
+"""The two stable branches of a pressed dome: onset of the inverted, end of the flat one, and energy.
 
-Past a travel of some 2.6 thicknesses a dome can rest in two ways against the same wall: its apex flat on the wall,
-or turned inside out on a ring. A design that works deeper than that can answer one pose by two marker maps. The
-inverted state is found from the mirror image of the skin beyond the wall and followed to where it ends
-(`palpate.fea.inverted`).
+Beyond a depth of some 2.6 thicknesses, a dome has two equilibria at the same wall: its apex flat on the wall, or
+inverted and in contact on a ring. A design used at larger depths has two marker maps for one pose. The inverted
+branch is found from the mirror image of the skin beyond the wall and followed to its end (`palpate.fea.inverted`).
 """
 
 from __future__ import annotations
@@ -24,24 +23,24 @@ from palpate.mesh import Mesh
 
 @dataclass(frozen=True)
 class Stability:
-    """Both branches of one dome under one tilt, at the depths of the increments.
+    """Both branches of one dome at one tilt, at the depths of the increments.
 
     Attributes
     ----------
     obstacle
-        Tilt, deepest travel, increment step and contact law.
+        Tilt, maximum depth, depth step and contact law.
     depth
         (n,) mm.
     flat_energy, inverted_energy
-        (n,) mJ stored in the whole dome; nan where the branch does not exist or was not found.
+        (n,) mJ stored in the whole dome; nan if the branch does not exist or was not found.
     flat_force, inverted_force
-        (n,) N along the dome's axis; nan likewise.
+        (n,) N along the dome's axis; nan as the energy.
     inverted_from
-        Depth in mm from which the inverted state exists; nan where there is none up to the deepest travel.
+        Depth in mm from which the inverted branch exists; nan if it was not found.
     flat_to
-        Depth in mm at which the flat state ends; nan where it reaches the deepest travel.
+        Depth in mm at which the flat branch ends; nan if it reaches the maximum depth.
     message
-        One sentence for a person.
+        Summary in one sentence.
     """
 
     obstacle: ObstacleSpec
@@ -58,17 +57,9 @@ class Stability:
 def find_stability(
     mesh: Mesh, material: Material, obstacle: ObstacleSpec | None = None, solver: SolverSpec | None = None
 ) -> Stability:
-    """Follow both branches of a dome.
+    """Follow the flat and the inverted branch of a dome; parameters as for `solve_press`.
 
-    Parameters
-    ----------
-    mesh, material, obstacle, solver
-        As in `solve_press`.
-
-    Returns
-    -------
-    Stability
-        At the depths of the increments of the flat press, from first touch on.
+    The result is given at the depths of the increments on either branch, without rest.
     """
     flat = solve_press(mesh, material, obstacle, solver)
     inverted = solve_press(mesh, material, obstacle, solver, Branch.INVERTED)
@@ -91,7 +82,7 @@ def find_stability(
 
 
 def _at(press: Press, values: FloatArray, branch: Branch, depth: FloatArray) -> FloatArray:
-    """Values (n,) of the increments of a branch at these depths; nan where it has none."""
+    """Return the values (n,) of a branch at these depths; nan if it does not reach a depth."""
     result = np.full(len(depth), np.nan)
     for at, value, label in zip(press.depth, values, press.branch, strict=True):
         if label == branch:
@@ -101,6 +92,6 @@ def _at(press: Press, values: FloatArray, branch: Branch, depth: FloatArray) -> 
 
 def _describe(start: float, end: float, deepest: float) -> str:
     if np.isnan(start):
-        return f"Up to {deepest:.3g} mm the flat state is the only one found."
-    text = f"From {start:.3g} mm on an inverted state exists as well"
-    return f"{text}." if np.isnan(end) else f"{text}; the flat one ends at {end:.3g} mm."
+        return f"Only the flat branch was found up to {deepest:.3g} mm."
+    text = f"An inverted branch exists from {start:.3g} mm"
+    return f"{text}." if np.isnan(end) else f"{text}; the flat branch ends at {end:.3g} mm."

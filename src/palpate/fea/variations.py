@@ -1,25 +1,25 @@
-"""What a press may be differentiated by, and what it is made of where that is a little greater or smaller.
+"""Parameters by which a press may be differentiated, and the press at slightly changed values of them.
 
-====================  ===================================================  ====
-name                  parameter                                            unit
-====================  ===================================================  ====
-``depth``             travel of the obstacle                               mm
-``tilt_deg``          tilt of the wall, in the plane of its tilt           deg
-``across_deg``        tilt across that plane                               deg
-``shift``             sideways travel along the tilt, after the press      mm
-``shift_across``      the same across it                                   mm
-``twist_deg``         turn of the wall about its normal, after the press   deg
-``drift``             travel along the wall's slope over depth             mm/mm
-``lateral_rate_across``      the same across it                                   mm/mm
-``twist_rate_deg``    turn of the wall about its normal over depth         deg/mm
-``bend``              curvature of the wall, bulging towards the skin      1/m
-``friction``          coefficient of friction                              1
-``thickness``, …      any number of the skin: ``height``, ``base_radius``  mm
-``C10``, …            any constant of the material                         MPa
-====================  ===================================================  ====
+=======================  ===================================================  ======
+name                     parameter                                            unit
+=======================  ===================================================  ======
+``depth``                depth of the obstacle                                mm
+``tilt_deg``             tilt of the wall, in its tilt plane                  deg
+``across_deg``           tilt across that plane                               deg
+``shift``                lateral motion along the tilt, after the press       mm
+``shift_across``         lateral motion across the tilt, after the press      mm
+``twist_deg``            twist of the wall about its normal, after the press  deg
+``lateral_rate``         lateral motion along the wall's slope per depth      mm/mm
+``lateral_rate_across``  lateral motion across the slope per depth            mm/mm
+``twist_rate_deg``       twist of the wall about its normal per depth         deg/mm
+``curvature``            curvature of the wall, convex towards the skin       1/m
+``friction``             coefficient of friction                              1
+``thickness``, …         any number of the skin: ``height``, ``base_radius``  mm
+``C10``, …               any constant of the material                         MPa
+=======================  ===================================================  ======
 
-`shift` and `twist` happen at the depth that is reached, to the obstacle and what sticks to it; all others have been
-different since rest. A greater thickness leaves the inner surface, and what is printed on it, where it is.
+`depth`, `shift`, `shift_across` and `twist_deg` change the obstacle, and points that stick to it, at the depth
+reached; all others act from rest on. A change of thickness leaves the inner surface and its markers in place.
 """
 
 from __future__ import annotations
@@ -40,25 +40,18 @@ from palpate.mesh import Mesh, reshape_mesh
 
 _POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg")
 WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "curvature", "friction")
-"""What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
+"""Names of derivatives of a press by a flat wall, without those of its skin and its material."""
 _STEP = 1e-7
-"""Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
+"""Half the difference of a parameter, mm, degrees or 1; relative for a constant of the material."""
 _CURVATURE_STEP = 3e-6
-"""The same of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
+"""Half the difference of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
 
 
 @dataclass(frozen=True)
 class PathInputs:
-    """What a path is made of.
+    """Inputs of a load path: those of the press, and its `loading` and `solid`.
 
-    Attributes
-    ----------
-    mesh, material, obstacle
-        Of the press.
-    load
-        Makes the loading of a mesh, material and wall.
-    loading, solid
-        Those of the path itself.
+    `load` makes the loading of a mesh, material and wall.
     """
 
     mesh: Mesh
@@ -70,7 +63,7 @@ class PathInputs:
 
 
 def parameter_names(mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> tuple[str, ...]:
-    """Names by which a press may be differentiated."""
+    """Return the names by which a press may be differentiated."""
     if obstacle.sideways:
         return tuple(material.key_data()["constants"])
     contact = [name for name in WALL_NAMES if name != "friction" or 0 < obstacle.friction < np.inf]
@@ -82,7 +75,7 @@ def parameter_names(mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> t
 
 
 def make_variations(made: PathInputs, names: Sequence[str]) -> tuple[Variation, ...]:
-    """Variations of these names.
+    """Return the variations of these names.
 
     Raises
     ------
@@ -140,7 +133,7 @@ def _twisted(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> 
 
 
 def _vary_drift(made: PathInputs, name: str) -> Variation:
-    """The wall that drifts more, or less, on its way."""
+    """Vary the lateral motion or twist of the wall per depth."""
     assert isinstance(made.obstacle, WallSpec)
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
@@ -156,7 +149,7 @@ def _vary_drift(made: PathInputs, name: str) -> Variation:
 
 
 def _vary_curvature(made: PathInputs) -> Variation:
-    """The wall more, or less, curved."""
+    """Vary the curvature of the wall."""
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
     high, low = (
@@ -173,7 +166,7 @@ def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obs
 
 
 def _vary_wall(made: PathInputs, name: str) -> Variation:
-    """The wall under another tilt, from first touch on."""
+    """Vary the tilt of the wall, from first contact on."""
     assert isinstance(made.obstacle, WallSpec)
     across = name == "across_deg"
     azimuth = np.radians(made.obstacle.azimuth_deg) if made.mesh.spec.whole else 0.0
@@ -192,7 +185,7 @@ def _vary_wall(made: PathInputs, name: str) -> Variation:
 
 
 def _vary_skin(made: PathInputs, name: str) -> Variation:
-    """A skin of another shape, meshed alike; its wall touches it anew."""
+    """Vary the shape of the skin, with the same mesh topology and a new first contact."""
     sides = []
     for by in (_STEP, -_STEP):
         data = made.mesh.skin.spec_data
@@ -203,7 +196,7 @@ def _vary_skin(made: PathInputs, name: str) -> Variation:
 
 
 def _vary_material(made: PathInputs, name: str) -> Variation:
-    """A silicone with another constant; the penalty of contact goes with its stiffness."""
+    """Vary a constant of the material; the contact penalty scales with its stiffness."""
     data = made.material.key_data()
     step = _STEP * abs(float(data["constants"][name]))
     sides = []

@@ -1,8 +1,8 @@
-"""The flat wall: a rigid plane turned by (rx, ry) that moves along the skin's axis from first touch.
+"""Flat wall: a rigid plane rotated by (rx, ry) that moves along the skin's axis from first contact.
 
-A robot's wall drifts a little as it comes down: sideways in its own plane, and turning about its normal. Both are
-proportional to the depth, and change nothing but what sticks. Nor is a wall quite flat: it may be the top of a large
-ball, or the bottom of a large bowl, whose plane at the place of first touch is the wall's.
+The wall of a robot may also move laterally in its own plane and twist about its normal. Both are proportional to the
+depth, and affect only points that stick. The wall may be curved: a large ball or bowl that is tangent to its plane at
+the first-contact point.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class WallSpec(ObstacleSpec):
     )
 
     LATERAL_FIELDS: ClassVar[tuple[str, ...]] = ("lateral_rate", "lateral_rate_across", "twist_rate_deg")
-    """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
+    """Fields, and names of derivatives, of lateral motion and twist."""
 
     lateral_rate: float = parameter(
         0.0, unit="mm/mm", meaning="lateral motion in the wall's plane along its slope, per depth", ge=-1, le=1
@@ -50,7 +50,7 @@ class WallSpec(ObstacleSpec):
 
     @model_serializer(mode="wrap")
     def _leave_out_nothing(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A flat wall that does not drift is written as before there were others: artefacts keep their keys."""
+        """Leave out zero lateral motion and curvature, so that a plain wall keeps its artefact keys."""
         content: dict[str, Any] = dump(self)
         return {
             name: value for name, value in content.items() if name not in (*self.LATERAL_FIELDS, "curvature") or value
@@ -89,7 +89,7 @@ class WallSpec(ObstacleSpec):
             return down
         if not mesh.spec.whole and (self.lateral_rate_across or self.twist_rate_deg):
             raise PalpateError(
-                f"A wall that drifts by {self.lateral_rate_across:g} mm/mm across its slope, or turns by "
+                f"A wall that moves by {self.lateral_rate_across:g} mm/mm across its slope, or twists by "
                 f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
                 code="mesh-whole-needed",
@@ -100,7 +100,7 @@ class WallSpec(ObstacleSpec):
         return partial(drifting, down, way, np.radians(self.twist_rate_deg))
 
     def normal(self, mesh: Mesh) -> FloatArray:
-        """Outward normal (3,) in the frame of the mesh: a half model lies in the tilt plane.
+        """Return the outward normal (3,) in the frame of the mesh: a half model lies in the tilt plane.
 
         Raises
         ------
@@ -118,18 +118,16 @@ class WallSpec(ObstacleSpec):
 @final
 @dataclass(frozen=True)
 class Plane(Obstacle):
-    """A rigid half space: ``delta = n·(x - p)``; or, bent by b, a ball of radius 1/b that it touches in p.
+    """A rigid half space, ``delta = n·(x - p)``; with a curvature b, a ball of radius 1/b tangent in p.
 
     Attributes
     ----------
-    normal
-        (3,) unit normal at `point`, away from the body and into the half space.
-    point
-        (3,) mm, a point that moves with the plane.
+    normal, point
+        (3,) unit normal away from the body, and (3,) mm a point that moves with the plane.
     axes
-        (3, 3) its own axes as columns, once it has turned about its normal.
+        (3, 3) its own axes as columns, if it has twisted about its normal.
     curvature
-        1/mm, its curvature; negative: hollow.
+        1/mm; negative: concave.
     """
 
     normal: FloatArray
@@ -141,7 +139,7 @@ class Plane(Obstacle):
         return replace(self, point=self.point + by)
 
     def twisted(self, angle: float) -> Self:
-        """The plane turned about its normal by an angle in rad: it stays where it is, what sticks to it turns."""
+        """Return the plane rotated about its normal at `point` by an angle in rad, with the points that stick."""
         from scipy.spatial.transform import Rotation  # here: its import takes half a second
 
         axes = np.eye(3) if self.axes is None else self.axes
@@ -156,7 +154,7 @@ class Plane(Obstacle):
         along, across = tangents(self.normal)
         if self.curvature:
             raise PalpateError(
-                "A bent wall has no flat facets.",
+                "A curved wall has no flat facets.",
                 "Press with a ball of its radius instead.",
                 code="wall-bent-no-facets",
             )
@@ -178,34 +176,34 @@ class Plane(Obstacle):
 
 
 def refuse_rim_first(mesh: Mesh, tilt_deg: float) -> None:
-    """Refuse, with a `PalpateError`, a tilt of a flat wall at which it touches the clamped rim before the skin."""
+    """Raise a `PalpateError` if a tilted flat wall touches the clamped rim before the skin."""
     rim = mesh.skin.rim_slope(mesh.spec.rim)
     if np.radians(tilt_deg) >= rim:
         raise PalpateError(
             f"A wall tilted by {tilt_deg:.3g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
-            "before the dome.",
-            "Tilt it less, or make the dome higher.",
+            "before the skin.",
+            "Reduce the tilt, or make the skin higher.",
             code="rim-touched-first",
         )
 
 
 def slope_ways(normal: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors (3,) in a wall's plane along its slope and across it; its tilt's axis is at an azimuth in rad."""
+    """Return unit vectors (3,) along and across a wall's slope; its tilt axis is at an azimuth in rad."""
     across = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
     return np.cross(normal, across), across
 
 
 def drifting(obstacle: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
-    """A wall at a depth in mm that goes the `way` (3,) mm/mm besides, and turns by `twist` rad/mm."""
+    """Return a wall at a depth in mm with lateral motion `way` (3,) mm/mm and `twist` rad/mm."""
     plane = obstacle(depth)
     assert isinstance(plane, Plane)
     return plane.moved(depth * way).twisted(depth * twist)
 
 
 def _bent_gap(arm: FloatArray, normal: FloatArray, curvature: float) -> Gap:
-    """Gap of a ball of radius ``1/bend`` mm from the vectors (n, 3) mm to points from where a plane touches it.
+    """Return the gap of a ball of radius ``1/curvature`` mm at vectors (n, 3) mm from its tangent point.
 
-    Written so that it becomes the plane's as `curvature` goes to 0.
+    The form is continuous at zero curvature.
     """
     height, square = arm @ normal, (arm**2).sum(axis=1)
     far = np.sqrt(1.0 - 2.0 * curvature * height + curvature**2 * square)  # distance from the centre over the radius
@@ -216,7 +214,7 @@ def _bent_gap(arm: FloatArray, normal: FloatArray, curvature: float) -> Gap:
 
 @kernel
 def _height(points: FloatArray, point: FloatArray, normal: FloatArray) -> FloatArray:
-    """Height (n,) mm of points over a plane, along its normal."""
+    """Return the height (n,) mm of points over a plane, along its normal."""
     height = np.empty(len(points))
     x = np.empty(3)
     for k in range(len(points)):

@@ -1,4 +1,4 @@
-"""Work of a force over travel that rises or falls."""
+"""Work of a force over ascending or descending depths."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from palpate.core import FloatArray
 
 
 def integrate_force(depth: FloatArray, force: FloatArray) -> FloatArray:
-    """Integral (n,) mJ of a force (n,) N over depths (n,) mm that rise or fall, by a cubic spline."""
+    """Return the integral (n,) mJ of a force (n,) N over monotonic depths (n,) mm, by a cubic spline."""
     if len(depth) <= 3:
         steps = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
         return np.concatenate([[0.0], np.cumsum(steps)])

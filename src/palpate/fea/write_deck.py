@@ -20,14 +20,7 @@ from palpate.mesh import Mesh
 def write_deck(
     path: Path, mesh: Mesh, material: Material, obstacle: ObstacleSpec, spec: DeckSpec | None = None
 ) -> None:
-    """Write the deck of a press; the file appears whole or not at all.
-
-    Parameters
-    ----------
-    path
-        File to write, usually ``.inp``.
-    mesh, material, obstacle, spec
-        As in `deck_text`.
+    """Write the deck of a press (see `deck_text`) to a file, completely or not at all.
 
     Raises
     ------
@@ -37,36 +30,36 @@ def write_deck(
     text = deck_text(mesh, material, obstacle, spec)
     if not path.parent.is_dir():
         raise PalpateError(
-            f"The folder {path.parent} does not exist.", "Make it first, or name another file.", code="folder-missing"
+            f"The folder {path.parent} does not exist.", "Create it, or name another file.", code="folder-missing"
         )
     with atomic_write(path, "Name another file.") as part:
         part.write_text(text)
 
 
 def deck_text(mesh: Mesh, material: Material, obstacle: ObstacleSpec, spec: DeckSpec | None = None) -> str:
-    """The deck of a press as text.
+    """Return the deck of a press as text.
 
     Parameters
     ----------
     mesh
-        Half or whole dome; a half one is written in the tilt plane (y, z), whatever the azimuth.
+        Half or whole skin; a half one is written in the tilt plane (y, z), for any azimuth.
     material
         The elastomer.
     obstacle
-        Tilt, azimuth, depth, step between increments and contact law.
+        Tilt, azimuth, depth, depth step and contact law.
     spec
         Dialect, element and contact penalty.
 
     Raises
     ------
     PalpateError
-        If the dialect has not the element or the law, the obstacle moves other than along one way, or it would touch
-        the clamped rim first.
+        If the dialect lacks the element or the law, the obstacle moves laterally, or it would touch the clamped rim
+        first.
     """
     spec = spec or DeckSpec()
     if spec.dialect is Dialect.CALCULIX and spec.element is DeckElement.SHELL:
         raise PalpateError(
-            "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
+            "CalculiX converts shells to one layer of solids, 18 to 26 % too stiff here.",
             "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
             code="deck-shell-stiff",
         )
@@ -88,16 +81,16 @@ def deck_text(mesh: Mesh, material: Material, obstacle: ObstacleSpec, spec: Deck
 
 
 def deck_depths(mesh: Mesh, obstacle: ObstacleSpec) -> list[float]:
-    """Depths in mm of the increments that a deck writes, up to where the wall reaches the clamped rim."""
+    """Return the depths in mm of the increments of a deck, up to contact of the wall with the clamped rim."""
     return increment_depths(obstacle, min(obstacle.depth, obstacle.clamp_depth(mesh)))
 
 
 def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
     skin = mesh.skin
-    part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
+    part = "whole skin" if mesh.spec.whole else "half skin x >= 0 (forces and energies of the whole are twice these)"
     yield "*HEADING"
     yield f"palpate {provenance()['palpate']}: {skin.name}, pressed by a rigid obstacle"
-    yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
+    yield "** Units: mm, N, MPa, mJ; pseudo-time is the depth of the wall in mm"
     top = "far end" if skin.hole else "apex"
     yield f"** Frame: origin in the middle of the base plane, z along the axis to the {top}"
     yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
@@ -109,10 +102,10 @@ def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) 
     yield f"** material: {material.name}"
     yield (
         f"** obstacle: {ascii_label(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
-        f"an image every {wall.depth_step:g} mm, contact {wall.contact_text}"
+        f"an increment every {wall.depth_step:g} mm, contact {wall.contact_text}"
     )
     if not mesh.spec.whole:
-        yield "** a half model lies in the tilt plane (y, z): turn its results about z by the azimuth"
+        yield "** a half model lies in the tilt plane (y, z): rotate its results about z by the azimuth"
 
 
 def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
