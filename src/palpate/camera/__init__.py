@@ -1,4 +1,4 @@
-"""Camera: from points in the dome's frame to pixels and back to rays; the lens from images of a board."""
+"""Camera: projection of points in the skin's frame to pixels, and calibration of the lens by a board."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""Arrays of numpy and tensors of torch, projected by the same code."""
+"""Functions for numpy arrays and torch tensors, so that both are projected by the same code."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 
 def array_module(values: Any) -> Any:
-    """The module of an array's functions: torch for its tensors, numpy for all else."""
+    """Return the module of an array's functions: torch for its tensors, numpy for all else."""
     torch = sys.modules.get("torch")
     return torch if torch is not None and isinstance(values, torch.Tensor) else np
 
 
 def as_array(values: Any, like: Any = None) -> Any:
-    """Real values as an array of the kind, type and device of `like`; without it, tensors stay as they are."""
+    """Convert real values to the kind, type and device of `like`; without it, tensors stay unchanged."""
     like = values if like is None else like
     module = array_module(like)
     if module is np:

@@ -1,4 +1,4 @@
-"""Boards to calibrate with: what is printed, and where its points are.
+"""Calibration boards: printed pattern, and positions of its points.
 
 chessboard     circles (asymmetric)      charuco
 ■ □ ■ □        ●   ●   ●                 ■ ▣ ■ ▣     ▣ a marker of the dictionary in a white square
@@ -70,18 +70,18 @@ BOARDS = {
 
 
 def read_board(text: str) -> BoardSpec:
-    """A board from a word: ``charuco``, or ``chessboard:9x6:25``, or ``charuco:11x8:29:21.5:DICT_4X4_100``.
+    """Read a board from text: ``charuco``, ``chessboard:9x6:25``, ``charuco:11x8:29:21.5:DICT_4X4_100``.
 
     Raises
     ------
     PalpateError
-        If it is none.
+        If the text does not describe a board.
     """
     kind, *parts = text.split(":")
     if kind not in BOARDS or len(parts) > 4:
         raise PalpateError(
-            f"{text!r} is no board.",
-            f"Take {', '.join(BOARDS)}, with COLUMNSxROWS:SQUARE_MM if wished.",
+            f"{text!r} is not a known board.",
+            f"Choose one of {', '.join(BOARDS)}, optionally with :COLUMNSxROWS:SQUARE_MM.",
             code="board-unknown",
         )
     chosen: dict[str, Any] = BOARDS[kind].model_dump()
@@ -91,7 +91,7 @@ def read_board(text: str) -> BoardSpec:
         chosen.update(zip(("square", "marker"), (float(word) for word in parts[1:3]), strict=False))
     except ValueError as error:
         raise PalpateError(
-            f"{text!r} is no board: {error}.", "Write it as charuco:11x8:29:21.5.", code="board-malformed"
+            f"{text!r} is not a board: {error}.", "Write it as charuco:11x8:29:21.5.", code="board-malformed"
         ) from error
     if len(parts) == 4:
         chosen["dictionary"] = parts[3]
@@ -99,7 +99,7 @@ def read_board(text: str) -> BoardSpec:
 
 
 def board_points(board: BoardSpec) -> FloatArray:
-    """(n, 3) points of the board that are looked for, mm, z = 0: inner corners or centres of circles, row by row."""
+    """Return the points (n, 3) mm of a board, z = 0: inner corners or centres of circles, row by row."""
     if board.kind == "circles":
         row, column = np.mgrid[: board.rows, : board.columns].reshape(2, -1)
         plane = np.stack([2 * column + row % 2, row], axis=-1)
@@ -111,18 +111,18 @@ def board_points(board: BoardSpec) -> FloatArray:
 
 
 def charuco_board(board: BoardSpec) -> Any:
-    """OpenCV's own description of a ChArUco board.
+    """Return OpenCV's description of a ChArUco board.
 
     Raises
     ------
     PalpateError
-        If the dictionary is not known or too small.
+        If the dictionary is unknown or too small.
     """
     aruco = load_opencv().aruco
     if not board.dictionary.startswith("DICT_") or not hasattr(aruco, board.dictionary):
         raise PalpateError(
-            f"There is no dictionary {board.dictionary!r}.",
-            "Take one of OpenCV's, such as DICT_4X4_100.",
+            f"Unknown dictionary {board.dictionary!r}.",
+            "Choose one of OpenCV's, such as DICT_4X4_100.",
             code="board-dictionary-unknown",
         )
     dictionary = aruco.getPredefinedDictionary(getattr(aruco, board.dictionary))
@@ -130,7 +130,7 @@ def charuco_board(board: BoardSpec) -> Any:
         raise PalpateError(
             f"{board.columns} × {board.rows} squares need {board.columns * board.rows // 2} markers, "
             f"{board.dictionary} has {len(dictionary.bytesList)}.",
-            "Take a larger dictionary.",
+            "Choose a larger dictionary.",
             code="board-dictionary-too-small",
         )
     made = aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
@@ -139,7 +139,7 @@ def charuco_board(board: BoardSpec) -> Any:
 
 
 def alternative_boards(board: BoardSpec) -> list[tuple[BoardSpec, str]]:
-    """Boards that a description often means instead, each with the sentence that reports it.
+    """Return boards that a description often means instead, each with the sentence that reports it.
 
     These are the legacy ChArUco pattern (OpenCV before 4.6, calib.io), columns and rows exchanged, squares counted in
     place of inner corners or the reverse, and a circle grid of another kind.
@@ -180,7 +180,7 @@ def alternative_boards(board: BoardSpec) -> list[tuple[BoardSpec, str]]:
 
 
 def charuco_bits(board: BoardSpec) -> list[tuple[int, int, BoolArray]]:
-    """Column, row and (k, k) black cells, border included, of every marker of a ChArUco board."""
+    """Return column, row and (k, k) black cells, border included, of every marker of a ChArUco board."""
     aruco = load_opencv().aruco
     made = charuco_board(board)
     side = made.getDictionary().markerSize + 2

@@ -1,4 +1,4 @@
-"""From a spec to a camera."""
+"""Construction of a camera from its spec."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from palpate.core import FloatArray
 def build_camera(spec: CameraSpec | None = None) -> Camera:
     """Build the camera of `spec`; without one, the paper's DAVIS 346.
 
-    The camera is turned in the dome's frame about x, then y, and rolled about its own optical axis:
+    The camera is rotated in the skin's frame about x, then y, and rolled about its own optical axis:
     dome_from_camera = R_y(tilt_y) R_x(tilt_x) R_z(roll).
 
     Examples
@@ -36,7 +36,7 @@ def build_camera(spec: CameraSpec | None = None) -> Camera:
 
 
 def _turn(axis: int, angle_deg: float) -> FloatArray:
-    """Rotation matrix about one axis of the frame, right-handed."""
+    """Return the rotation matrix about one axis of the frame, right-handed."""
     angle = np.radians(angle_deg)
     a, b = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.eye(3)

@@ -1,7 +1,7 @@
-"""From images of a board to the lens of the camera (Zhang 2000, by OpenCV).
+"""Calibration of the lens of a camera from images of a board (Zhang 2000, by OpenCV).
 
-An image is left out, with its reason, if the board is not found, if its size is another one, or if its points fit
-worse than 4 times the median of all images and than 1 px; the rest is fitted again.
+An image is left out, with its reason, if the board is not found, its size differs from the first, or its residual is
+more than 4 times the median of all images and more than 1 px; the rest is fitted again.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from palpate.core import FloatArray, PalpateError, Spec, load_opencv, parameter
 _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
 _FIRST_IMAGES = 8
-"""Images in which other boards than the given one are looked for."""
+"""Number of images in which boards other than the given one are tried."""
 
 
 class CalibrationSpec(Spec):
-    """How a camera is calibrated."""
+    """Settings of a camera calibration."""
 
     board: BoardSpec = BoardSpec()
     """The board in the images."""
@@ -66,7 +66,7 @@ def calibrate_camera(
     Parameters
     ----------
     images
-        Names and images of a board in different poses; instead of an image, why it could not be read.
+        Names and images of a board in different poses; instead of an image, the reason why it could not be read.
     spec
         Board and lens.
 
@@ -108,9 +108,9 @@ def calibrate_camera(
 def _find_views(
     images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec
 ) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int], BoardSpec, str]:
-    """Views, rejected images, image size, the board, and a sentence if it is not the one given.
+    """Return views, rejected images, image size, the board, and a sentence if it is not the one given.
 
-    Other boards are looked for only while the given one was not found in any image, all of them in the first images.
+    Other boards are tried only until the given one is found in an image, all of them in the first images.
     """
     given = _Candidate(spec.board)
     others = [_Candidate(board, note) for board, note in alternative_boards(spec.board)]
@@ -156,7 +156,7 @@ def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: Calib
         first = f" {rejected[0][0]}: {rejected[0][1]}." if rejected else ""
         raise PalpateError(
             f"{len(views)} of {len(views) + len(rejected)} images can be used, {spec.min_images} are needed.{first}",
-            "Check the board's kind, counts and focus; take ten or more images, tilted to all sides.",
+            "Check the kind and counts of the board, and the focus; take ten or more images, tilted to all sides.",
             code="calibration-few-images",
         )
 
@@ -190,12 +190,12 @@ def _fit(views: list[_View], size: tuple[int, int], spec: CalibrationSpec) -> _F
 
 def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) -> _Found:
     cv2 = load_opencv()
-    # OpenCV 5 moved the flags out of the fisheye's own list
+    # OpenCV 5 moved the flags out of cv2.fisheye
     door = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
     flags = door.CALIB_RECOMPUTE_EXTRINSIC | door.CALIB_FIX_SKEW | door.CALIB_USE_INTRINSIC_GUESS
     points = [point.astype(np.float64).reshape(1, -1, 3) for point in points]
     pixels = [pixel.astype(np.float64).reshape(1, -1, 2) for pixel in pixels]
-    # OpenCV's own guess is that of a whole half space; half the width is the focal length of a common lens
+    # OpenCV's guess covers a half space; half the width is the focal length of a common lens
     matrix = np.array([[size[0] / 2.0, 0, size[0] / 2.0], [0, size[0] / 2.0, size[1] / 2.0], [0, 0, 1.0]])
     _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
         points, pixels, size, matrix, np.zeros((4, 1)), flags=flags
@@ -209,7 +209,7 @@ def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) ->
 
 
 def _covariance(slopes: list[FloatArray], residuals: list[FloatArray], lens: int) -> FloatArray:
-    """σ² (JᵀJ)⁻¹ of the lens, the poses eliminated; of OpenCV's columns the first six are the pose."""
+    """Return σ² (JᵀJ)⁻¹ of the lens, poses eliminated; the first six of OpenCV's columns are the pose."""
     normal = np.zeros((lens, lens))
     for slope in slopes:
         pose, own = slope[:, :6], slope[:, 6 : 6 + lens]

@@ -1,4 +1,4 @@
-"""A calibration: the lens of a camera, how sure it is, and what it was made from."""
+"""Calibration of a camera: its lens, the uncertainty, and the data of the fit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from palpate.core import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What was found about a camera.
+    """Result of a camera calibration.
 
     Attributes
     ----------
@@ -26,19 +26,17 @@ class Calibration:
     intrinsics_px
         (4,) fx, fy, cx, cy.
     rms_px
-        Root of the mean over all points of the squared distance between seen and projected point.
+        Root mean square distance between detected and projected points.
     covariance
-        (k, k) of intrinsics and distortion, from the residuals; NaN where the model gives none.
+        (k, k) of intrinsics and distortion, from the residuals; NaN if the model does not provide it.
     image_names, image_rms_px
-        Used images and the same root for each.
+        Used images, and the root mean square distance of each.
     rejected
         Images that were not used, with the reason.
     coverage
         (6, 8) number of points in each cell of the image, from its top left corner.
-    board
-        The board in the images, `None` where it is not known.
-    note
-        How it differs from the board that was given; empty if it does not.
+    board, note
+        The board in the images, `None` if unknown, and its difference from the given one; empty if equal.
     """
 
     lens: Lens
@@ -56,7 +54,7 @@ class Calibration:
 
     @property
     def model(self) -> str:
-        """Name of the lens model in files, as in ROS: ``plumb_bob`` is Brown's, ``equidistant`` OpenCV's fisheye."""
+        """Name of the lens model in files, as in ROS: ``plumb_bob`` (Brown), ``equidistant`` (fisheye)."""
         return self.lens.model or self.lens.name
 
     @property
@@ -71,11 +69,11 @@ class Calibration:
 
     @property
     def covered(self) -> float:
-        """Share of the cells of the image that hold a point."""
+        """Share of the cells of the image that contain a point."""
         return float((self.coverage > 0).mean())
 
     def camera_spec(self, nominal: CameraSpec | None = None) -> CameraSpec:
-        """The nominal camera's pose with this lens."""
+        """Return a camera with the nominal pose and this lens."""
         fx, fy, cx, cy = (float(value) for value in self.intrinsics_px)
         found = {
             "width_px": self.width_px,

@@ -1,7 +1,7 @@
 """Calibrations as YAML that OpenCV's FileStorage and ROS's camera_info both read.
 
-ROS asks for ``camera_matrix``, ``distortion_coefficients``, ``rectification_matrix`` and ``projection_matrix`` with
-rows, cols and data; OpenCV for the first line and the mark ``!!opencv-matrix``. ROS's reader passes over the mark.
+ROS requires ``camera_matrix``, ``distortion_coefficients``, ``rectification_matrix`` and ``projection_matrix`` with
+rows, cols and data; OpenCV requires the first line and the mark ``!!opencv-matrix``, which ROS ignores.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from palpate.camera.lenses.brown import Brown
 from palpate.core import FloatArray, PalpateError
 
 _PINHOLE_COUNTS = (4, 5, 8, 12, 14)
-"""Counts of coefficients of OpenCV's pinhole models."""
+"""Numbers of coefficients of OpenCV's pinhole models."""
 _TANGENTIAL = 0.01
-"""Third and fourth coefficient up to which four unnamed ones count as k1, k2, p1, p2.
+"""Maximum third and fourth of four coefficients that count as k1, k2, p1, p2 if a file names no model.
 
-Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), a
-fisheye's of 0.01 to 0.1.
+Tangential coefficients of a mounted lens are of the order 0.001 (0.0007 and 0.0004 of the DAVIS in the tests), those
+of a fisheye of the order 0.01 to 0.1.
 """
 
 
@@ -57,12 +57,12 @@ def write_calibration(path: Path, calibration: Calibration, name: str = "camera"
 
 
 def read_calibration(path: Path) -> Calibration:
-    """Read a calibration written by us, by OpenCV, ROS or Kalibr (`palpate.camera.camera_formats`).
+    """Read a calibration written by palpate, OpenCV, ROS or Kalibr (`palpate.camera.camera_formats`).
 
     Raises
     ------
     PalpateError
-        If the file is no calibration, or its coefficients are not those of the lens model that it names.
+        If the file is not a calibration, or its coefficients are not those of the lens model that it names.
     """
     try:
         return _calibration(path.name, read_camera_text(path.name, path.read_text(encoding="utf-8")))
@@ -80,7 +80,7 @@ def read_calibration(path: Path) -> Calibration:
     ) as error:
         raise PalpateError(
             f"{path.name} is not a calibration: {_first_line(error)}.",
-            "Known are YAML, XML and JSON of OpenCV, YAML, ost.ini and `topic echo` of ROS, and camchains of Kalibr.",
+            "Give YAML, XML or JSON of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a camchain of Kalibr.",
             code="calibration-file-unreadable",
         ) from error
 
@@ -91,10 +91,10 @@ def _first_line(error: Exception) -> str:
 
 
 def _find_lens(name: str, content: dict[str, Any]) -> Lens:
-    """The lens of OpenCV's coefficients: 4 to 14 of a pinhole, 4 of a fisheye.
+    """Return the lens of OpenCV's coefficients: 4 to 14 of a pinhole, 4 of a fisheye.
 
-    A file without a model is of a pinhole. With four coefficients it may be a fisheye's as well, unless the third and
-    fourth are as small as tangential coefficients are.
+    A file without a model is of a pinhole camera. Four coefficients may also be those of a fisheye, unless the third
+    and fourth are as small as tangential coefficients.
     """
     values = _numbers(content.get("distortion_coefficients", []), None)
     named = content.get("distortion_model")
@@ -109,7 +109,7 @@ def _find_lens(name: str, content: dict[str, Any]) -> Lens:
         if len(values) == 14 and values[12:].any():
             raise PalpateError(
                 f"{name} has the tilted sensor model (τx {values[12]:g}, τy {values[13]:g}), which palpate does not "
-                "have.",
+                "support.",
                 "Calibrate without CALIB_TILTED_MODEL.",
                 code="lens-model-unknown",
             )

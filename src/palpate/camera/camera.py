@@ -1,10 +1,10 @@
-"""The camera: intrinsics and a lens, posed in the dome's frame.
+"""The camera: intrinsics and a lens, with a pose in the skin's frame.
 
     points_camera = camera_from_dome · (points_dome - origin)
     (u, v) = (cx + fx x_d, cy + fy y_d),   (x_d, y_d) = lens(x/z, y/z)
 
-Behind a window (`palpate.camera.window`) a point is seen where its line of sight, which bends at two planes, leaves
-the pinhole. Nominally the camera's axes are the dome's: columns run along x, rows along y, and it looks up the axis.
+Behind a window (`palpate.camera.window`) a point is projected along its line of sight, which is refracted at two
+planes. Nominally the camera's axes are the skin's: columns run along x, rows along y, and it looks up the axis.
 """
 
 from __future__ import annotations
@@ -24,20 +24,18 @@ from palpate.core import BoolArray, FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A camera below the dome.
+    """A camera below the skin.
 
     Attributes
     ----------
-    spec
-        What it was built from.
-    lens
-        Its lens.
+    spec, lens
+        Its spec, and its lens.
     camera_from_dome
-        (3, 3) rotation from the dome's frame to the camera's.
+        (3, 3) rotation from the skin's frame to the camera's.
     origin
-        (3,) the pinhole in the dome's frame, mm.
+        (3,) pinhole in the skin's frame, mm.
     window
-        The window that it looks through; `None`: air all the way.
+        Window between camera and markers; `None`: only air.
     """
 
     spec: CameraSpec
@@ -57,17 +55,17 @@ class Camera:
         return self.spec.height_px
 
     def project(self, points: ArrayLike) -> FloatArray:
-        """Pixels of points.
+        """Project points to pixels.
 
         Parameters
         ----------
         points
-            (..., 3) in the dome's frame, mm; a tensor of torch as well, which then differentiates through it.
+            (..., 3) in the skin's frame, mm; an array, or a torch tensor, through which it is differentiable.
 
         Returns
         -------
         ndarray
-            (..., 2) column and row, px; NaN for points behind the camera; a tensor of tensors.
+            (..., 2) column and row, px; NaN for points behind the camera; a tensor for tensors.
         """
         plane = self._on_unit_plane(points)
         scale, middle = (as_array(each, plane) for each in self._intrinsics())
@@ -75,23 +73,12 @@ class Camera:
         return pixels
 
     def visible(self, points: ArrayLike, skin: Surface | None = None) -> BoolArray:
-        """Whether points can be seen.
+        """Test (...) whether points (..., 3) mm in the skin's frame are visible.
 
-        A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.
-        With a dome, the line of sight must also pass the opening of its base (radius B in the plane z = 0):
-        the clamped rim hides what bulges beyond it. Folds of the wall itself are not looked for.
-
-        Parameters
-        ----------
-        points
-            (..., 3) in the dome's frame, mm.
-        skin
-            The dome that the points belong to.
-
-        Returns
-        -------
-        ndarray of bool
-            (...)
+        A point is visible if it is in front of the camera, within the range where the lens does not fold, and inside
+        the image. If `skin` is given, the line of sight must also pass through the opening of its base (radius B in
+        the plane z = 0): the clamped rim hides parts that bulge beyond it. Occlusion by folds of the skin itself is
+        not tested.
         """
         points = np.asarray(points, float)
         pixels = self.project(points)
@@ -104,7 +91,7 @@ class Camera:
         return np.asarray(seen)
 
     def back_project(self, pixels: ArrayLike) -> FloatArray:
-        """Directions in which pixels look, in air; `sight_lines` follows them behind a window.
+        """Return the directions of pixels in air; `sight_lines` continues them behind a window.
 
         Parameters
         ----------
@@ -114,7 +101,7 @@ class Camera:
         Returns
         -------
         ndarray
-            (..., 3) unit vectors in the dome's frame, from `origin`.
+            (..., 3) unit vectors in the skin's frame, from `origin`.
 
         Raises
         ------
@@ -128,19 +115,14 @@ class Camera:
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
     def sight_lines(self, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Lines of sight of pixels in what lies between camera and markers.
-
-        Parameters
-        ----------
-        pixels
-            (..., 2) column and row, px.
+        """Return the lines of sight of pixels (..., 2) in the medium between camera and markers.
 
         Returns
         -------
         starts
-            (..., 3) mm: the pinhole, or where the lines leave the window.
+            (..., 3) mm: the pinhole, or the points where the lines leave the window.
         rays
-            (..., 3) unit vectors in the dome's frame.
+            (..., 3) unit vectors in the skin's frame.
 
         Raises
         ------
@@ -164,7 +146,7 @@ class Camera:
         return plane
 
     def _arm(self, points: FloatArray) -> FloatArray:
-        """Ways (..., 3) mm in which points are seen from the pinhole."""
+        """Return the vectors (..., 3) mm along which points are seen from the pinhole."""
         if self.window is not None:
             return self.window.aim(self.origin, points)
         return points - as_array(self.origin, points)

@@ -1,6 +1,6 @@
-"""Camera files of other tools, brought to the keys of ROS's ``camera_info`` YAML.
+"""Conversion of camera files of other tools to the keys of ROS's ``camera_info`` YAML.
 
-Read are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
+Supported are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
 ``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr. Matrices may be blocks with ``data``, nested or flat lists.
 """
 
@@ -30,7 +30,7 @@ _NAMES = {
     "image_size": ("image_size", "imagesize", "resolution"),
     "distortion_model": ("distortion_model", "model", "lens_model"),
 }
-"""Names of each key in files, in small letters, by the key of ROS."""
+"""Names of each key in files, in lower case, by the key of ROS."""
 
 
 def read_camera_text(name: str, text: str) -> dict[str, Any]:
@@ -39,9 +39,9 @@ def read_camera_text(name: str, text: str) -> dict[str, Any]:
     Raises
     ------
     PalpateError
-        If it has several cameras, a model that no lens of palpate has, or no camera matrix or image size.
+        If it has several cameras, a model that palpate does not support, or no camera matrix or image size.
     ValueError
-        If the text is not of its format; of ruamel and ElementTree, their own errors.
+        If the text does not have its format; ruamel and ElementTree raise their own errors.
     """
     start = text.lstrip("\ufeff \r\n\t")
     if start.startswith("<"):
@@ -53,18 +53,18 @@ def read_camera_text(name: str, text: str) -> dict[str, Any]:
     else:
         content = _read_yaml(start)
     if not isinstance(content, dict):
-        raise ValueError("it holds no keys")
+        raise ValueError("it contains no keys")
     return _by_ros_keys(name, _from_kalibr(name, content))
 
 
 def _read_yaml(text: str) -> Any:
-    """The first document of a YAML file, with or without the marks of OpenCV."""
+    """Return the first document of a YAML file, with or without the marks of OpenCV."""
     lines = ["" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()]
     return next((content for content in YAML(typ="safe").load_all("\n".join(lines)) if content is not None), None)
 
 
 def _read_xml(text: str) -> dict[str, Any]:
-    """Content of OpenCV's XML; entities are refused, since these may grow without bound."""
+    """Return the content of OpenCV's XML; entities are rejected, since their size is not bounded."""
     if "<!ENTITY" in text.upper():
         raise ValueError("it declares entities")
     content: dict[str, Any] = {}
@@ -78,7 +78,7 @@ def _read_xml(text: str) -> dict[str, Any]:
 
 
 def _read_ini(file: str, text: str) -> dict[str, Any]:
-    """Content of ``ost.ini`` of camera_calibration: a name, and its numbers on the lines below."""
+    """Return the content of ``ost.ini`` of camera_calibration: a name, and its numbers on the lines below."""
     content: dict[str, Any] = {}
     name = ""
     for line in map(str.strip, text.splitlines()):
@@ -103,14 +103,14 @@ def _read_ini(file: str, text: str) -> dict[str, Any]:
 
 def _several(found: str, name: str, count: int) -> PalpateError:
     return PalpateError(
-        f"{name} holds {count} cameras: {found}.",
-        "Copy the one that is meant to a file of its own.",
+        f"{name} contains {count} cameras: {found}.",
+        "Copy one camera to a separate file.",
         code="calibration-several-cameras",
     )
 
 
 def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    """The content as ROS writes it, of a camchain by Kalibr; any other content unchanged."""
+    """Convert a camchain of Kalibr to the keys of ROS; return any other content unchanged."""
     chain = {key: value for key, value in content.items() if _CAMERA.fullmatch(str(key))}
     if not chain:
         return content
@@ -120,7 +120,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
     model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
     if model != "pinhole" or lens not in KALIBR_LENSES:
         raise PalpateError(
-            f"{name} has Kalibr's model {model}-{lens}, which palpate does not have.",
+            f"{name} has Kalibr's model {model}-{lens}, which palpate does not support.",
             "Calibrate with pinhole-radtan or pinhole-equi.",
             code="lens-model-unknown",
         )
@@ -155,6 +155,6 @@ def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
 
 
 def flat(block: Any) -> list[Any]:
-    """Numbers of a matrix: a block with ``data``, or flat or nested lists."""
+    """Return the numbers of a matrix: a block with ``data``, or flat or nested lists."""
     values = block["data"] if isinstance(block, Mapping) else block
     return [one for value in values for one in (flat(value) if isinstance(value, list) else [value])]

@@ -1,4 +1,4 @@
-"""Boards to print: a PDF in true size, and the same as an image for tests and screens."""
+"""Boards for printing: a PDF in true size, and an image for tests and screens."""
 
 from __future__ import annotations
 
@@ -10,32 +10,22 @@ from numpy.typing import NDArray
 from palpate.camera.board import BoardSpec, board_points, charuco_bits
 
 _MARGIN = 1.0
-"""White around the pattern, in squares."""
+"""White margin around the pattern, in squares."""
 _MM_PER_INCH = 25.4
 _DOT = 0.35
 """Radius of a circle over the distance of two rows."""
 
 
 def board_size(board: BoardSpec) -> tuple[float, float]:
-    """Width and height of the printed sheet in mm, white margin included."""
+    """Return width and height of the printed sheet in mm, white margin included."""
     columns, rows = _cells(board)
     return (columns + 2 * _MARGIN) * board.square, (rows + 2 * _MARGIN) * board.square
 
 
 def draw_board(board: BoardSpec, px_per_mm: float) -> NDArray[np.uint8]:
-    """Image of the printed sheet.
+    """Draw the printed sheet as an image (h, w) of 0 and 255.
 
-    Parameters
-    ----------
-    board
-        The board.
-    px_per_mm
-        Pixels a millimetre. The board's point (0, 0) lies one square inside the top left corner of the sheet.
-
-    Returns
-    -------
-    ndarray
-        (h, w) 0 or 255.
+    The board's point (0, 0) is one square inside the top left corner of the sheet.
     """
     width, height = board_size(board)
     rows, columns = round(height * px_per_mm), round(width * px_per_mm)
@@ -55,7 +45,10 @@ def draw_board(board: BoardSpec, px_per_mm: float) -> NDArray[np.uint8]:
 
 
 def write_board(path: Path, board: BoardSpec) -> None:
-    """Write the board as a PDF in true size: print it at 100 %, glue it to something flat, measure a square."""
+    """Write the board as a PDF in true size.
+
+    Print it at 100 %, glue it to a flat plate, and measure a square.
+    """
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
     from matplotlib.figure import Figure
     from matplotlib.patches import Circle, Rectangle
@@ -86,7 +79,7 @@ def _cells(board: BoardSpec) -> tuple[int, int]:
 
 
 def _black_squares(board: BoardSpec) -> list[tuple[float, float, float]]:
-    """Left, top and side of everything black, mm; a chessboard's first inner corner is (0, 0)."""
+    """Return left, top and side of all black squares, mm; a chessboard's first inner corner is (0, 0)."""
     columns, rows = _cells(board)
     shift = board.square if board.kind == "chessboard" else 0.0
     pairs = [(column, row) for row in range(rows) for column in range(columns)]

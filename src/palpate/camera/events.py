@@ -1,12 +1,12 @@
-"""Events of a press, as an event camera such as a DAVIS would send them beside its images.
+"""Events of a press, as an event camera such as a DAVIS sends them in addition to its images.
 
-A pixel remembers a level M of the logarithm L of its light. Whenever L has moved from it by the threshold C, it sends
-an event of the sign of the motion, and M is one step further. Between two images L moves evenly in time, so that
+A pixel stores a level M of the logarithm L of its light. Whenever L differs from it by the threshold C, the pixel
+sends an event with the sign of the change, and M moves by one threshold. Between two images L is linear in time, so
 
     t = t_0 + (t_1 - t_0) (M ± k C - L_0) / (L_1 - L_0),      k = 1 … floor(|L_1 - M| / C)
 
-(Lichtsteiner, Posch and Delbruck, *IEEE J. Solid-State Circuits* 43 (2008) 566, for the pixel). Each pixel has a
-threshold of its own, and sends no two events within its dead time.
+(pixel model: Lichtsteiner, Posch and Delbruck, *IEEE J. Solid-State Circuits* 43 (2008) 566). Each pixel has its own
+threshold, and sends no two events within its dead time.
 """
 
 from __future__ import annotations
@@ -22,14 +22,16 @@ from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, Spec, ge
 
 
 class EventSpec(Spec):
-    """The pixels of an event camera."""
+    """Properties of the pixels of an event camera."""
 
     threshold: float = parameter(0.15, unit="1", meaning="change of log light that makes an event", gt=0.01, le=2)
     spread: float = parameter(
-        0.03, unit="1", meaning="standard deviation of the threshold from pixel to pixel, share of it", ge=0, le=0.3
+        0.03, unit="1", meaning="relative standard deviation of the threshold between pixels", ge=0, le=0.3
     )
     dark: float = parameter(2.0, unit="1", meaning="grey level added to the light, that of the dark current", gt=0)
-    dead_time: float = parameter(0.0, unit="s", meaning="time after an event in which its pixel is blind", ge=0, le=1)
+    dead_time: float = parameter(
+        0.0, unit="s", meaning="time after an event without further events of its pixel", ge=0, le=1
+    )
     seed: int = parameter(0, unit="1", meaning="seed of the thresholds", ge=0)
 
 
@@ -44,7 +46,7 @@ class Events:
     column, row
         (n,) pixel.
     brighter
-        (n,) whether it got brighter.
+        (n,) whether the pixel got brighter.
     """
 
     time: FloatArray
@@ -59,21 +61,21 @@ class Events:
 def stream_events(
     images: Iterable[NDArray[Any]], times: Iterable[float], spec: EventSpec | None = None
 ) -> Iterator[Events]:
-    """Events between every two images; render without noise, a pixel's own noise would be steps.
+    """Yield the events between successive images; render these without noise, which would give events too.
 
     Parameters
     ----------
     images
         (h, w) grey levels, all of one size.
     times
-        Time of each, s, rising.
+        Time of each image, s, ascending.
     spec
         The pixels.
 
     Raises
     ------
     PalpateError
-        If an image has another size, or the time does not rise.
+        If an image has another size, or the times are not ascending.
     """
     spec = spec or EventSpec()
     nothing: FloatArray = np.empty((0, 0))
@@ -88,7 +90,7 @@ def stream_events(
             raise PalpateError(
                 f"An image of {now.shape[1]} × {now.shape[0]} px at {time:g} s follows one of {light.shape[1]} × "
                 f"{light.shape[0]} px at {before:g} s.",
-                "Give images of one size at rising times.",
+                "Give images of one size at ascending times.",
                 code="events-image-order",
             )
         else:
@@ -100,7 +102,7 @@ def stream_events(
 def _between(
     light: tuple[FloatArray, FloatArray], times: tuple[float, float], remembered: FloatArray, step: FloatArray
 ) -> tuple[Events, FloatArray]:
-    """Events while log light goes evenly from one image to the next, and what every pixel remembers then."""
+    """Return the events between two images, with linear log light, and the new levels of the pixels."""
     start, end = light
     gathered = end - remembered
     counts = np.floor(np.abs(gathered) / step).astype(int)
@@ -119,7 +121,7 @@ def _between(
 
 
 def _without_blind(events: Events, last: FloatArray, dead_time: float) -> Events:
-    """Leave out events within the dead time of their pixel; `last` is brought up to date."""
+    """Leave out events within the dead time of their pixel; `last` is updated."""
     if not dead_time:
         return events
     keep = np.zeros(len(events), bool)

@@ -1,4 +1,4 @@
-"""The points of a board in an image."""
+"""Detection of the points of a board in an image."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from palpate.camera.board import BoardSpec, board_points, charuco_board
 from palpate.core import FloatArray, load_opencv
 
 LEAST_POINTS = 8
-"""Points of one image below which it says little; the homography alone takes four."""
+"""Minimum number of points in an image; a homography alone requires four."""
 _LARGEST_WINDOW_PX = 11
 _OFF_GRID, _ON_GRID = 0.3, 0.6
-"""Distance from a flat grid, over that of corners, and the share of corners within it."""
+"""Maximum distance from a flat grid over that of corners, and minimum share of corners within it."""
 
 
 def find_board(
@@ -28,14 +28,14 @@ def find_board(
     image
         (h, w) or (h, w, 3).
     board
-        What to look for.
+        The board.
     window_px
-        Half the window in which a chessboard's corner is refined; without it, a third of the squares and at most 11.
+        Half the window in which a chessboard's corner is refined; by default a third of the squares and at most 11.
 
     Returns
     -------
     tuple or str
-        Numbers (n,) of the points (see `board_points`) and their pixels (n, 2); or why there are none.
+        Indices (n,) of the points (see `board_points`) and their pixels (n, 2); or the reason of a failure.
     """
     cv2 = load_opencv()
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
@@ -103,5 +103,5 @@ def _find_charuco(
     spacing = float(np.median(cKDTree(pixels).query(pixels, 2)[0][:, 1]))
     _, fits = cv2.findHomography(points, pixels, cv2.RANSAC, max(_OFF_GRID * spacing, 1.0))
     if fits is None or np.mean(fits) < _ON_GRID:
-        return f"the {count} corners found do not lie as on this board"
+        return f"the {count} corners found do not match the grid of this board"
     return chosen, pixels

@@ -1,8 +1,9 @@
-"""The contract of a lens: where a direction appears, and which direction a pixel looks in.
+"""Interface of a lens: projection of a direction, and its inverse.
 
-A lens maps the plane at unit distance, ``(x/z, y/z)`` of a point before the camera, onto itself; focal lengths and
-principal point then give pixels. Each lens stands in a file of `palpate.camera.lenses` or in another package, which
-names it in its entry points (group ``palpate.lenses``); `palpate.testing.LensSuite` holds it to this contract.
+A lens maps the plane at unit distance, ``(x/z, y/z)`` of a point in front of the camera, onto itself; focal lengths
+and principal point then give pixels. Each lens is in a file of `palpate.camera.lenses`, or in another package that
+names it in its entry points (group ``palpate.lenses``). `palpate.testing.LensSuite` tests a lens against this
+interface.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ class Lens(ABC):
     Attributes
     ----------
     name
-        In a spec, ``camera: {lens: name}``; the name of its entry point.
+        Name in a spec, ``camera: {lens: name}``, and of its entry point.
     model
-        In calibration files, as in ROS; the name, if there is no other.
+        Name in calibration files, as in ROS; equal to `name` if empty.
     refinable
-        Coefficients that one image of the dome at rest may refine with the camera's pose, with the standard deviation
-        of another copy of the lens, to which they are held.
+        Coefficients that one rest image may refine with the camera's pose, with their prior standard deviations:
+        those between copies of the lens.
     leading
-        Coefficient of the square of the distance from the middle, or of the angle to the axis, by which the image is
-        stretched over that of the ideal lens of its kind: what a calibration leaves over first; empty: there is none.
+        Coefficient of the lowest order of the radial distortion, which a calibration error changes first; may be
+        empty.
     """
 
     name: ClassVar[str]
@@ -44,25 +45,25 @@ class Lens(ABC):
     @property
     @abstractmethod
     def max_radius(self) -> float:
-        """Greatest radius on the unit plane up to which the lens is valid, infinite for most; beyond it it folds."""
+        """Maximum radius on the unit plane at which the lens is valid, infinite for most; it folds beyond."""
 
     @abstractmethod
     def distort(self, points: FloatArray) -> FloatArray:
-        """Where ideal points (..., 2) on the unit plane appear, (..., 2) on the same plane; NaN stays NaN."""
+        """Return the distorted points (..., 2) of ideal points (..., 2) on the unit plane; NaN stays NaN."""
 
     @abstractmethod
     def undistort(self, points: FloatArray) -> FloatArray:
-        """Ideal points (..., 2) of observed ones (..., 2), which `distort` gives back to 1e-9.
+        """Return the ideal points (..., 2) of distorted ones (..., 2); `distort` inverts this to 1e-9.
 
         Raises
         ------
         PalpateError
-            If a point is not seen by this lens; `folded` makes the error.
+            If a point is outside the image of this lens; `folded` makes the error.
         """
 
     @abstractmethod
     def mirrored(self) -> Self:
-        """The lens of the same image with left and right exchanged."""
+        """Return the lens of the same image with left and right exchanged."""
 
     @cached_property
     def coefficients(self) -> tuple[float, ...]:
@@ -71,7 +72,7 @@ class Lens(ABC):
 
     @classmethod
     def parameters(cls) -> tuple[str, ...]:
-        """Names of the coefficients."""
+        """Return the names of the coefficients."""
         return tuple(item.name for item in fields(cls))
 
 
@@ -103,18 +104,18 @@ _TOLERANCE = 1e-10
 
 
 def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
-    """Make a lens of its coefficients.
+    """Make a lens from its coefficients.
 
     Raises
     ------
     PalpateError
-        If there is no such lens, or it takes another count of coefficients.
+        If the lens is unknown, or has another number of coefficients.
     """
     kind: Any = LENSES.get(name)
     names = kind.parameters()
     if len(coefficients) != len(names):
         raise PalpateError(
-            f"The lens {name} has {len(names)} coefficients, but {len(coefficients)} are given.",
+            f"The lens {name} has {len(names)} coefficients; got {len(coefficients)}.",
             f"Give {', '.join(names)}.",
             code="lens-coefficient-count",
         )
@@ -123,14 +124,14 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
 
 
 def lens_from_model(model: str) -> type[Lens] | None:
-    """The lens of a model's name in a calibration file; `None` where there is none."""
+    """Return the lens of a model's name in a calibration file; `None` if it is unknown."""
     plain = model.lower().replace("-", "_")
     wanted = _ALIASES.get(plain, plain)
     return next((lens for _, lens in LENSES.available() if wanted in (lens.model, lens.name.replace("-", "_"))), None)
 
 
 def fold_of(slopes: Sequence[float]) -> float:
-    """First zero of a polynomial in squares, ``1 + a r² + b r⁴ + …`` by its coefficients; infinite where none is."""
+    """Return the smallest zero r > 0 of ``1 + a r² + b r⁴ + …`` by its coefficients; infinite without one."""
     # in 1/r² the leading coefficient is 1, so vanishing coefficients do no harm
     inverse = max((root.real for root in np.roots(slopes) if abs(root.imag) < 1e-12), default=0.0)
     return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
@@ -139,16 +140,16 @@ def fold_of(slopes: Sequence[float]) -> float:
 def undistort_by_newton(
     lens: Lens, slope: Callable[[FloatArray], FloatArray], points: FloatArray, iterations: int = _ITERATIONS
 ) -> FloatArray:
-    """Ideal points (..., 2) of observed ones (..., 2) by Newton's iteration.
+    """Return the ideal points (..., 2) of distorted ones (..., 2) by Newton's iteration.
 
     Parameters
     ----------
     lens
         The lens, which distorts.
     slope
-        (..., 2, 2) derivative of its `distort` at points (..., 2); if that is singular, the identity is taken.
+        (..., 2, 2) derivative of its `distort` at points (..., 2); if that is singular, the identity is used.
     points
-        Observed points.
+        Distorted points.
     iterations
         Maximum number of iterations.
 
@@ -174,9 +175,9 @@ def undistort_by_newton(
 
 
 def folded(limit: float) -> PalpateError:
-    """The error of a pixel that no direction appears at."""
+    """Return the error of a pixel outside the image of a lens."""
     return PalpateError(
         f"The lens distortion folds at radius {limit:.3g}, so a pixel cannot be traced back.",
-        "Use points nearer the middle of the image, or coefficients fitted over the whole image.",
+        "Use points closer to the centre of the image, or coefficients fitted over the whole image.",
         code="lens-folds",
     )

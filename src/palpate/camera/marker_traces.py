@@ -1,8 +1,8 @@
-"""Printed dots and their traces in an image.
+"""Printed markers and their traces: the areas that they cover in an image.
 
-The centre of a trace is not the projection of the centre of its dot: a disc of radius ρ tilted by t at distance Z
-appears as an ellipse whose centre lies f ρ² sin t cos t / Z² further to the side that is nearer, and where the skin
-is bent, or stretched unevenly, it lies elsewhere again.
+The centroid of a trace is not the projection of the marker's centre: a disc of radius ρ tilted by t at distance Z
+appears as an ellipse whose centre is displaced by f ρ² sin t cos t / Z² towards the closer side. Curvature and uneven
+stretch of the skin displace it too.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _EDGE_POINTS = 32
 
 
 def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
-    """(k, 2) corners of a polygon with the area of a disc of `radius` mm, in its plane."""
+    """Return the corners (k, 2) of a polygon with the area of a disc of `radius` mm, in its plane."""
     angle = 2.0 * np.pi * np.arange(count) / count
     grown = radius * np.sqrt(np.pi / (count / 2.0 * np.sin(2.0 * np.pi / count)))
     return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
@@ -29,21 +29,16 @@ def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
 def flat_marker_outlines(
     centres: FloatArray, normals: FloatArray, diameter: float, corners: int = _EDGE_POINTS
 ) -> FloatArray:
-    """Edges of flat discs tangent to a surface.
+    """Return the outlines (m, k, 3) mm of flat discs tangent to a surface.
 
     Parameters
     ----------
     centres, normals
         (m, 3) mm and unit vectors.
     diameter
-        Of a dot, mm.
+        Diameter of a marker, mm.
     corners
-        Of the polygons of the same area that stand for discs.
-
-    Returns
-    -------
-    ndarray
-        (m, k, 3) mm.
+        Number of corners of the polygons, which have the area of the discs.
 
     Examples
     --------
@@ -58,27 +53,15 @@ def flat_marker_outlines(
 
 
 def marker_outlines(skin: Surface, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
-    """Edges of round dots that lie on the inner surface of a skin.
+    """Return the outlines (m, k, 3) mm of round markers on the inner surface of a skin.
 
-    Parameters
-    ----------
-    skin
-        The skin.
-    centres
-        (m, 3) mm, on its inner surface.
-    diameter, corners
-        As for `flat_marker_outlines`.
-
-    Returns
-    -------
-    ndarray
-        (m, k, 3) mm.
+    `centres` (m, 3) mm are on this surface; `diameter` and `corners` are as for `flat_marker_outlines`.
     """
     return skin.nearest(flat_marker_outlines(centres, skin.normal(centres), diameter, corners))
 
 
 def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another.
+    """Return two unit vectors (m, 3) each, orthogonal to unit normals (m, 3) and to one another.
 
     Examples
     --------
@@ -93,14 +76,14 @@ def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 class MarkerTraces(NamedTuple):
-    """Centroids (m, 2) px of the traces of dots, and diameters (m,) px of discs as large as they are."""
+    """Centroids (m, 2) px of the traces of markers, and diameters (m,) px of discs of equal area."""
 
     centres: FloatArray
     diameters: FloatArray
 
 
 def project_markers(camera: Camera, edges: FloatArray) -> MarkerTraces:
-    """Traces of markers with outlines (..., m, k, 3) mm, arrays or tensors; centres are (..., m, 2)."""
+    """Return the traces (..., m) of markers with outlines (..., m, k, 3) mm, arrays or tensors."""
     pixels = camera.project(edges)
     module, x, y = array_module(pixels), pixels[..., 0], pixels[..., 1]
     nx, ny = module.roll(x, -1, -1), module.roll(y, -1, -1)

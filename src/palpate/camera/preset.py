@@ -9,20 +9,20 @@ _PRESETS = {"davis346": CameraSpec()}
 
 
 def list_presets() -> tuple[str, ...]:
-    """Names of the cameras that `preset` knows."""
+    """Return the names of the cameras that `camera_preset` knows."""
     return tuple(_PRESETS)
 
 
 def camera_preset(name: str) -> CameraSpec:
-    """Spec of a camera by its name.
+    """Return the spec of a camera by its name.
 
     Raises
     ------
     PalpateError
-        If there is no such camera; the message lists those that are.
+        If the camera is unknown; the message lists the known ones.
     """
     if name not in _PRESETS:
         raise PalpateError(
-            f"There is no camera named {name!r}.", f"Take one of: {', '.join(_PRESETS)}.", code="camera-unknown"
+            f"Unknown camera {name!r}.", f"Choose one of: {', '.join(_PRESETS)}.", code="camera-unknown"
         )
     return _PRESETS[name]

@@ -1,4 +1,4 @@
-"""Image files: their size is read before their content, so that no file can fill the memory.
+"""Reading of image files; the size is checked before decoding, so that no file exhausts the memory.
 
 Pixels are those of the sensor: a camera's EXIF orientation is ignored, since a lens belongs to the sensor's pixels.
 A Bayer mosaic is developed to its green channel (`develop_mosaic`).
@@ -18,21 +18,23 @@ from palpate.core.files import natural_key
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
-"""Largest image that is read, in millions of pixels."""
+"""Maximum size of an image, in millions of pixels."""
 _MOSAIC, _PART, _SHARE = 0.08, 8, 0.9
-"""Relative difference of colours of a mosaic, and the share of image parts of 16 × 16 px that
-must agree in its sign; grey images differ by either sign alike."""
+"""Criteria of a mosaic: minimum difference of colours, and share of image parts with the same sign.
+
+The difference is relative; a part has 16 × 16 px. In grey images both signs are equally frequent.
+"""
 
 
 def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
-    """Read an image as it is.
+    """Read an image without change, except for a mosaic.
 
     Parameters
     ----------
     path
         The file.
     largest_mpx
-        Largest image that is read, in millions of pixels.
+        Maximum size of the image, in millions of pixels.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
     Raises
     ------
     PalpateError
-        If the file is missing, cut off, no image or too large.
+        If the file is missing, cut off, not an image or too large.
     MissingExtraError
         If OpenCV or Pillow is not installed.
     """
@@ -56,21 +58,12 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
 
 
 def decode_image(content: bytes, name: str = "The image", largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
-    """Decode the content of an image file, as `read_image` does.
-
-    Parameters
-    ----------
-    content
-        The file.
-    name
-        What it is called in errors.
-    largest_mpx
-        Largest image that is read, in millions of pixels.
+    """Decode the content of an image file, as `read_image` does; `name` is used in errors.
 
     Raises
     ------
     PalpateError
-        If it is cut off, no image or too large.
+        If it is cut off, not an image or too large.
     MissingExtraError
         If OpenCV or Pillow is not installed.
     """
@@ -78,7 +71,7 @@ def decode_image(content: bytes, name: str = "The image", largest_mpx: float = L
     if width * height > largest_mpx * 1e6:
         raise PalpateError(
             f"{name} has {width} × {height} px, more than {largest_mpx:g} million.",
-            "Shrink the image.",
+            "Reduce the size of the image.",
             code="image-too-large",
         )
     cv2 = load_opencv()
@@ -97,8 +90,9 @@ def decode_image(content: bytes, name: str = "The image", largest_mpx: float = L
 def develop_mosaic(image: NDArray[Any]) -> NDArray[Any]:
     """Develop a Bayer mosaic saved as grey to its green channel; return any other image unchanged.
 
-    A mosaic is recognised by its four pixels of each 2 × 2: two on a diagonal agree (green), and one of the second
-    diagonal is darker, or brighter, than these by more than `_MOSAIC` and in nearly all lit parts of the image.
+    A mosaic is recognised by the four pixels of each 2 × 2 block: two on a diagonal are equal (green), and one of the
+    second diagonal is darker, or brighter, than these by more than `_MOSAIC` and in nearly all lit parts of the
+    image.
     """
     if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16) or min(image.shape) < 2 * _PART:
         return image
@@ -121,19 +115,21 @@ def develop_mosaic(image: NDArray[Any]) -> NDArray[Any]:
 
 
 def list_images(folder: Path) -> tuple[Path, ...]:
-    """Image files of a folder by name, numbers in natural order.
+    """Return the image files of a folder by name, numbers in natural order.
 
     Raises
     ------
     PalpateError
-        If it is no folder or has no image.
+        If it is not a folder or has no image.
     """
     if not folder.is_dir():
         raise PalpateError(f"{folder} is not a folder.", "Give a folder of images.", code="folder-missing")
     images = (path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and not path.name.startswith("."))
     found = tuple(sorted(images, key=lambda path: natural_key(path.name)))
     if not found:
-        raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.", code="folder-no-image")
+        raise PalpateError(
+            f"{folder} contains no image.", f"Supported formats: {', '.join(SUFFIXES)}.", code="folder-no-image"
+        )
     return found
 
 
@@ -146,7 +142,7 @@ def _read_size(content: bytes, name: str) -> tuple[int, int]:
             return int(image.size[0]), int(image.size[1])
     except UnidentifiedImageError as error:
         raise PalpateError(
-            f"{name} is not an image.", f"Known are {', '.join(SUFFIXES)}.", code="image-format-unknown"
+            f"{name} is not an image.", f"Supported formats: {', '.join(SUFFIXES)}.", code="image-format-unknown"
         ) from error
     except (OSError, ValueError, SyntaxError) as error:
         raise PalpateError(f"{name} cannot be read: {error}.", "Check the file.", code="image-unreadable") from error

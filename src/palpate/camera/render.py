@@ -1,7 +1,6 @@
-"""Images of the inside of a dome: printed dots as discs on the deformed surface, and what spoils real images.
+"""Rendered images of the inside of a skin: markers on the deformed surface, and typical image defects.
 
-Each dot is the ring of its edge carried by the surface, projected, and filled on a grid 8 times finer than the
-pixels.
+Each marker is an outline on the surface, projected, and filled on a grid 8 times finer than the pixels.
 """
 
 from __future__ import annotations
@@ -16,44 +15,37 @@ SUPERSAMPLING = 8
 
 
 class RenderSpec(Spec):
-    """Light, lens and sensor of a rendered image; by default nothing is spoiled."""
+    """Light, lens and sensor of a rendered image; the defaults have no defects."""
 
-    ground: float = parameter(
-        200.0, unit="1", meaning="grey level of the wall where the light is brightest", ge=0, le=255
-    )
-    dot: float = parameter(60.0, unit="1", meaning="grey level of a dot in the same light", ge=0, le=255)
+    ground: float = parameter(200.0, unit="1", meaning="grey level of the skin at the brightest place", ge=0, le=255)
+    dot: float = parameter(60.0, unit="1", meaning="grey level of a marker in the same light", ge=0, le=255)
     vignetting: float = parameter(0.0, unit="1", meaning="share of light lost in the image's corners", ge=0, le=0.95)
     unevenness: float = parameter(
-        0.0, unit="1", meaning="share of light lost from one side to the other", ge=0, le=0.95
+        0.0, unit="1", meaning="relative decrease of the light across the image", ge=0, le=0.95
     )
     glare: float = parameter(0.0, unit="1", meaning="grey levels of the brightest of three reflections", ge=0, le=255)
     blur_px: float = parameter(0.0, unit="px", meaning="standard deviation of the lens blur", ge=0, le=20)
     noise: float = parameter(0.0, unit="1", meaning="standard deviation of a pixel, grey levels", ge=0, le=100)
-    dirt: int = parameter(0, unit="1", meaning="specks of dirt on the wall", ge=0, le=1000)
+    dirt: int = parameter(0, unit="1", meaning="number of specks of dirt on the skin", ge=0, le=1000)
     rim: bool = False
-    """Whether a bright rim and dark clutter lie outside the dome."""
+    """Whether a bright rim and dark clutter are visible outside the skin."""
     seed: int = parameter(0, unit="1", meaning="seed of light, dirt and noise", ge=0)
     noise_seed: int | None = parameter(
-        None, unit="1", meaning="seed of the noise alone, where light and dirt stay; empty: seed gives it too", ge=0
+        None, unit="1", meaning="seed of the noise alone, with unchanged light and dirt; empty: as seed", ge=0
     )
 
 
 def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) -> NDArray[np.uint8]:
-    """Render the dots as the camera sees them.
+    """Render the markers as the camera sees them, as (h, w) grey levels.
 
     Parameters
     ----------
     camera
         The camera.
     edges
-        (m, k, 3) mm, edges of the dots on the deformed surface, in the dome's frame.
+        (m, k, 3) mm, outlines of the markers on the deformed surface, in the skin's frame.
     spec
         Light, lens and sensor.
-
-    Returns
-    -------
-    ndarray
-        (h, w) grey levels.
 
     Examples
     --------
@@ -89,7 +81,7 @@ def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) ->
 
 
 def _cover(camera: Camera, edges: FloatArray) -> FloatArray:
-    """(h, w) share of each pixel that dots cover, from a grid 8 times finer."""
+    """Return the share (h, w) of each pixel that markers cover, from a grid 8 times finer."""
     cv2 = load_opencv()
     pixels = camera.project(edges)
     fine = np.zeros((camera.height_px * SUPERSAMPLING, camera.width_px * SUPERSAMPLING), np.uint8)
@@ -102,7 +94,7 @@ def _cover(camera: Camera, edges: FloatArray) -> FloatArray:
 
 
 def _fill(fine: NDArray[np.uint8], points: FloatArray) -> None:
-    """Fill fine pixels whose centre lies in a polygon; OpenCV's own filling also takes those that the edge cuts."""
+    """Fill fine pixels with their centre in a polygon; OpenCV's function also fills those cut by an edge."""
     low = np.maximum(np.floor(points.min(axis=0)).astype(int), 0)
     high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + 1, np.array(fine.shape)[::-1])
     if np.any(high <= low):
@@ -112,7 +104,7 @@ def _fill(fine: NDArray[np.uint8], points: FloatArray) -> None:
     rise = np.where(by == ay, 1.0, by - ay)
     crosses = (ay > y) != (by > y)
     across = np.sort(np.where(crosses, (bx - ax) * (y - ay) / rise + ax, -np.inf), axis=1)
-    most = int(crosses.sum(axis=1).max(initial=0))  # edges that a row meets, two for a convex dot
+    most = int(crosses.sum(axis=1).max(initial=0))  # edges that a row meets, two for a convex outline
     inside = (x < across[:, across.shape[1] - most :, None]).sum(axis=1) % 2 == 1
     fine[low[1] : high[1], low[0] : high[0]][inside] = 255
 
@@ -126,7 +118,7 @@ def _add_speck(cover: FloatArray, rng: np.random.Generator) -> None:
 
 
 def _add_rim(image: FloatArray, camera: Camera, edges: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """A bright ring about the dots and dark shapes beyond it."""
+    """Add a bright ring around the markers and dark shapes outside it."""
     pixels = camera.project(edges).reshape(-1, 2)
     middle = np.nanmean(pixels, axis=0)
     reach = float(np.nanmax(np.linalg.norm(pixels - middle, axis=1)))

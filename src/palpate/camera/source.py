@@ -1,9 +1,9 @@
-"""Where images come from: a camera, a video, a recording of an event camera or a folder, all behind one contract.
+"""Image sources: a camera, a video, a recording of an event camera or a folder, behind one interface.
 
-A source hands on images one by one and keeps none. What cannot be read comes as an error in the image's place; a
-camera that gives nothing any more, or a file that is cut off, ends with one. Each kind of source stands in a file of
-`palpate.camera.sources` or in another package, which names it in its entry points (group ``palpate.sources``);
-`palpate.testing.SourceSuite` holds it to this contract.
+A source yields images one by one and stores none. An unreadable image is replaced by an error. A lost camera, or a
+file that is cut off, ends with an error. Each kind of source is in a file of `palpate.camera.sources`, or in another
+package that names it in its entry points (group ``palpate.sources``). `palpate.testing.SourceSuite` tests a source
+against this interface.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ ImageOrError = NDArray[Any] | PalpateError
 
 
 class Source(ABC):
-    """Images one by one. It is closed when the block that opened it ends.
+    """Images one by one; a context manager that closes the source.
 
-    What a person opens by a text takes that text, and nothing else, where it is made.
+    The constructor of a source that is opened by a text has this text as its only argument.
 
     Attributes
     ----------
     suffixes
-        Endings of the files that it opens, in small letters with the dot.
+        Endings of the files that it opens, in lower case, such as ``.mp4``.
     live
-        Whether an image is handed on as it is taken; false of what was recorded.
+        Whether images are yielded when they are taken, rather than recorded.
     """
 
     suffixes: ClassVar[tuple[str, ...]] = ()
@@ -39,30 +39,30 @@ class Source(ABC):
 
     @classmethod
     def accepts(cls, text: str) -> bool:
-        """Whether the text names such a source, there or not: by its ending, if there is no other way to tell."""
+        """Test whether a text names such a source, existing or not; by default, by its ending."""
         return Path(text).suffix.lower() in cls.suffixes
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """What a person reads."""
+        """Name of the source for display."""
 
     @property
     def truth(self) -> tuple[float, ...] | None:
-        """Pose of the wall in the image handed on last: rx, ry (degrees), depth (mm); `None` where nobody knows."""
+        """Pose of the wall in the last image: rx, ry (degrees), depth (mm); `None` if unknown."""
         return None
 
     @property
     def clock(self) -> Callable[[], float] | None:
-        """Tells in s when the image handed on last was taken; `None` of what was recorded."""
+        """Function that returns the time in s of the last image; `None` for recordings."""
         return time.monotonic if self.live else None
 
     @abstractmethod
     def images(self) -> Iterator[ImageOrError]:
-        """The images, (h, w) or (h, w, 3) blue, green, red; an error in the place of one that cannot be read."""
+        """Yield images, (h, w) or (h, w, 3) blue, green, red; an error in place of one that cannot be read."""
 
     def close(self) -> None:
-        """Give the camera or file back."""
+        """Release the camera or file."""
         return
 
     def __enter__(self) -> Self:
@@ -85,7 +85,7 @@ SOURCES: Registry[type[Source]] = Registry(
     },
     fits=lambda found: isinstance(found, type) and issubclass(found, Source),
 )
-"""Sources by name, in the order in which they are asked whether they know a text."""
+"""Sources by name, in the order in which they are asked to accept a text."""
 
 
 def open_source(text: str) -> Source:
@@ -94,13 +94,13 @@ def open_source(text: str) -> Source:
     Parameters
     ----------
     text
-        Number of a camera, or path of a folder of images, a video or an AEDAT4 recording, or what a source of another
-        package accepts; with the name of a source and a colon before it, it is opened by that one.
+        Number of a camera, path of a folder of images, a video or an AEDAT4 recording, or a text that a source of
+        another package accepts. A source's name and a colon before the text select this source.
 
     Raises
     ------
     PalpateError
-        If there is no such camera or file, or it cannot be opened.
+        If the camera or file does not exist, or cannot be opened.
     MissingExtraError
         If OpenCV, or dv-processing for AEDAT4, is not installed.
     """
@@ -110,15 +110,15 @@ def open_source(text: str) -> Source:
     kind = next((kind for _, kind in SOURCES.available() if kind.accepts(text)), None)
     if kind is None and Path(text).is_file():
         raise PalpateError(
-            f"{Path(text).name} is no video that is known.",
-            f"Known are {', '.join(recording_suffixes())}, folders and numbers.",
+            f"{Path(text).name} is not a video of a supported format.",
+            f"Give a file {', '.join(recording_suffixes())}, a folder, or the number of a camera.",
             code="video-format-unknown",
         )
     return _open(kind or SOURCES.get("folder"), text)
 
 
 def recording_suffixes() -> tuple[str, ...]:
-    """Endings of all files that `open_source` knows, in small letters with the dot."""
+    """Return the endings of all files that `open_source` accepts, such as ``.mp4``."""
     return tuple(suffix for _, kind in SOURCES.available() for suffix in kind.suffixes)
 
 

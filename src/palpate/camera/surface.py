@@ -1,4 +1,4 @@
-"""The skin as a camera needs it."""
+"""Interface of a skin for a camera."""
 
 from __future__ import annotations
 

@@ -1,17 +1,18 @@
-"""The flat window between camera and skin, and the gel behind it: lines of sight that bend at two planes.
+"""Flat window between camera and skin, and gel behind it: refraction of lines of sight at two planes.
 
-The window fills ``-t <= z <= 0`` of the skin's frame, air is below it, and what lies between window and markers
-above. By Snell's law ``n_i sin θ_i`` is the same in all three, so a line of sight of slope ``p = tan θ`` in air has,
-in a layer of index n_i, the slope
+The window fills ``-t <= z <= 0`` of the skin's frame; air is below it, and gel or air between window and markers
+above. By Snell's law ``n_i sin θ_i`` is equal in all three layers, so a line of sight of slope ``p = tan θ`` in air
+has, in a layer of index n_i, the slope
 
     g_i(p) = p / √(n_i² + (n_i² - 1) p²)
 
 and a point at the distance ρ from the pinhole's vertical is seen at the p with
 
-    Σ h_i g_i(p) = ρ,    h_i the height of the way in air, window and gel.
+    Σ h_i g_i(p) = ρ,    h_i the height of the path in air, window and gel.
 
-No index is less than that of air, so the sum grows with p and is concave: Newton's iteration from below, from the
-paraxial ``ρ / Σ h_i / n_i``, ends at the one root. Max Born & Emil Wolf, *Principles of Optics*, 7th ed. 1999, 3.2.1.
+Since no index is less than that of air, the sum is concave and grows with p. Newton's iteration from below, from the
+paraxial ``ρ / Σ h_i / n_i``, converges to the single root. Max Born & Emil Wolf, *Principles of Optics*, 7th ed.
+1999, 3.2.1.
 """
 
 from __future__ import annotations
@@ -27,13 +28,13 @@ from palpate.core import FloatArray, PalpateError, Spec, parameter
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-14
-"""Relative change of the slope at which the iteration ends, of numbers of double precision."""
+"""Relative change of the slope at which the iteration ends, in double precision."""
 _ROUNDING = 4.0
-"""The same over the rounding error of numbers of single precision, which reach no less."""
+"""Relative change of the slope at which it ends in single precision, over the rounding error."""
 
 
 class WindowSpec(Spec):
-    """A flat window in the base plane, and what fills the skin behind it."""
+    """A flat window in the base plane, and the medium behind it."""
 
     thickness: float = parameter(2.0, unit="mm", meaning="thickness of the window", ge=0, le=50)
     index: float = parameter(
@@ -42,7 +43,7 @@ class WindowSpec(Spec):
     gel_index: float = parameter(
         1.41,
         unit="1",
-        meaning="refractive index of what lies between window and markers; 1 where that is air",
+        meaning="refractive index of the medium between window and markers; 1 for air",
         source="clear silicone",
         ge=1,
         le=2.5,
@@ -50,12 +51,12 @@ class WindowSpec(Spec):
 
 
 def read_window(text: str) -> WindowSpec:
-    """Read a window from words, ``THICKNESS``, ``THICKNESS,INDEX`` or ``THICKNESS,INDEX,GEL_INDEX``.
+    """Read a window from text, ``THICKNESS``, ``THICKNESS,INDEX`` or ``THICKNESS,INDEX,GEL_INDEX``.
 
     Raises
     ------
     PalpateError
-        If it is not written so, or a number is out of bounds.
+        If the text has another form, or a number is out of bounds.
 
     Examples
     --------
@@ -70,7 +71,7 @@ def read_window(text: str) -> WindowSpec:
         why = "; ".join(f"{item['loc'][0]}: {item['msg']}" for item in error.errors())
     if why:
         raise PalpateError(
-            f"'{text}' is no window: {why}.",
+            f"'{text}' is not a window: {why}.",
             "Write THICKNESS,INDEX,GEL_INDEX such as 2,1.49,1.41: mm, and the refractive indices of window and gel.",
             code="window-malformed",
         )
@@ -79,35 +80,18 @@ def read_window(text: str) -> WindowSpec:
 
 @dataclass(frozen=True)
 class Window:
-    """How lines of sight pass a window.
-
-    Attributes
-    ----------
-    thickness
-        Of the window, mm.
-    index, gel_index
-        Refractive indices of the window and of what is behind it.
-    """
+    """Refraction by a window: its `thickness` in mm, refractive indices of window and medium behind it."""
 
     thickness: float
     index: float
     gel_index: float
 
     def aim(self, origin: FloatArray, points: FloatArray) -> FloatArray:
-        """Where a pinhole must look to see points behind the window.
+        """Return the vectors along which a pinhole sees points (..., 3) mm behind the window.
 
-        Parameters
-        ----------
-        origin
-            (3,) mm the pinhole, in air below the window.
-        points
-            (..., 3) mm.
-
-        Returns
-        -------
-        ndarray
-            (..., 3) mm, the way to each point as it would be if the line of sight went on straight from the pinhole,
-            for one of a height over it; a point that is not above the pinhole is where it is.
+        Each vector (..., 3) mm has the direction of the line of sight in air, and the height of the point above the
+        pinhole `origin` (3,) mm, which is in air below the window. For a point that is not above the pinhole, it is
+        the vector to the point.
         """
         module = array_module(points)
         arm = points - as_array(origin, points)
@@ -125,19 +109,19 @@ class Window:
         return module.where(module.isfinite(rise)[..., None], seen, arm)
 
     def enter(self, origin: FloatArray, rays: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lines of sight behind the window.
+        """Return the lines of sight behind the window.
 
         Parameters
         ----------
         origin
             (3,) mm the pinhole, in air below the window.
         rays
-            (..., 3) directions in air; those that do not rise to the window have no line behind it.
+            (..., 3) directions in air; those that do not rise to the window result in NaN.
 
         Returns
         -------
         starts
-            (..., 3) mm, where they leave the window, in the base plane.
+            (..., 3) mm, their points on the upper side of the window, in the base plane.
         rays
             (..., 3) unit vectors.
         """
@@ -154,7 +138,7 @@ class Window:
         return starts, behind / np.linalg.norm(behind, axis=-1, keepdims=True)
 
     def heights(self, origin_z: float, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Heights (...) mm of the ways in air, window and gel from a pinhole to points of heights z (...) mm."""
+        """Return the heights (...) mm of the paths in air, window and gel to points at z (...) mm."""
         clip = array_module(z).clip
         air = clip(z - origin_z, 0.0, -self.thickness - origin_z)
         return air, clip(z + self.thickness, 0.0, self.thickness), clip(z, 0.0, None)
@@ -164,19 +148,19 @@ Layers = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def _distort(slope: FloatArray, index: float) -> FloatArray:
-    """Slope in a layer over that in air."""
+    """Return the slope in a layer over that in air."""
     over: FloatArray = 1.0 / array_module(slope).sqrt(index**2 + (index**2 - 1.0) * slope**2)
     return over
 
 
 def _apparent(heights: Layers, indices: tuple[float, float, float]) -> FloatArray:
-    """Height at which a point near the axis seems to be."""
+    """Return the apparent height of a point near the axis."""
     found: Any = sum(height / index for height, index in zip(heights, indices, strict=True))
     return found
 
 
 def _solve(heights: Layers, indices: tuple[float, float, float], reach: FloatArray) -> FloatArray:
-    """Slopes in air of the lines of sight that reach so far (...) mm from the axis; NaN where none rises."""
+    """Return the slopes in air of lines of sight to points `reach` (...) mm from the axis, or NaN."""
     module, slope = array_module(reach), reach / _apparent(heights, indices)
     tolerance = max(_TOLERANCE, _ROUNDING * module.finfo(slope.dtype).eps)
     for _ in range(_ITERATIONS):

@@ -1,1 +1,1 @@
-"""Lenses, one file each; `palpate.camera.lens` knows them by name."""
+"""Lenses, one file each, registered in `palpate.camera.lens`."""

@@ -5,8 +5,8 @@ On the plane at unit distance, with r² = x² + y²,
     x_d = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2 x²)
     y_d = y (1 + k1 r² + k2 r⁴ + k3 r⁶) + p1 (r² + 2 y²) + 2 p2 x y
 
-The radial part grows only up to the first zero of 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶; beyond it the image folds
-back and two directions share a pixel, so nothing there can be seen or inverted.
+The radial part grows only up to the first zero of 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶. Beyond it the image folds back and
+two directions share a pixel, so no point there can be seen or inverted.
 
 D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37 (1971) 855-866.
 """
@@ -47,7 +47,7 @@ class Brown(Lens):
 
     @cached_property
     def max_radius(self) -> float:
-        """Greatest radius on the unit plane up to which the radial part grows; infinite for most lenses."""
+        """Maximum radius on the unit plane up to which the radial part grows; infinite for most lenses."""
         return fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3])
 
     def distort(self, points: FloatArray) -> FloatArray:
@@ -65,14 +65,14 @@ class Brown(Lens):
         )
 
     def undistort(self, points: FloatArray) -> FloatArray:
-        """By Newton's iteration."""
+        """Return ideal points by Newton's iteration."""
         return undistort_by_newton(self, self._slope, points)
 
     def mirrored(self) -> Brown:
         return replace(self, p2=-self.p2)
 
     def _slope(self, points: FloatArray) -> FloatArray:
-        """(..., 2, 2) derivative of `distort`."""
+        """Return the derivative (..., 2, 2) of `distort`."""
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))

@@ -1,10 +1,10 @@
-"""Fisheyes: the polynomial of Kannala and Brandt in the angle to the axis, with the coefficients of OpenCV.
+"""Fisheyes: polynomial of Kannala and Brandt in the angle to the axis, with OpenCV's coefficients.
 
-With ``theta = atan r`` of a point at the distance r from the middle of the unit plane,
+With ``theta = atan r`` of a point at the distance r from the centre of the unit plane,
 
     theta_d = theta (1 + k1 theta² + k2 theta⁴ + k3 theta⁶ + k4 theta⁸),   (x_d, y_d) = theta_d / r (x, y)
 
-which holds for directions before the camera (theta < 90°) and up to the first zero of d theta_d / d theta.
+which holds for directions in front of the camera (theta < 90°) and up to the first zero of d theta_d / d theta.
 
 J. Kannala, S. S. Brandt, A generic camera model and calibration method for conventional, wide-angle, and fish-eye
 lenses, IEEE Transactions on Pattern Analysis and Machine Intelligence 28 (2006) 1335-1340.
@@ -48,7 +48,7 @@ class KannalaBrandt(Lens):
 
     @cached_property
     def widest(self) -> float:
-        """Greatest angle to the axis, radians, up to which the image grows; at most 90°."""
+        """Maximum angle to the axis, radians, up to which the image grows; at most 90°."""
         return min(fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4]), np.pi / 2)
 
     @property
@@ -63,7 +63,7 @@ class KannalaBrandt(Lens):
         return points * scale
 
     def undistort(self, points: FloatArray) -> FloatArray:
-        """The angle is found by halving: it grows with the radius of the image as far as the lens is valid."""
+        """Return ideal points by bisection over the angle, which grows with the image radius."""
         points = np.asarray(points, float)
         bent = np.linalg.norm(points, axis=-1, keepdims=True)
         if not np.all((bent < self._distort(np.float64(self.widest))) | np.isnan(bent)):

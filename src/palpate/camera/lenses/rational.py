@@ -74,7 +74,7 @@ class Rational(Lens):
         )
 
     def undistort(self, points: FloatArray) -> FloatArray:
-        """Ideal points by Newton's iteration."""
+        """Return ideal points by Newton's iteration."""
         return undistort_by_newton(self, self._slope, points)
 
     def mirrored(self) -> Rational:
@@ -86,7 +86,7 @@ class Rational(Lens):
         return ratio
 
     def _slope(self, points: FloatArray) -> FloatArray:
-        """(..., 2, 2) derivative of `distort`."""
+        """Return the derivative (..., 2, 2) of `distort`."""
         x, y = points[..., 0], points[..., 1]
         s = x * x + y * y
         under = 1.0 + s * (self.k4 + s * (self.k5 + s * self.k6))

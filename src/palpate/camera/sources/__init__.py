@@ -1,1 +1,1 @@
-"""Sources of images, one file each; `palpate.camera.source` knows them by name."""
+"""Sources of images, one file each, registered in `palpate.camera.source`."""

@@ -22,9 +22,9 @@ def open_capture(what: str | int) -> Any:
         known = f"camera {what}" if isinstance(what, int) else what
         raise PalpateError(
             f"{known} cannot be opened.",
-            "Is it plugged in, and free? `--source synthetic` plays a simulated sensor."
+            "Connect it and close other programs that use it. `--source synthetic` is a simulated sensor."
             if isinstance(what, int)
-            else "The file is damaged, or of a kind that this OpenCV does not read.",
+            else "Check the file: it is damaged, or has a format that this OpenCV does not read.",
             code="source-not-opened",
         )
     width, height = capture.get(cv2.CAP_PROP_FRAME_WIDTH), capture.get(cv2.CAP_PROP_FRAME_HEIGHT)
@@ -32,7 +32,7 @@ def open_capture(what: str | int) -> Any:
         capture.release()
         raise PalpateError(
             f"{what} has {width:.0f} × {height:.0f} px, more than {LARGEST_MPX:g} million.",
-            "Shrink it.",
+            "Reduce the size of its images.",
             code="image-too-large",
         )
     return capture

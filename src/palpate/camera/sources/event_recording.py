@@ -14,14 +14,14 @@ from palpate.core import PalpateError, load_extra
 
 @final
 class EventCameraSource(Source):
-    """The images (not the events) of an AEDAT4 recording, as a DAVIS writes it."""
+    """Images (without events) of an AEDAT4 recording, as a DAVIS writes it."""
 
     suffixes: ClassVar[tuple[str, ...]] = (".aedat4",)
 
     def __init__(self, text: str) -> None:
         path = Path(text)
         if not path.is_file():
-            raise PalpateError(f"{path} is not there.", "Give a recording.", code="file-missing")
+            raise PalpateError(f"{path} does not exist.", "Give a recording.", code="file-missing")
         dv = load_extra("dv_processing", "davis", "dv-processing")
         self._path = path
         try:
@@ -33,7 +33,7 @@ class EventCameraSource(Source):
             ) from error
         if not has_images:
             raise PalpateError(
-                f"{path.name} holds events, but no images.",
+                f"{path.name} contains events, but no images.",
                 "Record the images of the camera as well.",
                 code="recording-no-images",
             )
@@ -59,6 +59,6 @@ class EventCameraSource(Source):
 
 
 def _short(error: Exception) -> str:
-    """The sentence of an error of dv-processing, without its stack."""
+    """Return the sentence of an error of dv-processing, without its stack."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     return lines[min(1, len(lines) - 1)].split(" - ")[0][:120] if lines else type(error).__name__

@@ -13,7 +13,7 @@ from palpate.core import PalpateError
 
 @final
 class FolderSource(Source):
-    """Image files by name; files that come later are not looked for."""
+    """Image files of a folder by name; files that are added later are ignored."""
 
     def __init__(self, text: str) -> None:
         self._folder = Path(text)

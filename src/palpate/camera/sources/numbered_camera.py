@@ -1,4 +1,4 @@
-"""Cameras that the system knows by a number."""
+"""Cameras of the system, by number."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from palpate.camera.sources.capture import open_capture
 from palpate.core import PalpateError
 
 _MISSES = 10
-"""Images in a row that a camera may fail to give before it counts as unplugged."""
+"""Number of missing images in a row after which a camera counts as disconnected."""
 _PATIENCE_S = 0.05
 
 
 @final
 class CameraSource(Source):
-    """A camera that the system knows by a number: UVC and others that OpenCV opens."""
+    """A camera of the system by its number: UVC and others that OpenCV opens."""
 
     live = True
 
@@ -44,7 +44,7 @@ class CameraSource(Source):
                 yield np.asarray(image)
             else:
                 time.sleep(_PATIENCE_S)
-        yield PalpateError(f"Camera {self._number} gives no images any more.", "Is it unplugged?", code="camera-gone")
+        yield PalpateError(f"Camera {self._number} sends no more images.", "Connect it again.", code="camera-gone")
 
     def close(self) -> None:
         self._capture.release()

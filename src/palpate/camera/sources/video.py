@@ -24,7 +24,7 @@ class VideoSource(Source):
         path = Path(text)
         if not path.is_file():
             raise PalpateError(
-                f"{path} is not there.", "Give a video, a folder or the number of a camera.", code="file-missing"
+                f"{path} does not exist.", "Give a video, a folder or the number of a camera.", code="file-missing"
             )
         self._path = path
         self._capture = open_capture(text)
@@ -56,17 +56,17 @@ class VideoSource(Source):
             )
 
     def _is_whole(self, given: int, promised: int, fps: float, last_s: float) -> bool:
-        """Whether a video of fewer images than its head promises has all of them.
+        """Test whether a video of fewer images than its header states is complete.
 
-        So is one whose edit list shows a part of its images, and one of a variable frame rate in a container that
-        stores no count: the promised count is then the duration times the mean rate.
+        It is if its edit list shows a part of its images, or if it has a variable frame rate in a container that
+        stores no count: the stated count is then the duration times the mean rate.
         """
         if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
             return self._path.suffix.lower() in (".mkv", ".webm") and last_s >= 0.9 * promised / fps
         return given + 1 >= int(_edited_s(self._path) * fps) > 0
 
     def _decode_av1(self) -> Iterator[ImageOrError]:
-        """Images of an AV1 video by PyAV: the wheels of OpenCV do not decode it."""
+        """Yield the images of an AV1 video by PyAV, since the wheels of OpenCV do not decode it."""
         try:
             av = load_extra("av", "av", "PyAV")
         except MissingExtraError:
@@ -90,7 +90,7 @@ class VideoSource(Source):
 
 
 def _edited_s(path: Path) -> float:
-    """Duration, s, of the first edit list of an MP4 file; 0 without one, or if the file is cut off."""
+    """Return the duration, s, of an MP4 file's first edit list; 0 without one, or if the file is cut off."""
     content = path.read_bytes()
     at = 0
     while at + 8 <= len(content):
