@@ -1,4 +1,4 @@
-"""Mechanics: a soft body under loads and rigid obstacles, in equilibrium, followed along its branches."""
+"""Mechanics: equilibria of a soft body under loads and rigid obstacles, followed along their branches."""
 
 from palpate.core import lazy_front
 

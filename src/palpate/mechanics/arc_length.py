@@ -1,10 +1,10 @@
-"""Follow a body under growing dead loads past the limit points of the load, by arc length.
+"""Arc-length continuation of a body under increasing dead loads, past the limit points of the load.
 
-Where the load of a branch has a maximum, no equilibrium follows at a greater one. So neither load nor displacement is
-prescribed but the length of the path itself: each increment begins along the tangent and is corrected in the plane
-across it, the load factor being one more unknown (Riks 1979, *Int. J. Solids Struct.* 15, 529; Wempner 1971). Each
-iteration costs one factorisation and two back-substitutions; the factorisation's negative pivots tell how many modes
-are unstable.
+If the load of a branch has a maximum, no equilibrium exists at larger loads. Therefore neither load nor displacement
+is prescribed, but the length of the path. Each increment begins along the tangent and is corrected in the plane
+orthogonal to it, with the load factor as an additional unknown (Riks 1979, *Int. J. Solids Struct.* 15, 529; Wempner
+1971). Each iteration costs one factorisation and two back-substitutions. The negative pivots of the factorisation are
+the number of unstable modes.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from palpate.mechanics.solid import State
 from palpate.mechanics.term import DeadLoad
 
 _ITERATIONS, _WANTED = 12, 5
-"""Most iterations of an increment, and those for which its length is kept."""
+"""Maximum iterations of an increment, and iterations below which its length grows."""
 _GROW, _SHRINK = 1.5, 0.4
 _SHORTEST = 1e-4
-"""Least length of an increment over the first."""
+"""Minimum length of an increment over the first."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,10 @@ class ArcPoint:
 
     Attributes
     ----------
-    factor
-        On the loads.
-    state
-        Displacement and pressure.
+    factor, state
+        Load factor, displacement and pressure.
     negative_pivots
-        Unstable modes; -1 where the linear solver cannot tell.
+        Unstable modes; -1 if the linear solver does not compute them.
     """
 
     factor: float
@@ -54,11 +52,9 @@ class ArcLength:
     problem
         Body and linear solver; its tolerance is that of the residual.
     force
-        (n, 3) N at the nodes, where the factor is 1.
-    step
-        First length of an increment, mm: root mean square displacement over the body.
-    longest
-        Greatest length, mm.
+        (n, 3) N at the nodes, at a factor of 1.
+    step, longest
+        First and maximum length of an increment, mm: root mean square displacement over the body.
     points
         Equilibria, the first at rest.
     """
@@ -72,19 +68,19 @@ class ArcLength:
     def __post_init__(self) -> None:
         if not np.abs(self.force.ravel()[self.problem.body.free]).any():
             raise PalpateError(
-                "No load acts on what is free to move.", "Load nodes that are not held.", code="load-missing"
+                "No load acts on a free node.", "Apply a load to nodes that are not fixed.", code="load-missing"
             )
         self._shortest = _SHORTEST * self.step
         if not self.points:
             self.points = [ArcPoint(0.0, self.problem.body.rest(), 0)]
 
     def advance(self) -> ArcPoint:
-        """Go one increment on.
+        """Follow the path by one increment.
 
         Raises
         ------
         PalpateError
-            If no equilibrium is found however short it is.
+            If no equilibrium is found in the shortest increment.
         """
         while self.step >= self._shortest:
             found = self._increment(self.step)
@@ -102,12 +98,12 @@ class ArcLength:
         )
 
     def go_back(self, step: float) -> None:
-        """Forget the last point, and go on from the one before by a length in mm."""
+        """Remove the last point, and continue from the one before by a length in mm."""
         self.points.pop()
         self.step = step
 
     def softest_mode(self, rounds: int = 6) -> FloatArray:
-        """Displacement (n, 3) of the tangent's mode nearest to zero at the last point, by inverse iteration."""
+        """Return the tangent's mode (n, 3) closest to zero at the last point, by inverse iteration."""
         last = self.points[-1]
         self._factor(last.state, last.factor)
         shape = np.random.default_rng(0).standard_normal(self.force.shape)
@@ -116,7 +112,7 @@ class ArcLength:
         return shape / float(np.abs(shape).max())
 
     def _increment(self, length: float) -> tuple[ArcPoint, int] | None:
-        """The equilibrium at a distance of `length` mm along the path, and iterations; `None` where there is none."""
+        """Return the equilibrium `length` mm along the path, and iterations; `None` if it is not found."""
         last, body = self.points[-1], self.problem.body
         state, factor = last.state, last.factor
         try:
@@ -142,21 +138,21 @@ class ArcLength:
         return None
 
     def _factor(self, state: State, factor: float) -> int | None:
-        """Factor the tangent; negative pivots, or `None` where a cell is turned inside out."""
+        """Factor the tangent; return its negative pivots, or `None` if a cell is inverted."""
         loads = self.problem.assemble(state, (DeadLoad(self.force, factor),))
         if not np.isfinite(loads.elastic):
             return None
         return self.problem.refactor()
 
     def _way(self, answer: FloatArray) -> float:
-        """Whether the path goes on along the answer to more load (1) or against it (-1)."""
+        """Return 1 if the path continues along the answer towards larger loads, else -1."""
         if len(self.points) < 2:
             return 1.0
         went = self.points[-1].state.u - self.points[-2].state.u
         return 1.0 if self._inner(went, answer) > 0 else -1.0
 
     def _inner(self, a: FloatArray, b: FloatArray) -> float:
-        """Mean product of displacements (n, 3) over the body."""
+        """Return the mean product of displacements (n, 3) over the body."""
         volume = self.problem.body.nodal_volume
         return float(np.einsum("n,ni,ni->", volume, a, b) / volume.sum())
 

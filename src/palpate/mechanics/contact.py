@@ -5,15 +5,17 @@ With the penetration ``delta`` of a point, the normal ``n`` of the obstacle ther
 
     phi(delta) + psi(s - s0),    p = phi'(delta)
 
-* ``phi`` is a penalty of stiffness ``eps`` that starts quadratically in force over the width ``w``:
+* ``phi`` is a penalty of stiffness ``eps`` with a quadratic onset of the force over the width ``w``:
   ``p = eps delta² / 2w`` up to ``delta = w`` and ``eps (delta - w/2)`` beyond, so that the tangent is continuous;
   with the Hessian ``H`` of the penetration its tangent is ``phi'' n n^T + p H``;
-* ``psi`` is a spring ``eps_t`` from the place ``s0`` on the obstacle where the point touched it, limited to the
-  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0), in the plane that touches the
-  obstacle at ``s0``. Which points stick, where, and the limit ``mu p``, are the contact history
-  (`palpate.mechanics.friction`): held during a solve and corrected between solves, so every solve minimises a smooth
-  energy and its tangent is symmetric (Wriggers, *Computational Contact Mechanics*, 2006, chapter 5). A point that
-  touches anew slides in the first solve and then sticks where its path crossed the surface.
+* ``psi`` is a spring ``eps_t`` from the place ``s0`` on the obstacle at which the point touched it, limited to the
+  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0), in the tangent plane of the
+  obstacle at ``s0``.
+
+The sticking points, their places and the limits ``mu p`` are the contact history (`palpate.mechanics.friction`). It
+is fixed during a solve and corrected between solves, so every solve minimises a smooth energy and its tangent is
+symmetric (Wriggers, *Computational Contact Mechanics*, 2006, chapter 5). A point in new contact slides in the first
+solve and then sticks where its path crossed the surface.
 """
 
 from __future__ import annotations
@@ -53,19 +55,7 @@ class _Points(NamedTuple):
 @final
 @dataclass(frozen=True)
 class Contact(Term):
-    """A surface against an obstacle.
-
-    Attributes
-    ----------
-    surface
-        What may touch.
-    law
-        Penalty and friction.
-    obstacle
-        What is touched.
-    history
-        What the points remember.
-    """
+    """Contact of a surface with an obstacle: penalty and friction by `law`, and history of the points."""
 
     surface: OuterSurface
     law: ContactLaw
@@ -85,12 +75,12 @@ class Contact(Term):
         return TermContribution(*_assemble_points(self.surface.faces, to.place, points, rules, to.system, tangent))
 
     def energy(self, state: State, nodes: FloatArray) -> float:
-        """Energy in mJ of a state of the body with these nodes (n, 3) mm."""
+        """Return the energy in mJ of a state of the body with these nodes (n, 3) mm."""
         points = self._points(self.surface.place(nodes + state.u))
         return float(_sum_energy(self.surface.faces, points, (self.law, self.history)))
 
     def meet(self, state: State, nodes: FloatArray) -> ContactPair:
-        """Contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
+        """Return the contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
         return ContactPair(self.surface.interpolate(nodes + state.u), self.obstacle)
 
     def _points(self, x: FloatArray) -> _Points:
@@ -152,7 +142,7 @@ def _assemble_points(
 
 @kernel
 def _sum_energy(faces: ContactFaces, points: _Points, contact: tuple[ContactLaw, ContactHistory]) -> float:
-    """Energy of contact, mJ: what `_assemble_points` returns of it."""
+    """Return the energy of contact, mJ, as `_assemble_points`."""
     law, history = contact
     energy = 0.0
     s, t, H = np.empty(3), np.zeros(3), np.zeros((3, 3))
@@ -171,7 +161,7 @@ def _sum_energy(faces: ContactFaces, points: _Points, contact: tuple[ContactLaw,
 
 @kernel
 def _normal_contact(delta: float, law: ContactLaw, pull: float) -> tuple[float, float, float]:
-    """Energy (mJ/mm²), pressure (MPa) and stiffness (MPa/mm) at a penetration in mm."""
+    """Return energy (mJ/mm²), pressure (MPa) and stiffness (MPa/mm) at a penetration in mm."""
     if delta < 0.0:
         return 0.5 * pull * delta * delta, pull * delta, pull
     eps, width = law.stiffness, law.width
@@ -183,7 +173,7 @@ def _normal_contact(delta: float, law: ContactLaw, pull: float) -> tuple[float, 
 
 @kernel
 def _add_friction(s: FloatArray, normal: FloatArray, limit: float, k: float, t: FloatArray, H: FloatArray) -> float:
-    """Add traction and stiffness of the spring s (3,) mm from the sticking place; return its energy, mJ/mm²."""
+    """Add traction and stiffness of the sticking spring s (3,) mm; return its energy, mJ/mm²."""
     length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
     if k * length <= limit:
         for i in range(3):

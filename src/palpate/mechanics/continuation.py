@@ -1,13 +1,14 @@
-"""Follow a branch of equilibria as an obstacle moves: predictor, increments, limit points and snap-through.
+"""Continuation of a branch of equilibria as an obstacle moves: predictor, increments, snap-through.
 
 Each increment starts from a polynomial through the last equilibria (the predictor). It is accepted only if it is an
-equilibrium, *continuous*: the energy gained must be the work done, and the monitor must see the same branch. Where it
-is not, Newton's method has fallen onto another branch, and the increment is cut back. The number of negative pivots
-is recorded: a flat thin dome is held by almost no pressure at its apex, and a discrete one may be weakly unstable
-there while its branch goes on. A branch that cannot be followed in increments of the smallest size has ended, at a
-limit point; then the body snaps through: pseudo-time steps with a viscosity that fades to zero carry it to the next
-stable state, and the depth and the energy lost are reported. Where the monitor says that what follows is not
-modelled, the path ends.
+equilibrium and continuous: the energy gained must be equal to the work done, and the monitor must report the same
+branch. Otherwise Newton's method has reached another branch, and the increment is shortened. The number of negative
+pivots is recorded but is not a criterion: the apex of a flat thin dome bears almost no pressure, and a discrete dome
+may be weakly unstable there while its branch continues.
+
+A branch that cannot be followed in increments of the minimum size has ended, at a limit point. The body then snaps
+through: pseudo-time steps with a viscosity that decreases to zero lead to the next stable state, and the depth and
+the energy lost are reported. The path ends if the monitor reports that later states are not modelled.
 
 Lengths of increments are those of the spec times `unit`, so a body ten times as large is solved in the same steps.
 """
@@ -31,38 +32,37 @@ from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.term import Damping
 
 _JUMP_STEP = 0.02
-"""An increment this small (mm, times the unit) that still breaks the energy balance is a jump of the body."""
+"""Increment (mm, times the unit) below which a violated energy balance is a jump of the body."""
 _RELEASE_STEP = 0.1
-"""Increment (mm, times the unit) below which a lost branch is let go."""
+"""Increment (mm, times the unit) below which a lost branch is released."""
 _IMBALANCE = 0.06
-"""Greatest share by which the energy gained may miss the work (trapezoid) of a continuous increment."""
+"""Maximum relative difference of energy gained and work (trapezoidal rule) of a continuous increment."""
 _NOTHING = 1e-9
-"""Distance (mm) and energy (mJ), times the unit and its cube, that count as none."""
+"""Distance (mm) and energy (mJ), times the unit and its cube, that count as zero."""
 _ROUNDING = 1e-6
-"""Share of an increment by which what is left may exceed it and still count as it."""
+"""Share of an increment by which the remaining depth may exceed it and still be one increment."""
 _ORDER = 2
 """Order of the predictor."""
 _GROWTH = ((10, 2.0), (15, 1.4))
-"""Factor on the next increment after one of at most so many iterations
-(docs/design_notes/mechanics.md)."""
+"""Factor on the next increment after at most so many iterations (docs/design_notes/mechanics.md)."""
 _STIFFENING = 2.0
-"""Exponent of force over depth beyond which a skin stiffens, and increments shrink by its square."""
+"""Exponent of force over depth above which a skin stiffens, and increments shrink by its square."""
 _SHRINK = 0.8
-"""Factor on the next increment after one of more iterations."""
+"""Factor on the next increment after more iterations."""
 _JUMPS = 4
-"""Most jumps of a path."""
+"""Maximum number of jumps of a path."""
 _RELAXATIONS, _FIRST_VISCOSITY, _FADED = 120, 10.0, 1e-3
-"""Most pseudo-time steps of a jump, the first viscosity over mu/area, and that at which it has faded."""
+"""Maximum pseudo-time steps of a jump; over mu/area, first viscosity, and one that counts as zero."""
 _VISCOSITY, _THICKEN, _FAILED = ((2, 1 / 30), (4, 1 / 4), (8, 1 / 2), (12, 1.0)), 1.5, 4.0
-"""Factor on the viscosity after a pseudo-time step of at most so many iterations, of more, and after a failed one."""
+"""Factor on the viscosity after at most so many iterations, after more, and after a failed step."""
 _SLACK, _JUMP_SLACK = 1e3, 30.0
-"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
+"""Factor on the tolerance in friction passes before the last, and in pseudo-time steps."""
 _PASSES = 4
-"""Most passes in which friction limits are corrected."""
+"""Maximum number of passes in which friction limits are corrected."""
 
 
 def _agree(old: FloatArray, new: FloatArray) -> bool:
-    """Whether the friction limits (n,) of two passes are the same traction within 2 %; no slip has but one."""
+    """Test whether the friction limits (n,) of two passes differ by at most 2 %; always true for no slip."""
     if np.isinf(new).any():
         return True
     return bool(np.abs(new - old).sum() <= 0.02 * new.sum())
@@ -76,10 +76,8 @@ class Continuation:
     ----------
     problem
         Body and linear solver.
-    loading
-        What moves.
-    monitor
-        Which branch a state belongs to, how contact is stabilised, and what ends the path.
+    loading, monitor
+        Loading, and monitor of branch, contact stabilisation and end.
     spec
         Steps, iterations and tolerance.
     unit
@@ -87,13 +85,13 @@ class Continuation:
     increments
         Accepted equilibria; the first is the start, at rest if none is given.
     iterations
-        Newton iterations spent so far, rejected increments included.
+        Number of Newton iterations so far, rejected increments included.
     jumps
-        Whether the path jumps where its branch ends.
+        Whether the path jumps at the end of its branch.
     sensitivity
-        Follows derivatives up to the first jump, if there is one; begun by its `start`.
+        Derivatives that are followed up to the first jump, if any; begun by its `start`.
     ended, message
-        Why the path could not go on, and that in one sentence; `EndReason.DEPTH_REACHED` while it can.
+        Reason why the path cannot continue, and a sentence about it; `EndReason.DEPTH_REACHED` while it can.
     """
 
     problem: Problem
@@ -129,7 +127,7 @@ class Continuation:
         return self.increments[-1]
 
     def advance(self, depth: float) -> bool:
-        """Follow the branch to a depth in mm, deeper or back; False where it could not be reached (see `ended`)."""
+        """Follow the branch to a depth in mm, deeper or back; return whether it was reached (see `ended`)."""
         self._goal = depth
         while abs(left := depth - self.last.depth) > _NOTHING * self.unit:
             step = min(self._step, abs(left))
@@ -145,10 +143,10 @@ class Continuation:
     def settle(
         self, depth: float, shape: FloatArray, start: State, hopeful: Callable[[State], bool] | None = None
     ) -> bool:
-        """Relax at a depth in mm to the inverted state near a shape (n, 3) mm; whether it rests there.
+        """Relax at a depth in mm to the inverted state near a shape (n, 3) mm; return whether it is stable.
 
-        It is given up at a state on the way that is not `hopeful`: by default, one that the monitor does not call
-        inverted. On success the path goes on from the state and does not jump.
+        The search stops at a state that is not `hopeful`: by default, one that the monitor does not call inverted. On
+        success the path continues from the state and does not jump.
         """
         self.release()
         hopeful = hopeful or (lambda state: self.monitor.inverted(depth, state))
@@ -198,9 +196,9 @@ class Continuation:
     def _solve(
         self, depth: float, start: State, damping: Damping | None = None, *, sliding: bool = False
     ) -> Equilibrium:
-        """Equilibrium at a depth; with friction in passes, until sticking places and limits agree with it.
+        """Return the equilibrium at a depth; with friction, in passes until history and solution agree.
 
-        In a jump all points are `sliding`; they stick where they come to rest.
+        In a jump all points are `sliding`; they stick at their places of rest.
         """
         last = self.last
         history, passes = last.history._replace(stabilisation=self._stabilisation), 0
@@ -220,10 +218,10 @@ class Continuation:
             rough = passes < _PASSES and not _agree(self._history.limit, history.limit)
 
     def _stuck(self, depth: float, predicted: State) -> State:
-        """The predicted state, with the points that touch at the last equilibrium drawn to the obstacle.
+        """Return the predicted state with the points in contact at the last equilibrium drawn to the obstacle.
 
-        An extrapolated state has lost contact here and there by micrometres; without those points the tangent is
-        nearly singular, and Newton's first steps are lost on it.
+        In an extrapolated state some points have lost contact by micrometres. Without them the tangent is nearly
+        singular, and the first Newton steps are wasted.
         """
         last = self.last
         self.iterations += 1
@@ -231,7 +229,7 @@ class Continuation:
         return self.problem.step(predicted, self.loading.stuck_terms(depth, last.depth, last.state, history))
 
     def _predict(self, depth: float) -> State:
-        """Extrapolate the last equilibria, since a jump or a turn of the obstacle, by a polynomial in depth."""
+        """Extrapolate the last equilibria by a polynomial in depth, since the last jump or `turn`."""
         known = self.increments[max(self._since, len(self.increments) - _ORDER - 1) :]
         at = np.array([point.depth for point in known])
         u, p = np.zeros_like(known[0].state.u), np.zeros_like(known[0].state.p)
@@ -255,7 +253,7 @@ class Continuation:
         return bool(abs(gained - work) <= tolerance * abs(work) + _NOTHING * self.unit**3)
 
     def _power(self, depth: float, found: Equilibrium) -> float:
-        """Power with which an equilibrium was reached, mJ/mm."""
+        """Return the power at which an equilibrium was reached, mJ/mm."""
         return self.loading.power(depth, found.state, self._history, found.loads.force, -self._way)
 
     def _accept(self, found: Equilibrium, depth: float, *, jumped: bool) -> None:
@@ -281,7 +279,7 @@ class Continuation:
             self._stabilisation = stabilisation
 
     def _differentiate(self, sensitivity: Sensitivity, state: State, depth: float, *, jumped: bool) -> None:
-        """Carry derivatives on to an increment; a path without memory needs them only where it is going."""
+        """Propagate derivatives to an increment; a path without memory needs them at the goal only."""
         if jumped:
             self.sensitivity = None
             return
@@ -295,13 +293,13 @@ class Continuation:
             sensitivity.accept(step, memory=self.loading.remembers, asked=asked)
 
     def release(self) -> None:
-        """Let go of what the monitor stabilises, for the rest of the path."""
+        """End contact stabilisation for the rest of the path."""
         self._released, self._stabilisation = True, np.zeros_like(self._stabilisation)
 
     def turn(self, way: float = 1.0) -> None:
-        """Begin anew with steps and prediction: what moves changes its way here, and so its power.
+        """Restart steps and prediction, because the path of the obstacle, and so its power, changes here.
 
-        From here it goes the `way` of a greater (1) or lesser (-1) parameter.
+        The path continues towards a larger (`way` 1) or smaller (-1) parameter.
         """
         last, self._way = self.last, way
         power = self.loading.power(last.depth, last.state, last.history, last.loads.force, way)
@@ -309,7 +307,7 @@ class Continuation:
         self._since, self._step = len(self.increments) - 1, self._first_step
 
     def restart(self) -> None:
-        """Go on from the increment reached as from a new start, and do not jump."""
+        """Continue from the last increment as from a new start, without jumps."""
         self.increments, self.jumps, self._since = [self.last], False, 0
         self._step = self._first_step
 
@@ -318,14 +316,14 @@ class Continuation:
         return min(self.spec.first_step, self.spec.largest_step) * self.unit
 
     def _jump(self, depth: float) -> bool:
-        """Let go of the patch, push its middle off the obstacle, and relax to the next stable state at `depth` mm."""
+        """End stabilisation, push the patch's middle away, and relax to the next stable state at `depth` mm."""
         last = self.last
         fault = self.monitor.fault(last.state)
         if fault is not None:
             self._end(*fault)
             return False
         if not self.jumps:
-            self._end(EndReason.BRANCH_ENDED, "where the branch ends")
+            self._end(EndReason.BRANCH_ENDED, "at the end of the branch")
             return False
         self.release()
         if sum(increment.jumped for increment in self.increments) >= _JUMPS:
@@ -341,7 +339,7 @@ class Continuation:
                 return True
         self._end(
             EndReason.NOT_CONVERGED,
-            f"where no equilibrium was found: {found.outcome} after {found.iterations} iterations, residual "
+            f"because no equilibrium was found: {found.outcome} after {found.iterations} iterations, residual "
             f"{found.residual:.2g} N is above {self.problem.tolerance:.2g} N",
         )
         return False
@@ -350,7 +348,7 @@ class Continuation:
         self.ended, self.message = ended, f"The press ended at {self.last.depth:.4g} mm, {reason}."
 
     def attempt(self, depth: float, start: State) -> bool:
-        """Go on to a depth in mm in one increment from a predicted state; whether it was accepted."""
+        """Solve one increment to a depth in mm from a predicted state; return whether it was accepted."""
         found = self._solve(depth, self._stuck(depth, start))
         accepted = self._acceptable(found, depth)
         if accepted:
@@ -364,9 +362,9 @@ class Continuation:
         start: State,
         hopeful: Callable[[State], bool] = lambda state: True,
     ) -> Equilibrium:
-        """Relax from a state to the equilibrium near a `shape` (n, 3) mm, under a viscosity that fades to zero.
+        """Relax from a state to the equilibrium near a `shape` (n, 3) mm, with decreasing viscosity.
 
-        It is given up at the first state on the way that is not `hopeful`.
+        The search stops at the first state that is not `hopeful`.
         """
         scale = self.problem.body.shear_modulus / self.monitor.area
         coefficient, origin = _FIRST_VISCOSITY * scale, shape

@@ -10,8 +10,8 @@ Newton's method linearises both fields; the four pressures of a cell are condens
     (K_uu + K C^T M^-1 C) du = -(r_u + K C^T M^-1 r_p),    dp = K M^-1 (C du + r_p),
     C = ∫ q J g dV,   r_p = ∫ q (J - 1 - p/K) dV,   M = ∫ q q dV,   g = F^-T grad N.
 
-`u` and `p` are independent during the iteration, so a rotation predicted to first order raises no spurious
-pressure, and the iterations do not grow with the bulk modulus.
+`u` and `p` are independent during the iteration, so a rotation predicted to first order causes no spurious pressure,
+and the number of iterations does not grow with the bulk modulus.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PRESSURES = 4
 
 
 class Cells(NamedTuple):
-    """Tables of all cells that do not change.
+    """Constant tables of all cells.
 
     Attributes
     ----------
@@ -43,8 +43,8 @@ class Cells(NamedTuple):
     inverse_mass
         (n_cells, 4, 4) inverse of the pressure mass matrix, 1/mm³.
     place
-        (n_cells, 3321) place among the values of the sparse matrix of every entry of a cell's upper triangle,
-        -1 for none.
+        (n_cells, 3321) index into the values of the sparse matrix, for every entry of a cell's upper triangle; -1 for
+        entries that are left out.
     """
 
     nodes: IntArray
@@ -56,7 +56,7 @@ class Cells(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What a law answers at the Gauss points.
+    """Response of a law at the Gauss points.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class System(NamedTuple):
 
 
 class Condensed(NamedTuple):
-    """What `recover_pressure` needs: C (n_cells, 4, 81) mm² and r_p (n_cells, 4) mm³."""
+    """Inputs of `recover_pressure`: C (n_cells, 4, 81) mm² and r_p (n_cells, 4) mm³."""
 
     coupling: FloatArray
     volume_residual: FloatArray
@@ -102,16 +102,9 @@ class _Cell(NamedTuple):
 
 @kernel
 def deformation_gradient(gradient: FloatArray, u: FloatArray, F: FloatArray) -> None:
-    """Write the deformation gradient at one point.
+    """Write the deformation gradient ``I + sum u_a ⊗ grad N_a`` at one point to F (3, 3).
 
-    Parameters
-    ----------
-    gradient
-        (27, 3) referential shape gradients, 1/mm.
-    u
-        (27, 3) nodal displacements, mm.
-    F
-        (3, 3) receives ``I + sum u_a ⊗ grad N_a``.
+    `gradient` (27, 3) are the referential shape gradients, 1/mm, and `u` (27, 3) the nodal displacements, mm.
     """
     for i in range(3):
         for j in range(3):
@@ -124,7 +117,7 @@ def deformation_gradient(gradient: FloatArray, u: FloatArray, F: FloatArray) -> 
 
 @kernel
 def determinant(F: FloatArray) -> float:
-    """Determinant of a matrix (3, 3)."""
+    """Return the determinant of a matrix (3, 3)."""
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
     c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
@@ -133,21 +126,9 @@ def determinant(F: FloatArray) -> float:
 
 @kernel
 def spatial_gradients(gradient: FloatArray, F: FloatArray, g: FloatArray) -> float:
-    """Spatial shape gradients at one point.
+    """Write the spatial shape gradients ``F^-T grad N`` at one point to g (27, 3), 1/mm; return J.
 
-    Parameters
-    ----------
-    gradient
-        (27, 3) referential shape gradients, 1/mm.
-    F
-        (3, 3) deformation gradient of positive determinant.
-    g
-        (27, 3) receives ``F^-T grad N``, 1/mm.
-
-    Returns
-    -------
-    float
-        The determinant J of F.
+    `gradient` (27, 3) are the referential ones, and F (3, 3) has a positive determinant.
     """
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
@@ -169,7 +150,7 @@ def spatial_gradients(gradient: FloatArray, F: FloatArray, g: FloatArray) -> flo
 
 @kernel
 def _add_stress_divergence(w: float, g: FloatArray, tau: FloatArray, r: FloatArray, S: FloatArray) -> None:
-    """Add ``∫ tau g`` to r (81,) and the geometric stiffness ``∫ g·tau·g`` to the upper triangle of S (27, 27)."""
+    """Add ``∫ tau g`` to r (81,) and ``∫ g·tau·g`` (geometric) to the upper triangle of S (27, 27)."""
     for a in range(NODES):
         x, y, z = g[a, 0], g[a, 1], g[a, 2]
         tx = w * (tau[0] * x + tau[3] * y + tau[5] * z)
@@ -184,7 +165,7 @@ def _add_stress_divergence(w: float, g: FloatArray, tau: FloatArray, r: FloatArr
 
 @kernel
 def _add_material_stiffness(w: float, g: FloatArray, c: FloatArray, DB: FloatArray, K: FloatArray) -> None:
-    """Add ``∫ B^T c B`` to the upper triangle of K (81, 81), row by row so that the inner loop is contiguous."""
+    """Add ``∫ B^T c B`` to the upper triangle of K (81, 81), by rows so that the inner loop is contiguous."""
     for k in range(6):
         d0, d1, d2 = w * c[k, 0], w * c[k, 1], w * c[k, 2]
         d3, d4, d5 = w * c[k, 3], w * c[k, 4], w * c[k, 5]
@@ -205,7 +186,7 @@ def _add_material_stiffness(w: float, g: FloatArray, c: FloatArray, DB: FloatArr
 
 @kernel
 def add_volumetric(pressure_J: float, tau: FloatArray, c: FloatArray) -> None:
-    """Add the stress ``p J I`` and the tangent ``p J (I ⊗ I - 2 II)`` of the pressure to tau (6,) and c (6, 6)."""
+    """Add stress ``p J I`` and tangent ``p J (I ⊗ I - 2 II)`` of the pressure to tau (6,) and c (6, 6)."""
     for i in range(3):
         tau[i] += pressure_J
         for j in range(3):
@@ -218,10 +199,7 @@ def add_volumetric(pressure_J: float, tau: FloatArray, c: FloatArray) -> None:
 def deform_cells(cells: Cells, u: FloatArray, F: FloatArray) -> bool:
     """Write the deformation gradient (n_cells, n_points, 3, 3) at every Gauss point.
 
-    Returns
-    -------
-    bool
-        Whether no cell is turned inside out; where one is, what follows it is not written.
+    Return whether no cell is inverted; after the first inverted cell, nothing more is written.
     """
     ue = np.empty((NODES, 3))
     for e in range(len(cells.nodes)):
@@ -243,23 +221,21 @@ def assemble_cells(
 
     Parameters
     ----------
-    cells
-        Tables.
-    response
-        What the law answers at the Gauss points.
+    cells, response
+        Tables, and response of the law at the Gauss points.
     bulk
         (n_cells,) bulk modulus, MPa.
     p
         (n_cells, 4) MPa pressure.
     system
-        Added to.
+        Contributions are added to it.
     condensed
         Overwritten.
 
     Returns
     -------
     float
-        Stored energy, mJ; infinite where the energy of the law is (then nothing else is valid).
+        Stored energy, mJ; infinite if the energy of the law is (then nothing else is valid).
     """
     g = np.empty((NODES, 3))
     DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
@@ -368,16 +344,9 @@ def _scatter(nodes: IntArray, cell: _Cell, place: IntArray, system: System) -> N
 
 @kernel
 def recover_pressure(cells: Cells, bulk: FloatArray, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
-    """Write the pressure increments ``dp = K M^-1 (C du + r_p)``.
+    """Write the pressure increments ``dp = K M^-1 (C du + r_p)`` (n_cells, 4) MPa to `dp`.
 
-    Parameters
-    ----------
-    cells, bulk, condensed
-        As in `assemble_cells`, which wrote the last.
-    du
-        (n, 3) mm increment of displacement.
-    dp
-        (n_cells, 4) MPa, receives the increments.
+    `du` (n, 3) mm is the increment of displacement; `condensed` was written by `assemble_cells`.
     """
     rhs = np.empty(PRESSURES)
     for e in range(len(cells.nodes)):

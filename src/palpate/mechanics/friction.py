@@ -1,8 +1,8 @@
-"""Contact history: where each point sticks to the obstacle, and how Coulomb's law carries that on (return mapping).
+"""Contact history: sticking places on the obstacle, and update by Coulomb's law (return mapping).
 
-During a solve sticking places and limits stand still, so that every solve minimises a smooth energy; between solves
-they are corrected, and after an increment the tangential springs longer than the friction limit are pulled back to
-it: the return mapping of plasticity, with slip for plastic strain (Wriggers 2006, chapter 5).
+Sticking places and limits are fixed during a solve, so that every solve minimises a smooth energy, and corrected
+between solves. After an increment, tangential springs longer than the friction limit are shortened to it: the return
+mapping of plasticity, with slip for plastic strain (Wriggers 2006, chapter 5).
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from palpate.core import BoolArray, FloatArray
 from palpate.mechanics.obstacle import Obstacle
 
 _SWEPT = 2.0 / 3.0
-"""Share of its free slide that a point makes before the edge of what sticks reaches it."""
+"""Share of its free slide that a point makes before the edge of the sticking region reaches it."""
 
 
 class ContactLaw(NamedTuple):
-    """Numbers of the contact energy.
+    """Parameters of the contact energy.
 
     Attributes
     ----------
     stiffness
         Normal penalty eps, MPa/mm.
     width
-        Width w of its smooth start, mm.
+        Width w of its smooth onset, mm.
     tangential_stiffness
         Spring eps_t, MPa/mm.
     friction
@@ -39,7 +39,7 @@ class ContactLaw(NamedTuple):
     friction: float
 
     def pressure(self, reach: FloatArray) -> FloatArray:
-        """Contact pressure in MPa at penetrations (n,) mm."""
+        """Return the contact pressure in MPa at penetrations (n,) mm."""
         inside = np.maximum(reach, 0.0)
         return np.where(
             inside < self.width,
@@ -48,23 +48,26 @@ class ContactLaw(NamedTuple):
         )
 
     def friction_limit(self, reach: FloatArray) -> FloatArray:
-        """Greatest tangential traction (n,) MPa at penetrations (n,) mm; infinite for no slip, zero off the wall."""
+        """Return the maximum tangential traction (n,) MPa at penetrations (n,) mm.
+
+        It is infinite for no slip, and zero without contact.
+        """
         if np.isinf(self.friction):
             return np.where(reach > 0, np.inf, 0.0)
         return self.friction * self.pressure(reach)
 
 
 class ContactHistory(NamedTuple):
-    """Where the contact points stick, and how hard.
+    """Sticking places of the contact points, and their traction limits.
 
     Attributes
     ----------
     anchor
-        (n_points, 3) mm: the place on the obstacle that each point sticks to, seen from the obstacle's `point`.
+        (n_points, 3) mm: sticking place of each point on the obstacle, relative to the obstacle's `point`.
     normal
         (n_points, 3) normal of the obstacle there.
     limit
-        (n_points,) MPa greatest tangential traction; 0 for points that do not stick, infinite for no slip.
+        (n_points,) MPa maximum tangential traction; 0 for points that do not stick, infinite for no slip.
     stabilisation
         (n_points,) MPa/mm spring that pulls a lifting point back to the obstacle (see `palpate.fea.monitor`).
     """
@@ -76,30 +79,31 @@ class ContactHistory(NamedTuple):
 
 
 class ContactPair(NamedTuple):
-    """Contact points (n_points, 3) mm and the obstacle that they meet."""
+    """Contact points (n_points, 3) mm and the obstacle that they may touch."""
 
     points: FloatArray
     obstacle: Obstacle
 
 
 def empty_history(points: int) -> ContactHistory:
-    """Nothing has touched yet."""
+    """Return the history before any contact."""
     return ContactHistory(np.zeros((points, 3)), np.zeros((points, 3)), np.zeros(points), np.zeros(points))
 
 
 def correct_history(
     law: ContactLaw, history: ContactHistory, before: ContactPair, after: ContactPair, area: FloatArray
 ) -> ContactHistory:
-    """Correct sticking places and limits by a solution in which points that touch anew slid freely.
+    """Correct sticking places and limits by a solution in which points in new contact slid freely.
 
-    `before` is the last equilibrium, `after` the solution, `area` (n_points,) mm² what each point stands for. A point
-    that came to touch sticks where it touched; one that left sticks no more. When a point is reached is read from the
-    area: the nearer ones of `before` come first, and the patch grows evenly. Its path up to then is read from that of
-    the solution, in which the patch sticks only up to its old edge. Beside the edge of what sticks a free surface
-    moves as the root of the distance from it. So while the edge sweeps on at the rate L, a point at x, reached at the
-    share a = x / L of the increment, moves ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, where the solution gives
-    ``sqrt(x)`` (docs/design_notes/mechanics.md). In the first increment nothing sticks yet, and a point slides up to
-    its time.
+    `before` is the last equilibrium, `after` the solution, `area` (n_points,) mm² the area of each point. A point in
+    new contact sticks at its place of contact; one that lost contact no longer sticks. The time of contact follows from the
+    area: points closer to the obstacle in `before` touch first, and the patch grows at a constant rate. The path of a
+    point up to that time is estimated from its path in the solution, in which the patch sticks only up to its old
+    edge. Ahead of the edge of the sticking region, a free surface moves as the square root of the distance from it.
+    While the edge advances at the rate L, a point at x, reached at the share a = x / L of the increment, therefore
+    moves by ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, while it moves by ``sqrt(x)`` in the solution
+    (docs/design_notes/mechanics.md). In the first increment no point sticks yet, and a point slides until its time of
+    contact.
     """
     reach0, place0 = before.obstacle.closest_points(before.points)
     reach1, place1 = after.obstacle.closest_points(after.points)
@@ -114,7 +118,10 @@ def correct_history(
 
 
 def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatArray:
-    """Share of the increment (n_points,) at which a patch that grows evenly reaches its fresh points; 0 of others."""
+    """Return the share of the increment (n_points,) at which a growing patch reaches its fresh points.
+
+    It is 0 for points that are not fresh.
+    """
     share, order = np.zeros(len(distance)), np.flatnonzero(fresh)
     order = order[np.argsort(distance[order], kind="stable")]
     share[order] = np.cumsum(area[order]) - 0.5 * area[order]
@@ -123,7 +130,7 @@ def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatAr
 
 
 def return_to_limit(law: ContactLaw, history: ContactHistory, at: ContactPair) -> ContactHistory:
-    """What the points keep of an equilibrium: where they stick, after any slip (return mapping)."""
+    """Return the history after an equilibrium: sticking places after any slip (return mapping)."""
     reach, place = at.obstacle.closest_points(at.points)
     spring = np.where(history.limit[:, None] > 0, place - history.anchor, 0.0)
     length = law.tangential_stiffness * np.linalg.norm(spring, axis=1)
@@ -134,7 +141,10 @@ def return_to_limit(law: ContactLaw, history: ContactHistory, at: ContactPair) -
 
 
 def dissipated(law: ContactLaw, history: ContactHistory, at: ContactPair, weight: FloatArray) -> float:
-    """Work in mJ of friction in the increment that ends here: traction times slip, over areas (n_points,) mm²."""
+    """Return the work of friction, mJ, in the increment that ends here: traction times slip.
+
+    `weight` (n_points,) mm² are the areas of the points.
+    """
     if not 0 < law.friction < np.inf:
         return 0.0
     _, place = at.obstacle.closest_points(at.points)

@@ -16,23 +16,19 @@ class Increment:
     Attributes
     ----------
     depth
-        Parameter of the path: mm travel of the obstacle, or factor on dead loads.
-    state
-        Displacement and pressure.
-    loads
-        Energies and force.
-    history
-        What the contact points remember.
+        Parameter of the path: depth of the obstacle in mm, or factor on dead loads.
+    state, loads, history
+        Displacement and pressure; energies and force; contact history.
     jumped
-        Whether a jump led here.
+        Whether it was reached by a jump.
     negative_pivots
-        Unstable modes of the equilibrium; -1 where the linear solver cannot tell.
+        Unstable modes of the equilibrium; -1 if the linear solver does not compute them.
     tension
-        MPa, greatest tension of the springs that stabilise contact.
+        MPa, maximum tension of the springs that stabilise contact.
     dissipated
-        mJ of friction from the start of the path.
+        mJ, work of friction from the start of the path.
     power
-        mJ/mm, work of what moves over the parameter.
+        mJ/mm, derivative of the work by the parameter.
     """
 
     depth: float

@@ -1,8 +1,8 @@
-"""Sparse symmetric indefinite solvers behind one small interface: analyze, refactor, solve.
+"""Sparse symmetric indefinite solvers behind one interface: analyze, refactor, solve.
 
-The pattern is analysed once a mesh; each Newton iteration refactors the values and solves. The *inertia*
-(number of negative pivots) is part of the answer: it tells a limit point or a change of branch before the
-residual does. Backends by preference: Intel MKL Pardiso (`py-mkl-pardiso`), RSLAB (`rslab`), SuperLU (scipy).
+The pattern is analysed once for each mesh; each Newton iteration refactors the values and solves. The *inertia*
+(number of negative pivots) is part of the result: it shows a limit point or a change of branch before the residual
+does. Backends by preference: Intel MKL Pardiso (`py-mkl-pardiso`), RSLAB (`rslab`), SuperLU (scipy).
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ class Pattern:
         return len(self.start) - 1
 
     def matrix(self, data: FloatArray) -> scipy.sparse.csr_matrix:
-        """Upper triangle (n, n) with the values `data` (nnz,)."""
+        """Return the upper triangle (n, n) with the values `data` (nnz,)."""
         return scipy.sparse.csr_matrix((data, self.column, self.start), shape=(self.size, self.size))
 
 
 class LinearSolver(ABC):
-    """A direct solver of one sparsity pattern: analyse once, then refactor and solve as often as wanted."""
+    """A direct solver of one sparsity pattern: analysed once, then refactored and solved repeatedly."""
 
     @abstractmethod
     def analyze(self, pattern: Pattern) -> None:
-        """Order and analyse a pattern; whatever was factored before is forgotten."""
+        """Order and analyse a pattern; earlier factors are discarded."""
 
     @abstractmethod
     def refactor(self, data: FloatArray) -> int:
@@ -57,7 +57,7 @@ class LinearSolver(ABC):
         Returns
         -------
         int
-            Number of negative pivots; -1 where the backend cannot tell.
+            Number of negative pivots; -1 if the backend does not compute it.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class RslabSolver(LinearSolver):
 
 
 class SuperLuSolver(LinearSolver):
-    """SuperLU of scipy, always there: unsymmetric LU; the signs of its diagonal pivots give the inertia."""
+    """SuperLU of scipy, always installed: unsymmetric LU, inertia by the signs of its diagonal pivots."""
 
     def analyze(self, pattern: Pattern) -> None:
         self._pattern = pattern
@@ -172,13 +172,7 @@ _BACKENDS: dict[str, tuple[type[LinearSolver], str, str]] = {
 
 
 def solver_backends() -> list[tuple[str, bool, str]]:
-    """Backends in the order of preference.
-
-    Returns
-    -------
-    list
-        (name, installed, what to install) of each.
-    """
+    """Return name, whether installed, and installation command of the backends, by preference."""
     return [
         (name, importlib.util.find_spec(module) is not None, f"pip install {package}")
         for name, (_, module, package) in _BACKENDS.items()
@@ -186,19 +180,19 @@ def solver_backends() -> list[tuple[str, bool, str]]:
 
 
 def make_linear_solver(name: str = "auto") -> LinearSolver:
-    """Make the solver of a name, or the best that is installed for ``auto``.
+    """Make the solver of a name, or for ``auto`` the first that is installed.
 
     Raises
     ------
     PalpateError
-        If there is no backend of this name, or it is not installed.
+        If the backend is unknown or not installed.
     """
     available = {backend: installed for backend, installed, _ in solver_backends()}
     if name == "auto":
         name = next(backend for backend, installed in available.items() if installed)
     if name not in _BACKENDS:
         raise PalpateError(
-            f"There is no solver backend '{name}'.",
+            f"Unknown solver backend '{name}'.",
             f"Choose one of auto, {', '.join(_BACKENDS)}.",
             code="solver-unknown",
         )

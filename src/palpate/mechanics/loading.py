@@ -1,4 +1,4 @@
-"""What moves along a path: an obstacle that comes down on a body, or dead loads that grow."""
+"""Loading of a path: an obstacle that moves against a body, or increasing dead loads."""
 
 from __future__ import annotations
 
@@ -26,58 +26,58 @@ from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
 _TINY = 1e-7
-"""Travel in mm over which the power of an obstacle that does not only descend is taken."""
+"""Step in mm for the power of an obstacle that also moves laterally."""
 _FRICTIONLESS, _SLIPPING = 1.5, 0.8
-"""Factors on the advance of the edge where contact remembers nothing, and where points slip while others stick."""
+"""Factors on the advance of the edge without contact memory, and if points slip while others stick."""
 
 
 class PathLoading(ABC):
     """The terms that act on a body at a parameter of its path: depth in mm, or factor on its loads."""
 
     remembers: bool
-    """Whether increments leave a history on which the next depend: friction."""
+    """Whether increments leave a history on which later ones depend: friction."""
 
     @abstractmethod
     def start(self) -> ContactHistory:
-        """History before anything acts."""
+        """Return the history at the start."""
 
     @abstractmethod
     def max_increment(self, at: float, edge: float, radius: float) -> float:
-        """Longest increment in mm from a depth in mm: the patch's edge advances by some `edge` mm in it.
+        """Return the maximum increment in mm from a depth in mm: the patch's edge advances by about `edge` mm.
 
-        On a sphere of that radius in mm the patch has the radius ``sqrt(2 R d)``, so its edge goes `edge` on while
-        the depth grows by ``edge sqrt(2 d / R)`` (docs/design_notes/mechanics.md). Infinite where nothing touches.
+        On a sphere of that radius in mm the patch has the radius ``sqrt(2 R d)``, so its edge advances by `edge`
+        while the depth grows by ``edge sqrt(2 d / R)`` (docs/design_notes/mechanics.md). Infinite without contact.
         """
 
     @abstractmethod
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
-        """Terms at a parameter."""
+        """Return the terms at a parameter."""
 
     def power(self, at: float, state: State, history: ContactHistory, force: FloatArray, side: float) -> float:
-        """Work of what moves over its parameter, mJ/mm, at a state and the force (3,) N on it.
+        """Return the derivative of the work by the parameter, mJ/mm, at a state and a force (3,) N.
 
-        On the `side` of a greater (1) or lesser (-1) parameter, where the way may have a kink. Of what moves along
-        one way it is the force along that.
+        It is one-sided, towards a larger (`side` 1) or smaller (-1) parameter, since the path may have a kink. For
+        motion along one line it is the force along that line.
         """
         return self.axial_force(force)
 
     def axial_force(self, force: FloatArray) -> float:
-        """Share in N of a force (3,) N that acts against the way of what moves: along the axis."""
+        """Return the component in N of a force (3,) N against the motion: along the axis."""
         return float(force[2])
 
     @abstractmethod
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
-        """Terms at a parameter in which what touched in the `last` equilibrium cannot leave."""
+        """Return terms at a parameter in which points in contact in the `last` equilibrium cannot separate."""
 
     @abstractmethod
     def correct(
         self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
     ) -> ContactHistory:
-        """History corrected by a solution `after` the equilibrium `before`, each a parameter and a state."""
+        """Correct the history by a solution `after` the equilibrium `before`, each a parameter and a state."""
 
     @abstractmethod
     def update_history(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
-        """History that an equilibrium leaves, and the work in mJ dissipated in the increment that led to it."""
+        """Return the history after an equilibrium, and the work in mJ dissipated in the increment before it."""
 
 
 @final
@@ -87,18 +87,16 @@ class ContactLoading(PathLoading):
 
     Attributes
     ----------
-    nodes
-        (n, 3) mm of the body.
-    surface
-        Its outer surface.
+    nodes, surface
+        (n, 3) mm nodes of the body, and its outer surface.
     law
         Contact law.
     obstacle
         The obstacle at a depth in mm.
     aside
-        Whether it moves other than along one way.
+        Whether its motion is not along one line.
     way
-        (3,) unit vector against which it moves; None: the axis.
+        (3,) unit vector opposite to its motion; None: the axis.
     """
 
     nodes: FloatArray
@@ -123,14 +121,14 @@ class ContactLoading(PathLoading):
         return (self.contact(at, history),)
 
     def contact(self, at: float, history: ContactHistory) -> Contact:
-        """Contact with the obstacle at a depth in mm, with this history."""
+        """Return the contact with the obstacle at a depth in mm, with this history."""
         obstacle = self.obstacle(at)
         return Contact(
             self.surface, self.law, obstacle, history._replace(anchor=obstacle.to_global_frame(history.anchor))
         )
 
     def power(self, at: float, state: State, history: ContactHistory, force: FloatArray, side: float) -> float:
-        """See `PathLoading`; of one that goes aside too, by the energy of contact of a state that holds still."""
+        """Return the power as in `PathLoading`; by the contact energy of a fixed state if it moves laterally."""
         if not self.aside:
             return super().power(at, state, history, force, side)
         there, here = (self.contact(at + step, history).energy(state, self.nodes) for step in (side * _TINY, 0.0))
@@ -155,29 +153,23 @@ class ContactLoading(PathLoading):
         return return_to_limit(self.law, history, met), lost
 
     def contact_pair(self, at: float, state: State) -> ContactPair:
-        """Contact points of a state and the obstacle at a depth in mm."""
+        """Return the contact points of a state and the obstacle at a depth in mm."""
         return ContactPair(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
 
     def penetration(self, at: float, state: State) -> FloatArray:
-        """Penetration (n_points,) mm of a state into the obstacle at a depth in mm."""
+        """Return the penetration (n_points,) mm of a state into the obstacle at a depth in mm."""
         met = self.contact_pair(at, state)
         return met.obstacle.penetration(met.points)
 
     def touching(self, at: float, state: State) -> BoolArray:
-        """Contact points (n_points,) of a state that touch the obstacle at a depth in mm."""
+        """Test which contact points (n_points,) of a state touch the obstacle at a depth in mm."""
         return self.penetration(at, state) > 0
 
 
 @final
 @dataclass(frozen=True)
 class DeadLoading(PathLoading):
-    """Dead loads that grow in proportion.
-
-    Attributes
-    ----------
-    load
-        Forces at factor one.
-    """
+    """Dead loads that grow in proportion; `load` has the forces at factor one."""
 
     load: DeadLoad
     remembers = False

@@ -1,4 +1,4 @@
-"""What watches a path: which branch a state belongs to, how contact is stabilised, and what ends it."""
+"""Interface of a monitor of a path: branch of a state, contact stabilisation, and end criteria."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from palpate.mechanics.solid import State
 
 
 class EndReason(StrEnum):
-    """Why a press ended."""
+    """Reason why a press ended."""
 
     DEPTH_REACHED = "depth reached"
     WALL_AT_CLAMP = "wall reached the clamped rim"
@@ -23,7 +23,7 @@ class EndReason(StrEnum):
 
 
 class Monitor(ABC):
-    """Watches the equilibria of a path.
+    """Monitor of the equilibria of a path.
 
     Attributes
     ----------
@@ -38,29 +38,29 @@ class Monitor(ABC):
 
     @abstractmethod
     def inverted(self, at: float, state: State) -> bool:
-        """Whether a state belongs to the inverted branch at a depth in mm."""
+        """Test whether a state belongs to the inverted branch at a depth in mm."""
 
     @abstractmethod
     def stabilisation(self, at: float, state: State) -> FloatArray | None:
-        """Springs (n_points,) MPa/mm that stabilise contact from here on; None leaves them as they are."""
+        """Return springs (n_points,) MPa/mm that stabilise contact from here on; None leaves them unchanged."""
 
     @abstractmethod
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
-        """Greatest tension in MPa that the springs (n_points,) MPa/mm bear."""
+        """Return the maximum tension in MPa of the springs (n_points,) MPa/mm."""
 
     @abstractmethod
     def perturbed(self, at: float, state: State, push: float) -> FloatArray:
-        """Displacement (n, 3) mm of a state pushed by so many mm towards the other branch."""
+        """Return the displacement (n, 3) mm of a state pushed by so many mm towards the second branch."""
 
     @abstractmethod
     def fault(self, state: State) -> tuple[EndReason, str] | None:
-        """Why what follows a state is not modelled, or None."""
+        """Return the reason why states after this one are not modelled, or None."""
 
 
 @final
 @dataclass(frozen=True)
 class NullMonitor(Monitor):
-    """A path of one branch; nothing is stabilised."""
+    """Monitor of a path of one branch, without stabilisation."""
 
     modulus: float = 1.0
     area: float = 1.0

@@ -16,19 +16,19 @@ from palpate.mechanics.solid import Body, State
 from palpate.mechanics.term import Assembly, Term
 
 _TRIALS = 5
-"""Most trials of a line search."""
+"""Maximum number of trials of a line search."""
 _SLOPE_FALL = 0.5
-"""Share of the first slope to which a line search goes down."""
+"""Share of the first slope at which a line search ends."""
 _CLOSE = 1e3
-"""Residual over the tolerance at which an iteration that has not ended goes on."""
+"""Residual over the tolerance below which the maximum number of iterations is doubled."""
 _BLOW_UP = 10.0
-"""Share of the first slope to which a step along a rising one may raise it."""
+"""Maximum slope after a step over the first slope, if that is positive."""
 _FIRST_SHIFT, _SHIFTS = 1e-3, 8
-"""First shift of an indefinite tangent, over mu/T² and the nodal volume, and how often it may grow."""
+"""First shift of an indefinite tangent, over mu/T² and the nodal volume, and maximum number of shifts."""
 
 
 class SolveOutcome(StrEnum):
-    """How an increment ended."""
+    """Outcome of an increment."""
 
     CONVERGED = "converged"
     TOO_MANY_ITERATIONS = "too many iterations"
@@ -38,14 +38,14 @@ class SolveOutcome(StrEnum):
 
 
 class Loads(NamedTuple):
-    """What a state stores and bears, of the modelled part.
+    """Energies and force of a state, of the modelled part.
 
     Attributes
     ----------
     elastic
-        Stored elastic energy, mJ; infinite where a cell is turned inside out.
+        Stored elastic energy, mJ; infinite if a cell is inverted.
     potential
-        Energy of the other terms, mJ: contact penalty and sticking springs, dead loads.
+        Energy of the added terms, mJ: contact penalty and sticking springs, dead loads.
     force
         (3,) N on the obstacle.
     """
@@ -64,13 +64,13 @@ class Equilibrium:
     outcome
         Reason of the end.
     state
-        The last state; an equilibrium only where `outcome` is converged.
+        The last state; an equilibrium only if `outcome` is converged.
     loads
         Energies and force of the modelled part.
     residual
-        Greatest out-of-balance force of a degree of freedom, N.
+        Maximum out-of-balance force of a degree of freedom, N.
     iterations
-        Newton iterations spent.
+        Number of Newton iterations.
     negative_pivots
         Inertia of the last tangent; 0 on a stable branch, -1 unknown.
     history
@@ -92,16 +92,16 @@ class Equilibrium:
 
 
 class Problem:
-    """A body and the terms that act on it: assembles and solves one increment at a time.
+    """A body and its linear solver: assembles and solves one increment at a time.
 
     Parameters
     ----------
     body
         The body.
     linear
-        Sparse solver; analysed here once.
+        Sparse solver, which analyses the pattern here.
     tolerance
-        Greatest out-of-balance force in N at convergence.
+        Maximum out-of-balance force in N at convergence.
     length
         Thickness of the body in mm, the scale of steps and shifts.
     """
@@ -134,25 +134,23 @@ class Problem:
     def solve(
         self, start: State, terms: Sequence[Term], iterations: int, slack: float = 1.0, *, descend: bool = False
     ) -> Equilibrium:
-        """Find the equilibrium near `start`.
+        """Find the equilibrium near a predicted state `start`.
 
         Parameters
         ----------
-        start
-            Predicted state.
-        terms
-            What acts on the body.
+        start, terms
+            Predicted state, and terms that act on the body.
         iterations
-            Most Newton iterations; twice as many where points stick and slip in turn and the end is near.
+            Maximum number of Newton iterations; doubled if the residual is then within 1000 times the tolerance.
         slack
             Factor on the tolerance.
         descend
-            Whether every step goes downhill, as to a minimum: an indefinite tangent is shifted.
+            Whether every step descends, as to a minimum: an indefinite tangent is shifted.
 
         Returns
         -------
         Equilibrium
-            With the reason where it did not converge.
+            The result, with the reason if it did not converge.
         """
         state, pivots = start, -1
         history: list[float] = []
@@ -180,7 +178,7 @@ class Problem:
 
     @property
     def assembly(self) -> Assembly:
-        """What terms are added to."""
+        """The linear system to which terms are added."""
         return self._assembly
 
     def factor(self, state: State, terms: Sequence[Term]) -> None:
@@ -195,7 +193,7 @@ class Problem:
         self.refactor()
 
     def refactor(self) -> int:
-        """Factor the tangent assembled last; the number of its negative pivots, -1 where that is not known.
+        """Factor the tangent assembled last; return the number of its negative pivots, -1 if unknown.
 
         Raises
         ------
@@ -205,11 +203,14 @@ class Problem:
         return self.linear.refactor(self._system.data)
 
     def back_substitute(self, force: FloatArray) -> FloatArray:
-        """Displacement (n, 3) mm by which the factored tangent answers forces (3 n,) N."""
+        """Return the displacement (n, 3) mm of the factored tangent under forces (3 n,) N."""
         return self._scatter(self.linear.solve(force[self.body.free]))
 
     def step(self, start: State, terms: Sequence[Term]) -> State:
-        """One linear step from `start`, no longer than the body is thick; `start` itself where there is none."""
+        """Take one linear step of at most the body's thickness.
+
+        Return `start` itself if the tangent is singular or a cell is inverted.
+        """
         if not np.isfinite(self.assemble(start, terms).elastic):
             return start
         try:
@@ -221,13 +222,13 @@ class Problem:
         return start.moved(du, self.body.recover_pressure(du), factor)
 
     def _scatter(self, step: FloatArray) -> FloatArray:
-        """Displacement (n, 3) mm of a step of the free degrees of freedom."""
+        """Return the displacement (n, 3) mm of a step of the free degrees of freedom."""
         du = np.zeros(self.body.nodes.shape)
         du.ravel()[self.body.free] = step
         return du
 
     def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
-        """Newton step and negative pivots of the tangent; to `descend`, an indefinite tangent is shifted first."""
+        """Return negative pivots and Newton step; to `descend`, an indefinite tangent is shifted first."""
         pivots = negative = self.linear.refactor(self._system.data)
         shift = _FIRST_SHIFT * self.body.shear_modulus / self.length**2
         for _ in range(_SHIFTS if descend else 0):
@@ -239,7 +240,7 @@ class Problem:
         return pivots, self.linear.solve(-residual)
 
     def _search(self, state: State, step: FloatArray, slope: float, terms: Sequence[Term]) -> tuple[State, Loads]:
-        """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
+        """Search along a step until the slope of the energy is small enough (Matthies & Strang 1979)."""
         du = self._scatter(step)
         dp = self.body.recover_pressure(du)
         factor = min(1.0, self.length / max(float(np.abs(du).max()), 1e-300))

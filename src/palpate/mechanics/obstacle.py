@@ -1,9 +1,9 @@
-"""Rigid obstacles: what a body may press against, asked for distance, normal and curvature near any point.
+"""Rigid obstacles: distance, normal and curvature at any point.
 
-Contact needs of an obstacle only its gap function: the penetration ``delta(x)`` of a point, positive inside, its
+Contact requires only the gap function of an obstacle: the penetration ``delta(x)`` of a point, positive inside, its
 gradient ``n``, which points into the obstacle, and its Hessian (Wriggers, *Computational Contact Mechanics*, 2006,
-chapter 4: closest point projection). An obstacle moves and may turn where that does not change its surface; what
-sticks to it moves with it.
+chapter 4: closest point projection). An obstacle moves, and may rotate if that does not change its surface; points
+that stick to it move with it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Obstacle(ABC):
     point
         (3,) mm, a point that moves with the obstacle.
     axes
-        (3, 3) the obstacle's own axes as columns, in which places on it are kept; None as long as it has not turned.
+        (3, 3) the obstacle's own axes as columns, in which places on it are stored; None if it has not rotated.
     """
 
     point: FloatArray
@@ -54,17 +54,17 @@ class Obstacle(ABC):
 
     @abstractmethod
     def gap(self, points: FloatArray) -> Gap:
-        """Penetration of points (n, 3) mm, with its gradient and Hessian."""
+        """Return the penetration of points (n, 3) mm, with its gradient and Hessian."""
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
-        """Quadrilaterals of the surface about a point of it, as other programs and pictures want them.
+        """Return quadrilaterals of the surface about a point of it, for other programs and figures.
 
         Parameters
         ----------
         at
             (3,) mm, a point of the surface.
         half
-            Half their breadth, mm; less where the obstacle is smaller.
+            Half their width, mm; less if the obstacle is smaller.
 
         Returns
         -------
@@ -74,30 +74,30 @@ class Obstacle(ABC):
         Raises
         ------
         PalpateError
-            If the obstacle gives none.
+            If the obstacle does not implement them.
         """
         raise PalpateError(
-            f"The obstacle {type(self).__name__} has no quadrilaterals to write or draw.",
-            "Give it a method `patch`.",
+            f"The obstacle {type(self).__name__} has no surface quadrilaterals for decks and figures.",
+            "Implement its method `patch`.",
             code="obstacle-no-patch",
         )
 
     def penetration(self, points: FloatArray) -> FloatArray:
-        """Penetration (n,) mm of points (n, 3) mm; negative off the obstacle."""
+        """Return the penetration (n,) mm of points (n, 3) mm; negative outside the obstacle."""
         return self.gap(points).penetration
 
     def normal_at(self, place: FloatArray) -> FloatArray:
-        """Normals (n, 3) at places (n, 3) mm seen from `point`, in the obstacle's axes."""
+        """Return the normals (n, 3) at places (n, 3) mm relative to `point`, in the obstacle's axes."""
         return self.gap(self.point + self.to_global_frame(place)).normal
 
     def to_global_frame(self, place: FloatArray) -> FloatArray:
-        """Places (n, 3) mm of the obstacle's own axes in those of space."""
+        """Convert places (n, 3) mm in the obstacle's axes to the axes of space."""
         return place if self.axes is None else place @ self.axes.T
 
     def closest_points(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Penetration (n,) mm of points (n, 3) mm, and the places (n, 3) mm nearest to them.
+        """Return the penetration (n,) mm of points (n, 3) mm, and the closest places (n, 3) mm.
 
-        A place is seen from `point`, in the obstacle's own axes.
+        A place is relative to `point`, in the obstacle's own axes.
         """
         reach = self.penetration(points)
         place = points - self.point - reach[:, None] * self.gap(points).normal
@@ -105,13 +105,13 @@ class Obstacle(ABC):
 
 
 def tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (3,) across a normal (3,), the first nearest to x; with it they are right-handed."""
+    """Return two unit vectors (3,) across a normal (3,), right-handed with it, the first closest to x."""
     along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
     along /= np.linalg.norm(along)
     return along, np.cross(normal, along)
 
 
 def grid_quads(rows: int, columns: int) -> IntArray:
-    """Quadrilaterals (k, 4) of a grid of points numbered row by row, counter-clockwise."""
+    """Return the quadrilaterals (k, 4) of a grid of points numbered row by row, counter-clockwise."""
     number = np.arange(rows * columns).reshape(rows, columns)
     return np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1).reshape(-1, 4)

@@ -1,19 +1,19 @@
-"""Derivatives of a path with respect to what it was made with: one back-substitution each.
+"""Derivatives of a path with respect to its inputs, by one back-substitution each.
 
-In equilibrium the residual vanishes, ``r(u, q, h) = 0``, for every value of a parameter q. So the field's derivative
-follows from the tangent K that Newton's method leaves behind,
+In equilibrium the residual vanishes, ``r(u, q, h) = 0``, for every value of a parameter q. The derivative of the
+field therefore follows from the tangent K of Newton's method,
 
-    K du/dq = - dr/dq - (dr/dh) dh/dq,
+    K du/dq = - dr/dq - (dr/dh) dh/dq.
 
-where the history h (sticking places and limits) has a derivative of its own, carried from increment to increment by
-the derivative of the rules that carry the history itself (Michaleris, Tortorelli & Vidal, *Int. J. Numer. Meth.
-Eng.* 37, 1994: direct differentiation of transient problems). The explicit derivatives on the right are central
-differences of one assembly, of residuals and of the rules of contact, at a state that stands still: exact to
-rounding, and no law, obstacle or skin need give any. Where the limit of friction follows the pressure, the tangent is
-that of Newton's method, which holds the limit, and the rest is iterated.
+The history h (sticking places and limits) has its own derivative, which is propagated from increment to increment by
+the derivative of the rules that update the history (Michaleris, Tortorelli & Vidal, *Int. J. Numer. Meth. Eng.* 37,
+1994: direct differentiation of transient problems). The explicit derivatives on the right are central differences of
+one assembly, of residuals and of the contact rules, at a fixed state. They are exact to rounding, and laws, obstacles
+and skins need not provide any. If the friction limit depends on the pressure, the tangent is that of Newton's method,
+which fixes the limit, and the rest is iterated.
 
-With half a body, a parameter may break the mirror symmetry. The derivative is then antisymmetric: it is solved by a
-body of the same cells whose mirror plane holds what the other lets go (`Across`).
+With half a body, a parameter may break the mirror symmetry. The derivative is then antisymmetric, and is solved by a
+body of the same cells with antisymmetric conditions on its mirror plane (`Sensitivity.across`).
 """
 
 from __future__ import annotations
@@ -37,34 +37,34 @@ _SIDES = (1.0, -1.0)
 _STEP = 1e-5
 """Half the difference of the path's own parameter, mm."""
 _SLOWEST = 0.02
-"""Least pace at which a point nears the obstacle, over the greatest, for which its delay is its own."""
+"""Minimum approach rate of a point to the obstacle, over the maximum; slower points take this rate."""
 _EDGE_POWER = 1.5
-"""Power of the distance from what sticks, as which the derivative of a free point's place leaves that at the edge."""
+"""Power of the distance from sticking points by which the derivative of a free point's place varies."""
 _LIMIT_ROUNDS = 3
-"""Rounds in which the limit of friction follows the derivative of the pressure."""
+"""Number of rounds in which the friction limit is updated by the derivative of the pressure."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """A parameter, and what the path is made of where it is a little greater and a little smaller.
+    """A parameter, and the inputs of the path at slightly larger and smaller values of it.
 
     Attributes
     ----------
     name
-        Of the parameter.
+        Name of the parameter.
     step
-        Half the difference of the two, in the unit of the parameter: small, for displacement and history are moved
-        by as much along their derivatives.
+        Half the difference of the values; small, since displacement and history are moved as far along their
+        derivatives.
     above, below
-        What presses with the parameter greater and smaller.
+        Loading with the parameter larger and smaller.
     solids
-        The body likewise; None where the parameter leaves it alone.
+        Body with the parameter larger and smaller; None if it does not depend on it.
     lasting
-        Whether the parameter has been different since rest; otherwise it changes at the increment alone.
+        Whether the parameter has changed since rest; otherwise it changes at the increment alone.
     antisymmetric
         Whether it breaks the mirror symmetry of half a body.
     sideways
-        Whether it moves the obstacle in its own surface alone, so that no point is reached sooner or later for it.
+        Whether it moves the obstacle only within its own surface, so that no time of contact depends on it.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Variation:
     sideways: bool = False
 
     def loading(self, side: float) -> ContactLoading:
-        """What presses with the parameter greater (1) or smaller (-1)."""
+        """Return the loading with the parameter larger (1) or smaller (-1)."""
         return self.above if side > 0 else self.below
 
 
@@ -90,18 +90,18 @@ class StateDerivative(NamedTuple):
 
 
 class IncrementTransition(NamedTuple):
-    """An increment whose derivative is sought.
+    """An increment to be differentiated.
 
     Attributes
     ----------
     number
-        Of the increment in the path; that at rest is 0.
+        Number of the increment in the path; 0 at rest.
     start, end
         Parameter of the path before and after, mm.
     before, after
-        Equilibria: the last, and the one reached.
+        Last equilibrium, and the one reached.
     earlier, history
-        What contact remembers of the last, and with which the increment was solved.
+        Contact history of the last equilibrium, and the one with which the increment was solved.
     """
 
     number: int
@@ -114,9 +114,9 @@ class IncrementTransition(NamedTuple):
 
 
 class _Arrivals(NamedTuple):
-    """Points that touch anew: which (n,), how far on the path (n,) mm, pace (n,) and drift (n, 3) beforehand.
+    """Points in new contact: which (n,), distance on the path (n,) mm, pace (n,) and drift (n, 3) before.
 
-    Pace is the growth of the penetration, drift that of the place on the obstacle, both over the path's parameter.
+    Pace is the derivative of the penetration, drift that of the place on the obstacle, both by the path's parameter.
     """
 
     fresh: BoolArray
@@ -127,20 +127,20 @@ class _Arrivals(NamedTuple):
 
 @dataclass
 class Sensitivity:
-    """Follows derivatives along a path.
+    """Derivatives along a path.
 
     Attributes
     ----------
     problem, loading
-        Body with linear solver, and what presses, of the path.
+        Body with linear solver, and loading, of the path.
     variations
         The parameters.
     across
-        The same body with its mirror plane held antisymmetrically; needed where a variation is `across`.
+        Body with antisymmetric conditions on its mirror plane; needed if a variation is `antisymmetric`.
     rates
         Derivative at the last increment, by name.
     found
-        Derivatives of every increment asked for, by its number in the path: rates by name.
+        Derivatives of every requested increment, by its number in the path: rates by name.
     """
 
     problem: Problem
@@ -160,14 +160,15 @@ class Sensitivity:
         self.rates = {each.name: StateDerivative(self._pace, np.zeros(3), self._still) for each in self.variations}
 
     def stand(self, number: int, at: float, state: State, history: ContactHistory) -> None:
-        """Take an equilibrium of the path by itself, where contact remembers nothing."""
+        """Differentiate an equilibrium of the path by itself, without contact memory."""
         self.start(history)
         self.accept(IncrementTransition(number, at, at, state, state, history, history), memory=False, asked=True)
 
     def accept(self, step: IncrementTransition, *, memory: bool, asked: bool) -> None:
-        """Take an increment: with `memory`, also the derivatives of the history that it leaves.
+        """Differentiate an increment; with `memory`, also the history after it.
 
-        Where it is not `asked` for, only what goes on is computed: no force, and nothing that changes there alone.
+        If it is not `asked` for, only inputs of later increments are computed: no force, and no parameter that
+        changes at the increment alone.
         """
         variations = [each for each in self.variations if asked or each.lasting]
         self._factor(step, variations)
@@ -210,7 +211,7 @@ class Sensitivity:
         return self.across if each.antisymmetric and self.across is not None else self.problem
 
     def _solve(self, each: Variation, step: IncrementTransition, rate: ContactHistory) -> FloatArray:
-        """Derivative (n, 3) mm of the displacement for that of the history."""
+        """Return the derivative (n, 3) mm of the displacement for that of the history."""
         high, low = (self._assemble(each, step, side, rate)[0] for side in _SIDES)
         return self._problem(each).back_substitute((low - high) / (2 * each.step))
 
@@ -222,7 +223,7 @@ class Sensitivity:
         rate: ContactHistory,
         u: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
-        """Residual (3 n,) N of the state at the end of a step, or of that moved along `u`, and the force (3,) N."""
+        """Return residual (3 n,) N and force (3,) N at the end of a step, or of that state moved along `u`."""
         loading, by = each.loading(side), side * each.step
         own = self.problem.assembly
         to = own._replace(nodes=loading.nodes, system=System(own.system.data, np.zeros(own.nodes.size)))
@@ -233,7 +234,7 @@ class Sensitivity:
         return to.system.residual, share.force
 
     def _arrive(self, step: IncrementTransition) -> _Arrivals:
-        """Which points touch anew in an increment, when, and how fast they were on their way."""
+        """Return the points in new contact in an increment, the time of contact, and their rates before it."""
         fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
         reach, place = self._foot_rate(self._path, step, self._pace)
         slowest = _SLOWEST * float(np.abs(reach[fresh] if fresh.any() else reach).max())
@@ -244,14 +245,14 @@ class Sensitivity:
     def _corrected(
         self, each: Variation, step: IncrementTransition, old: StateDerivative, arrivals: _Arrivals
     ) -> ContactHistory:
-        """Derivative of the history with which the increment was solved.
+        """Return the derivative of the history with which the increment was solved.
 
-        What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
-        ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of what sticks, s_q
-        and s_d go as the root of the distance from it, and in the sum the roots cancel: so it is taken at the last
-        equilibria and carried on to the share of the increment at which the point is reached. Where the obstacle
-        moves sideways alone and nothing slips, what is left goes as the distance to the power 1.5, for the rate of a
-        free point vanishes at the edge, and is carried on by that law; otherwise straight.
+        Points that stuck before keep their derivative. A point in new contact at the depth d_c sticks at its place s
+        there, and ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of the
+        sticking region, s_q and s_d vary as the square root of the distance from it, and the roots cancel in the sum.
+        The sum is therefore computed at the last equilibria and extrapolated to the time of contact. If the obstacle
+        moves only sideways and nothing slips, the sum varies as the distance to the power 1.5, since the rate of a
+        free point vanishes at the edge, and is extrapolated by that law; otherwise linearly.
         """
         reach, place = self._foot_rate(each, step, old.u)
         ahead = place - (reach / arrivals.pace)[:, None] * arrivals.drift
@@ -271,7 +272,7 @@ class Sensitivity:
         return old.history._replace(anchor=anchor, normal=normal)
 
     def _foot_rate(self, each: Variation, step: IncrementTransition, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of penetration (n_points,) and place (n_points, 3) at the last equilibrium."""
+        """Return the derivatives of penetration (n_points,) and place (n_points, 3) at the last equilibrium."""
         feet = []
         for side in _SIDES:
             state = State(step.before.u + side * each.step * u, step.before.p)
@@ -290,7 +291,7 @@ class Sensitivity:
         return Variation("", _STEP, high, low, lasting=False)
 
     def _limits(self, each: Variation, step: IncrementTransition, u: FloatArray) -> FloatArray:
-        """Derivative (n_points,) MPa of the limit of friction for that of the displacement."""
+        """Return the derivative (n_points,) MPa of the friction limit for that of the displacement."""
         found = []
         for side in _SIDES:
             state = State(step.after.u + side * each.step * u, step.after.p)
@@ -300,7 +301,7 @@ class Sensitivity:
     def _stored(
         self, each: Variation, step: IncrementTransition, u: FloatArray, rate: ContactHistory
     ) -> ContactHistory:
-        """Derivative of the history that the increment leaves."""
+        """Return the derivative of the history after the increment."""
         found = []
         for side in _SIDES:
             by = side * each.step
@@ -314,7 +315,7 @@ def _later(obstacle: Callable[[float], Obstacle], by: float, at: float) -> Obsta
 
 
 def _moved(history: ContactHistory, rate: ContactHistory, by: float) -> ContactHistory:
-    """A history moved along its derivative; what is infinite or zero stays."""
+    """Return a history moved along its derivative; infinite or zero limits are unchanged."""
     slips = np.isfinite(history.limit) & (history.limit > 0)
     limit = np.where(slips, np.maximum(history.limit + by * rate.limit, np.finfo(float).tiny), history.limit)
     return history._replace(

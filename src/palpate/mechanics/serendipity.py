@@ -1,4 +1,4 @@
-"""The 20-node brick inside a 27-node cell: its shape functions, and the nodes it leaves out.
+"""The 20-node brick inside a 27-node cell: its shape functions, and the nodes that it lacks.
 
 Corner nodes at ``p``: ``(1 + xi p1)(1 + eta p2)(1 + zeta p3)(xi p1 + eta p2 + zeta p3 - 2) / 8``; a node in the
 middle of an edge along xi: ``(1 - xi²)(1 + eta p2)(1 + zeta p3) / 4`` (Zienkiewicz & Taylor, volume 1, 8.11).
@@ -18,7 +18,7 @@ _PLACES = np.array([[i - 1.0, j - 1.0, k - 1.0] for k in range(3) for j in range
 
 
 def shape_brick(local: FloatArray) -> FloatArray:
-    """Shape functions (n, 20) of the 20-node brick at local coordinates (n, 3)."""
+    """Return the shape functions (n, 20) of the 20-node brick at local coordinates (n, 3)."""
     shape = np.empty((len(local), len(BRICK)))
     for a, place in enumerate(_PLACES[BRICK]):
         along = place == 0.0
@@ -31,19 +31,9 @@ def shape_brick(local: FloatArray) -> FloatArray:
 
 
 def fill_nodes(cells: IntArray, field: FloatArray) -> FloatArray:
-    """Fill the face and centre nodes of 27-node cells from the other twenty.
+    """Fill the face and centre nodes of 27-node cells in a nodal field (..., n, k) from the brick's nodes.
 
-    Parameters
-    ----------
-    cells
-        (n_cells, 27) node numbers.
-    field
-        (..., n, k) nodal values; those at face and centre nodes are ignored.
-
-    Returns
-    -------
-    (..., n, k)
-        The field of the 20-node bricks at every node.
+    `cells` (n_cells, 27) are node numbers; values of `field` at face and centre nodes are ignored.
     """
     left_out = np.setdiff1d(np.arange(27), BRICK)
     shape = shape_brick(_PLACES[left_out])

@@ -1,4 +1,4 @@
-"""A solid body: cells, material and degrees of freedom, ready to give energy, residual and tangent."""
+"""A solid body: cells, material and degrees of freedom, with energy, residual and tangent."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class State:
 
 
 class Body(ABC):
-    """What Newton's method asks of a body: unknowns, their couplings, and the energy with its derivatives.
+    """Interface of a body for Newton's method: unknowns, couplings, and energy with its derivatives.
 
     Attributes
     ----------
@@ -61,9 +61,9 @@ class Body(ABC):
     pattern
         Sparse upper triangle of their couplings.
     place
-        (n_cells, 3321) place in it of every entry of a cell's upper triangle, -1 for none.
+        (n_cells, 3321) index into it for every entry of a cell's upper triangle; -1 for entries that are left out.
     nodal_volume
-        (n,) mm³ that each node stands for.
+        (n,) mm³ of each node.
     shear_modulus
         MPa, the scale of the tangent.
     """
@@ -77,15 +77,15 @@ class Body(ABC):
 
     @abstractmethod
     def rest(self) -> State:
-        """State at rest."""
+        """Return the state at rest."""
 
     @abstractmethod
     def assemble(self, state: State, system: System) -> float:
-        """Add tangent and residual to `system`; return the stored energy, mJ, infinite where a cell is inverted."""
+        """Add tangent and residual to `system`; return the stored energy, mJ, infinite if a cell is inverted."""
 
     @abstractmethod
     def recover_pressure(self, du: FloatArray) -> FloatArray:
-        """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
+        """Return the pressure increments (n_cells, 4) MPa of `du` (n, 3) mm since the last `assemble`."""
 
 
 @final
@@ -101,9 +101,9 @@ class Solid(Body):
     material
         The material.
     fixed
-        (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
+        (n, 3) bool, True if the displacement is prescribed (its value is in the state).
     filling
-        How many of the cells, the first, are of the material's gel.
+        Number of cells, from the first, that consist of the material's gel.
     """
 
     def __init__(
@@ -140,13 +140,13 @@ class Solid(Body):
         return assemble_cells(self.cells, response, self.bulk, state.p, system, self._condensed)
 
     def add_residual(self, state: State, residual: FloatArray) -> None:
-        """Add the condensed residual (3 n,) N alone to `residual`; the state must not turn a cell inside out."""
+        """Add the condensed residual (3 n,) N alone to `residual`; the state must not invert a cell."""
         response = self.respond(state)
         if response is not None:
             add_residual(self.cells, response, self.bulk, state.p, residual)
 
     def remade(self, nodes: FloatArray, material: Material) -> Solid:
-        """The same cells and unknowns with other nodes (n, 3) mm and another material."""
+        """Return the same cells and unknowns with other nodes (n, 3) mm and another material."""
         other = copy(self)
         other.nodes, other.material = nodes, material
         other.shear_modulus = material.law.shear_modulus
@@ -157,7 +157,7 @@ class Solid(Body):
         return other
 
     def respond(self, state: State) -> Response | None:
-        """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
+        """Return the response of the law at the Gauss points; `None` if a cell is inverted."""
         if not deform_cells(self.cells, state.u, self._F):
             return None
         energy, tau, c = self._evaluate(self._F.reshape(-1, 3, 3))
@@ -165,7 +165,7 @@ class Solid(Body):
         return Response(self._F, energy.reshape(shape), tau.reshape(*shape, 6), c.reshape(*shape, 6, 6))
 
     def _evaluate(self, F: FloatArray) -> tuple[FloatArray, ...]:
-        """What the laws answer at (n, 3, 3) deformation gradients: energy, stress and tangent."""
+        """Return energy, stress and tangent of the laws at (n, 3, 3) deformation gradients."""
         inside = self.filling * self.cells.weight.shape[1]
         if not inside:
             found: tuple[FloatArray, ...] = self.material.evaluate(F)
@@ -178,14 +178,14 @@ class Solid(Body):
     def _gel(self) -> Material:
         if self.material.gel is None:
             raise PalpateError(
-                f"The skin is filled, and the material {self.material.name} names no gel.",
-                "Name one, or leave it hollow.",
+                f"The mesh is filled, but the material {self.material.name} has no gel.",
+                "Give the material a gel, or mesh the skin without filling.",
                 code="gel-missing",
             )
         return self.material.gel
 
     def _bulk(self) -> FloatArray:
-        """Bulk modulus (n_cells,) MPa."""
+        """Return the bulk modulus (n_cells,) MPa."""
         bulk = np.full(len(self.cells.nodes), self.material.bulk_modulus)
         if self.filling:
             bulk[: self.filling] = self._gel.bulk_modulus
@@ -198,13 +198,13 @@ class Solid(Body):
 
 
 def _pressure_basis() -> FloatArray:
-    """Basis (n_points, 4) of the pressure at the Gauss points: 1, xi, eta, zeta."""
+    """Return the basis (n_points, 4) of the pressure at the Gauss points: 1, xi, eta, zeta."""
     points, _ = gauss_points(GAUSS)
     return np.column_stack([np.ones(len(points)), points])
 
 
 def _tables(nodes: FloatArray, cells: IntArray) -> dict[str, FloatArray]:
-    """Tables of `Cells` that depend on where the nodes (n, 3) mm are."""
+    """Return the tables of `Cells` that depend on the nodes (n, 3) mm."""
     points, weights = gauss_points(GAUSS)
     _, local = shape_hexahedron(points)
     jacobian = np.einsum("eai,gaj->egij", nodes[cells], local, optimize=True)
@@ -220,7 +220,7 @@ def _tables(nodes: FloatArray, cells: IntArray) -> dict[str, FloatArray]:
 
 
 def _find_pattern(cells: IntArray, equation: IntArray, size: int) -> tuple[Pattern, IntArray]:
-    """Sparse upper triangle of all cells, and the place in it of every entry of a cell's upper triangle."""
+    """Return the sparse upper triangle of all cells, and the index into it of every entry of a cell's."""
     i, j = np.triu_indices(DOFS)
     if not size:
         return Pattern(np.zeros(1, np.int64), np.zeros(0, np.int64)), np.full((len(cells), len(i)), -1, np.int32)

@@ -9,7 +9,7 @@ BASE_RADIUS = 20.0
 
 
 class SolverSpec(Spec):
-    """Settings of the solver; the defaults keep force and marker displacement within 1 % over the paper's grid."""
+    """Settings of the solver; the defaults keep force and markers within 1 % over the paper's grid."""
 
     backend: str = parameter("auto", unit="", meaning="linear solver, or auto; `palpate doctor` lists them")
     penalty_ratio: float = parameter(

@@ -10,7 +10,7 @@ from palpate.mechanics.solid import Solid, State
 
 
 def cauchy_stress(solid: Solid, state: State) -> FloatArray:
-    """Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points; NaN where a cell is inverted.
+    """Return the Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points; NaN if a cell is inverted.
 
     Voigt order xx, yy, zz, xy, yz, zx.
     """
@@ -22,7 +22,7 @@ def cauchy_stress(solid: Solid, state: State) -> FloatArray:
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
-    """Von Mises stress (...) of stresses (..., 6) in Voigt order."""
+    """Return the von Mises stress (...) of stresses (..., 6) in Voigt order."""
     xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     result: FloatArray = np.sqrt(0.5 * normal + 3 * (xy**2 + yz**2 + zx**2))
@@ -30,7 +30,7 @@ def von_mises(stress: FloatArray) -> FloatArray:
 
 
 def smallest_stretch(solid: Solid, state: State) -> tuple[float, FloatArray]:
-    """Smallest principal stretch of all Gauss points, and its place (3,) mm in the undeformed solid."""
+    """Return the smallest principal stretch of all Gauss points, and its undeformed place (3,) mm."""
     cells = solid.cells
     F = np.eye(3) + np.einsum("eai,eqaj->eqij", state.u[cells.nodes], cells.gradient)
     stretch = np.linalg.svd(F, compute_uv=False)[..., -1]

@@ -18,7 +18,7 @@ class ContactFaces(NamedTuple):
     nodes
         (n_faces, 9) node numbers.
     cell
-        (n_faces,) cell whose face zeta = +1 each one is.
+        (n_faces,) cell of which each one is the face zeta = +1.
     shape
         (n_q, 9) shape functions at the quadrature points.
     weight
@@ -38,10 +38,8 @@ class OuterSurface:
     ----------
     nodes
         (n, 3) mm.
-    faces
-        (n_faces, 9) node numbers of the outer faces.
-    cell_of_face
-        (n_faces,) cell whose face zeta = +1 each one is.
+    faces, cell_of_face
+        (n_faces, 9) node numbers of the outer faces, and (n_faces,) the cell of which each one is the face zeta = +1.
     points_per_side
         Gauss points along each side of a face.
     """
@@ -64,16 +62,16 @@ class OuterSurface:
         return float(self.faces.weight.sum())
 
     def interpolate(self, field: FloatArray) -> FloatArray:
-        """Nodal field (n, 3) at the quadrature points: (n_points, 3)."""
+        """Interpolate a nodal field (n, 3) to the quadrature points: (n_points, 3)."""
         values: FloatArray = np.einsum("qa,fai->fqi", self.faces.shape, field[self.faces.nodes])
         return values.reshape(-1, 3)
 
     def place(self, position: FloatArray) -> FloatArray:
-        """Quadrature points (n_points, 3) mm of deformed nodes (n, 3) mm, compiled: for every assembly."""
+        """Return the quadrature points (n_points, 3) mm of deformed nodes (n, 3) mm, by a compiled kernel."""
         return _place(self.faces, position)
 
     def current_area(self, nodes: FloatArray, touching: BoolArray) -> float:
-        """Deformed area in mm² of the points marked in `touching` (n_points,), nodes (n, 3) deformed."""
+        """Return the deformed area in mm² of the points `touching` (n_points,), with deformed nodes (n, 3)."""
         return float(self._areas(nodes[self.faces.nodes]).ravel()[touching].sum())
 
 

@@ -1,4 +1,7 @@
-"""Terms of the energy beside the solid's own: contact, loads, damping. Newton's method minimises their sum."""
+"""Terms of the energy in addition to the solid's: contact, loads, damping.
+
+Newton's method minimises the sum.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +17,14 @@ from palpate.mechanics.solid import State
 
 
 class TermContribution(NamedTuple):
-    """What a term adds: energy, mJ, and force (3,) N on the obstacle."""
+    """Contribution of a term: energy, mJ, and force (3,) N on the obstacle."""
 
     energy: float
     force: FloatArray
 
 
 class Assembly(NamedTuple):
-    """The linear system that terms are added to.
+    """The linear system to which terms are added.
 
     Attributes
     ----------
@@ -30,9 +33,9 @@ class Assembly(NamedTuple):
     free
         (n_free,) numbers of the free ones of the 3 n degrees of freedom.
     place
-        (n_cells, 3321) place of every entry of a cell (see `palpate.mechanics.element.Cells`).
+        (n_cells, 3321) index of every entry of a cell (see `palpate.mechanics.element.Cells`).
     diagonal
-        (n_free,) places of the diagonal.
+        (n_free,) indices of the diagonal.
     volume
         (n,) mm³ of the nodes.
     system
@@ -58,14 +61,9 @@ class Term(ABC):
 @final
 @dataclass(frozen=True)
 class DeadLoad(Term):
-    """Forces that keep their direction: ``-k f·u`` with a factor k.
+    """Forces of constant direction: energy ``-k f·u`` with forces f (n, 3) N at the nodes and a factor k.
 
-    Attributes
-    ----------
-    force
-        (n, 3) N at the nodes.
-    factor
-        k. The derivative of the energy by it, ``-f·u`` in mJ, stands for the force along z of an obstacle.
+    The derivative of the energy by the factor, ``-f·u`` in mJ, is returned as the force of an obstacle along z.
     """
 
     force: FloatArray
@@ -80,14 +78,9 @@ class DeadLoad(Term):
 @final
 @dataclass(frozen=True)
 class Damping(Term):
-    """Viscosity of a pseudo-time step, ``c/2 |u - u0|²`` weighted by nodal volume; its energy is not counted.
+    """Viscosity of a pseudo-time step, ``c/2 |u - u0|²`` weighted by nodal volume; energy not counted.
 
-    Attributes
-    ----------
-    coefficient
-        c, MPa/mm².
-    origin
-        (n, 3) mm, u0.
+    `coefficient` is c, MPa/mm², and `origin` (n, 3) mm is u0.
     """
 
     coefficient: float
