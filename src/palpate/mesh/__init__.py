@@ -1,4 +1,4 @@
-"""Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
+"""Mesh: quadratic hexahedra of a skin with named sets, and the cell of any surface point."""
 
 from palpate.core import lazy_front
 

@@ -1,7 +1,7 @@
-"""An O-grid on the unit disc: a bulged square core inside rings of quadrilaterals.
+"""An O-grid on the unit disc: a convex square core inside rings of quadrilaterals.
 
-The dome's mesh is this grid carried to the sphere: radius on the disc becomes polar angle (equal steps along
-the meridian), azimuth stays. ::
+The mesh of a dome is this grid mapped to the sphere: radius on the disc becomes polar angle (equal steps along the
+meridian), azimuth is unchanged. ::
 
         .-''''-.
       .'\\______/'.      core: 2m x 2m cells
@@ -36,8 +36,8 @@ class DiscGrid:
     core
         (rows, columns) node numbers of the core, rows along y, columns along x.
     sides
-        (rows, columns) node numbers of the rings beside each side of the core, rows along it, columns outward; of the
-        sides +x, +y, -x, -y, the third only of a whole disc.
+        (rows, columns) node numbers of the rings next to each side of the core, rows along it, columns outward; the
+        sides are +x, +y, -x, -y, the third only for a whole disc.
     """
 
     points: FloatArray
@@ -47,16 +47,9 @@ class DiscGrid:
 
 
 def grid_disc(core: int, rings: int, *, whole: bool) -> DiscGrid:
-    """Grid the unit disc.
+    """Grid the unit disc, whole or its half x >= 0 (the skin's mirror plane is x = 0).
 
-    Parameters
-    ----------
-    core
-        Half the number of core cells along one side (the core has ``2 core`` by ``2 core`` cells).
-    rings
-        Number of rings between core and circle.
-    whole
-        The whole disc, or its half x >= 0 (the dome's mirror plane is x = 0).
+    The core has ``2 core`` by ``2 core`` cells; `rings` lie between core and circle.
     """
     size = core / (core + rings)
     patches = [_core_patch(core, size, whole)]
@@ -86,7 +79,7 @@ def _core_patch(core: int, size: float, whole: bool) -> FloatArray:
 
 
 def _ring_patch(side: int, along: FloatArray, rings: int, size: float) -> FloatArray:
-    """Rings beside one side of the core: rows along the side, columns outward; side 0 faces +x, 1 faces +y."""
+    """Return the rings at one side of the core: rows along it, columns outward; side 0 is at +x, 1 at +y."""
     inner = _core_point(np.ones_like(along), along, size)
     angle = along * np.pi / 4
     outer = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -1,13 +1,13 @@
-r"""The mesh of what fills a skin: shells of cells under the wall, and a block in the middle that stands on the base.
+r"""Mesh of the filling of a skin: shells of cells next to the skin, and a block in the middle.
 
-         .-'''''-.           wall
+         .-'''''-.           skin
        .' _______ '.
-      /  /   |   \  \        shells: carried inward from the wall's inner surface
+      /  /   |   \  \        shells: offset inward from the skin's inner surface
      |--|----|----|--|
      |  |    |    |  |       block: a box of cells, its top under the core of the grid, its sides under the rings
      |__|____|____|__|       base plane z = 0, bonded to the window
 
-The block is laid between its six faces by transfinite interpolation (Gordon & Hall 1973).
+The block is interpolated between its six faces by transfinite interpolation (Gordon & Hall 1973).
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from palpate.core import FloatArray, IntArray
 from palpate.mesh.disc import DiscGrid
 
 SHELLS = 3
-"""Cells between the wall and the block."""
+"""Number of cells between the skin and the block."""
 _SIZE, _BOX = 0.5, 0.6
-"""Size of the block over that of the hollow, and how far it is a box rather than a smaller hollow."""
+"""Size of the block over that of the hollow, and weight of a box shape against that of the hollow."""
 
 
 class Filling(NamedTuple):
-    """What fills a skin.
+    """Mesh of the filling of a skin.
 
     Attributes
     ----------
     nodes
-        (n, 3) mm, further nodes: they are numbered after those of the wall.
+        (n, 3) mm, additional nodes, numbered after those of the skin.
     cells
         (n_cells, 27) node numbers.
     base
-        Those of the further nodes that lie on the base plane.
+        Additional nodes on the base plane.
     """
 
     nodes: FloatArray
@@ -49,13 +49,13 @@ def mesh_filling(grid: DiscGrid, inner: FloatArray, first: int, *, whole: bool) 
     Parameters
     ----------
     grid
-        The grid of the wall's surfaces.
+        Grid of the skin's surfaces.
     inner
         (n, 3) mm, its nodes on the inner surface; they are the first of the mesh.
     first
-        Number of the first further node.
+        Number of the first additional node.
     whole
-        The whole skin, or its half x >= 0.
+        Whether the skin is whole, or its half x >= 0.
     """
     outer = _block_surface(grid, inner, whole)
     steps = 2 * SHELLS
@@ -71,7 +71,7 @@ def mesh_filling(grid: DiscGrid, inner: FloatArray, first: int, *, whole: bool) 
 
 
 def _block_surface(grid: DiscGrid, inner: FloatArray, whole: bool) -> FloatArray:
-    """Where the grid's nodes (n, 3) mm lie on the block: between a box and a smaller hollow."""
+    """Return the positions of the grid's nodes (n, 3) mm on the block: between a box and a smaller hollow."""
     cube = np.empty((len(inner), 3))
     rows, columns = grid.core.shape
     y, x = np.linspace(-1, 1, rows), np.linspace(-1 if whole else 0, 1, columns)
@@ -94,7 +94,7 @@ def _block_surface(grid: DiscGrid, inner: FloatArray, whole: bool) -> FloatArray
 def _block(
     grid: DiscGrid, outer: FloatArray, numbers: IntArray, first: int, whole: bool
 ) -> tuple[IntArray, FloatArray]:
-    """Node numbers (x, y, z) of the block's lattice, and its further nodes (n, 3) mm, not on the shells."""
+    """Return node numbers (x, y, z) of the block's lattice, and its nodes (n, 3) mm not on the shells."""
     columns, rows = grid.core.shape[::-1]
     deep = grid.sides[0].shape[1]
     known = np.full((columns, rows, deep), -1, np.int64)
@@ -120,7 +120,7 @@ def _block(
 
 
 def _between(values: FloatArray, axis: int) -> FloatArray:
-    """Linear interpolation along an axis between the first and the last of the values."""
+    """Interpolate linearly along an axis between the first and the last of the values."""
     count = values.shape[axis]
     share = np.linspace(0, 1, count).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
     first, last = np.take(values, [0], axis), np.take(values, [-1], axis)
@@ -144,7 +144,7 @@ def _span(place: FloatArray) -> None:
 
 
 def _cells(number: IntArray) -> IntArray:
-    """Cells (n, 27) of a lattice (x, y, z) of node numbers."""
+    """Return the cells (n, 27) of a lattice (x, y, z) of node numbers."""
     i, j, k = (np.arange(0, count - 2, 2) for count in number.shape)
     corner = np.stack([axis.ravel() for axis in np.meshgrid(i, j, k, indexing="ij")], -1)
     steps = [(a, b, c) for c in range(3) for b in range(3) for a in range(3)]

@@ -1,8 +1,8 @@
 """The 27-node hexahedron: Lagrange shape functions, Gauss points and the numbering of nodes and faces.
 
-Nodes are numbered lexicographically: node ``i + 3 j + 9 k`` sits at ``(xi, eta, zeta) = (i - 1, j - 1, k - 1)``.
-On a dome ``zeta`` runs through the thickness, from the inner (-1) to the outer (+1) surface, so the face
-``zeta = -1`` is nodes 0…8 and the face ``zeta = +1`` nodes 18…26, each a 9-node quadrilateral numbered alike.
+Nodes are numbered lexicographically: node ``i + 3 j + 9 k`` is at ``(xi, eta, zeta) = (i - 1, j - 1, k - 1)``. In a
+skin ``zeta`` runs through the thickness, from the inner (-1) to the outer (+1) surface, so the face ``zeta = -1`` is
+nodes 0…8 and the face ``zeta = +1`` nodes 18…26, both numbered as 9-node quadrilaterals.
 """
 
 from __future__ import annotations
@@ -19,35 +19,16 @@ CORNERS = np.array([0, 2, 8, 6, 18, 20, 26, 24])
 
 
 def lagrange(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Quadratic Lagrange polynomials at the nodes -1, 0, 1.
-
-    Parameters
-    ----------
-    xi
-        (n,) coordinates in -1…1.
-
-    Returns
-    -------
-    value, slope
-        (n, 3) each.
-    """
+    """Return values and slopes (n, 3) at xi (n,) of the Lagrange polynomials of the nodes -1, 0, 1."""
     value = np.stack([xi * (xi - 1) / 2, 1 - xi * xi, xi * (xi + 1) / 2], axis=-1)
     slope = np.stack([xi - 0.5, -2 * xi, xi + 0.5], axis=-1)
     return value, slope
 
 
 def shape_quadrilateral(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions of the 9-node quadrilateral.
+    """Return shape functions (n, 9) of the 9-node quadrilateral, and their gradients (n, 9, 2).
 
-    Parameters
-    ----------
-    xi
-        (n, 2) local coordinates.
-
-    Returns
-    -------
-    value, gradient
-        (n, 9) and (n, 9, 2); gradient with respect to the local coordinates.
+    `xi` (n, 2) are local coordinates, by which the gradients are taken.
     """
     (a, da), (b, db) = lagrange(xi[:, 0]), lagrange(xi[:, 1])
     n = len(xi)
@@ -59,17 +40,9 @@ def shape_quadrilateral(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def shape_hexahedron(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shape functions of the 27-node hexahedron.
+    """Return shape functions (n, 27) of the 27-node hexahedron, and their gradients (n, 27, 3).
 
-    Parameters
-    ----------
-    xi
-        (n, 3) local coordinates.
-
-    Returns
-    -------
-    value, gradient
-        (n, 27) and (n, 27, 3); gradient with respect to the local coordinates.
+    `xi` (n, 3) are local coordinates, by which the gradients are taken.
     """
     (a, da), (b, db), (c, dc) = (lagrange(xi[:, axis]) for axis in range(3))
     n = len(xi)
@@ -84,17 +57,9 @@ def shape_hexahedron(xi: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 @cache
 def gauss_points(counts: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-    """Gauss–Legendre points of a line, square or cube.
+    """Return Gauss–Legendre points (n, len(counts)) of a line, square or cube, and their weights (n,).
 
-    Parameters
-    ----------
-    counts
-        Points along each local axis.
-
-    Returns
-    -------
-    points, weights
-        (n, len(counts)) and (n,), n the product of the counts.
+    `counts` are the numbers of points along each local axis.
     """
     lines = [np.polynomial.legendre.leggauss(count) for count in counts]
     grids = np.meshgrid(*[line[0] for line in lines], indexing="ij")

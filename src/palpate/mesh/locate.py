@@ -1,4 +1,4 @@
-"""Find where a point of the inner surface lies in the mesh, so that markers are never nodes."""
+"""Location of points of the inner surface in the mesh, so that markers need not be nodes."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from palpate.mesh.mesh import Mesh
 
 _SURFACE_DISTANCE_MM = 0.05
 _CANDIDATES = 24
-"""Faces that may hold a point: those nearest by their middles; faces are up to ten times as long as broad."""
+"""Number of candidate faces by distance of their centres; faces may be ten times as long as wide."""
 _INSIDE = 1.0 + 1e-9
-"""Greatest local coordinate, with what it misses its place by, of a point in a face."""
+"""Maximum of local coordinate plus residual of a point inside a face."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class SurfacePoints:
     Attributes
     ----------
     nodes
-        (m, 9) node numbers of the face that holds each point.
+        (m, 9) node numbers of the face that contains each point.
     weights
         (m, 9) shape functions there; they sum to one.
     """
@@ -45,20 +45,20 @@ def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
     Parameters
     ----------
     mesh
-        Mesh of a dome; for a half one the points must have x >= 0.
+        Mesh of a skin; for a half one the points must have x >= 0.
     points
         (m, 3) mm, within 0.05 mm of the marked surface.
 
     Raises
     ------
     PalpateError
-        If a point lies off the marked surface or beyond its rim.
+        If a point is not on the marked surface or is beyond its rim.
     """
     return _locate(mesh, _on_disc(mesh, np.asarray(points, float)))
 
 
 def locate_nodes(mesh: Mesh, other: Mesh) -> SurfacePoints:
-    """Locate the nodes of another mesh of the same skin, of as many layers, half or whole alike."""
+    """Locate the nodes of another mesh of the same skin, with equal layers and both half or whole."""
     layers = 2 * mesh.spec.layers + 1
     first = _locate(mesh, other.inner_disc[: len(other.inner_disc) // layers])
     above = np.repeat(np.arange(layers) * (len(mesh.inner_disc) // layers), len(first.nodes))[:, None]
@@ -66,11 +66,11 @@ def locate_nodes(mesh: Mesh, other: Mesh) -> SurfacePoints:
 
 
 def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
-    """Places (m, 2) of the unit disc as weights on the nodes of the inner surface."""
+    """Return places (m, 2) of the unit disc as weights on the nodes of the inner surface."""
     faces = mesh.inner_faces
     corners = mesh.inner_disc[faces]
     middles, sought = corners[:, 4], place
-    if mesh.skin.hole:  # faces of a tube are long around on the disc, not on the skin
+    if mesh.skin.hole:  # faces of a tube are long in azimuth on the disc, but not on the skin
         middles, sought = mesh.nodes[faces[:, 4]], mesh.skin.point(place, 0.0)
     _, near = cKDTree(middles).query(sought, k=min(_CANDIDATES, len(faces)))
     near = near.reshape(len(place), -1)
@@ -79,7 +79,7 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
         cells, place = _unroll(cells, place)
     best, local = np.zeros(len(place), int), np.zeros((len(place), 2))
     left = np.arange(len(place))
-    for candidates in (slice(0, 1), slice(None)):  # most points lie in the face whose middle is nearest
+    for candidates in (slice(0, 1), slice(None)):  # most points lie in the face with the closest centre
         found, miss = _invert(cells[left, candidates], place[left])
         outside = np.abs(found).max(axis=-1) + miss
         best[left] = np.argmin(outside, axis=1)
@@ -90,7 +90,10 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
 
 
 def _unroll(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Candidate faces (m, k, 9, 2) and places (m, 2) of the disc as radius and angle from the place's: rectangles."""
+    """Convert faces (m, k, 9, 2) and places (m, 2) of the disc to radius and angle from the place.
+
+    Faces of a tube become rectangles.
+    """
     radius, angle = np.hypot(*place.T), np.arctan2(place[:, 1], place[:, 0])
     turn = np.arctan2(corners[..., 1], corners[..., 0]) - angle[:, None, None]
     turn = (turn + np.pi) % (2 * np.pi) - np.pi
@@ -103,7 +106,7 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
     if off.max(initial=0.0) > _SURFACE_DISTANCE_MM:
         worst = int(np.argmax(off))
         raise PalpateError(
-            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the "
+            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm is {off[worst]:.3g} mm away from the "
             f"{'tips of the pins' if mesh.skin.pin else 'inner surface'} of {mesh.skin.name}.",
             f"Give points within {_SURFACE_DISTANCE_MM} mm of it.",
             code="point-off-surface",
@@ -114,16 +117,16 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
         worst = int(np.argmax(beyond))
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies below the base plane z = 0.",
-            "Give points of the skin itself.",
+            "Give points of the skin above the base plane.",
             code="point-below-base",
         )
     return np.asarray(place / beyond[:, None])
 
 
 def _invert(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Local coordinates (m, k, 2) of places (m, 2) in candidate faces (m, k, 9, 2), by Newton's method.
+    """Return local coordinates (m, k, 2) of places (m, 2) in faces (m, k, 9, 2), by Newton's method.
 
-    Also by how much each one misses its place, over the size of its face (m, k).
+    Return also the residual distance over the size of the face (m, k).
     """
     m, k = corners.shape[:2]
     local = np.zeros((m * k, 2))

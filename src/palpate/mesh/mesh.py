@@ -1,4 +1,4 @@
-"""The mesh of a dome: quadratic hexahedra, named sets, and the way from a surface point to its cell."""
+"""The mesh of a skin: quadratic hexahedra and named sets."""
 
 from __future__ import annotations
 
@@ -11,34 +11,33 @@ from palpate.mesh.spec import MeshSpec
 
 @dataclass(frozen=True)
 class Mesh:
-    """27-node hexahedra of half a dome (x >= 0) or a whole one.
+    """27-node hexahedra of half a skin (x >= 0) or a whole one.
 
     Attributes
     ----------
     skin, spec
-        What was meshed, and how.
+        The skin, and the spec of the mesh.
     nodes
-        (n, 3) mm, dome's frame.
+        (n, 3) mm, in the skin's frame.
     cells
-        (n_cells, 27) node numbers, lexicographic; the third local axis runs from inner to outer surface. Those that
-        fill the skin are the first.
+        (n_cells, 27) node numbers, lexicographic; the third local axis runs from inner to outer surface. Cells of a
+        filling are the first.
     inner_faces, outer_faces
         (n_faces, 9) node numbers of the 9-node faces of the two surfaces.
     inner_disc
-        (n, 2) place of every node of the wall, which are the first, on the unit disc (polar angle over that of the
+        (n, 2) place of every node of the skin, which are the first, on the unit disc (polar angle over that of the
         rim, azimuth).
     base
-        Nodes of the base annulus, of the far end's where a skin is open there, and of a filling bonded to its window:
-        fixed in x, y and z.
+        Fixed nodes: of the base annulus, of the far end of an open skin, and of a filling bonded to its window.
     mirror
-        Nodes of the mirror plane x = 0 (empty for a whole dome).
+        Nodes of the mirror plane x = 0 (empty for a whole skin).
     pole
-        (2,) place on that disc to which a press has moved the pole of the mesh: under the point of first touch; None
-        where it is the apex as yet.
+        (2,) place on the disc to which a press has moved the pole of the mesh: the first-contact point; None for the
+        apex.
     pole_inner, pole_outer
         Node at the pole of each surface.
     filling
-        How many of the cells fill the skin.
+        Number of cells of the filling.
     """
 
     skin: Skin

@@ -1,4 +1,4 @@
-"""Mesh a skin: the O-grid of the disc carried to the sphere and swept through the thickness."""
+"""Mesh of a skin: the O-grid of the disc, mapped to the sphere and swept through the thickness."""
 
 from __future__ import annotations
 
@@ -17,24 +17,28 @@ from palpate.mesh.spec import MeshSpec
 from palpate.mesh.tube import CELLS, CORE, grid_tube
 
 _MOST_CELLS_OF_A_CORE = 36
-"""Most cells of a meridian for which four cells are enough along half a turn
-(docs/design_notes/mesh.md)."""
+"""Maximum cells of a meridian for which half a turn needs only four cells (docs/design_notes/mesh.md)."""
 _LOW = 0.75
 """Height over base radius below which a skin is low."""
 _FARTHEST_POLE = 0.35
-"""Most that the pole moves, over the radius of the disc: at a half the grid folds."""
+"""Maximum displacement of the pole, over the radius of the disc: at 0.5 the grid folds."""
 _GRADING_HIGH, _GRADING_LOW = 0.2, -0.3
-"""Share by which cells at the pole are smaller than the mean, those at the rim larger: of a skin at least as high as
-its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
+"""Share by which cells at the pole are smaller than the mean, and those at the rim larger.
+
+The first is for a skin at least as high as its base radius, which bears the contact at its pole; the second for one
+at most half as high, which bears it at its clamp.
+"""
 _FILLED_CELLS, _FILLED_CORE = 10, 3
-"""Cells of a meridian of a filled skin, and its core: a block of cells stands under it."""
+"""Cells of a meridian of a filled skin, and its core, under which the block of the filling stands."""
 _CELLS, _MORE_CELLS, _THICK = 14.0, 40.0, 0.1
-"""Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
-(docs/design_notes/mesh.md)."""
+"""Cells per radian of a thin skin's meridian, additional cells over T/r, and T/r at which they begin.
+
+See docs/design_notes/mesh.md.
+"""
 
 
 def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None = None) -> Mesh:
-    """Mesh a skin with 27-node hexahedra.
+    """Mesh a skin with 27-node hexahedra, half (x >= 0, mirror plane x = 0) or whole; takes milliseconds.
 
     Parameters
     ----------
@@ -43,13 +47,8 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
     spec
         Density, rim, half or whole.
     pole
-        (2,) place on the unit disc of the inner surface where the grid has its middle, on the mirror plane of a half
-        skin; without one it is the apex, and twice as many cells lie around. Of a tube, where its cells are finest.
-
-    Returns
-    -------
-    Mesh
-        Half (x >= 0, mirror plane x = 0) or whole skin; built in milliseconds.
+        (2,) place of the grid's centre on the unit disc of the inner surface, on the mirror plane of a half skin; by
+        default the apex, with twice as many cells in azimuth. For a tube, the place of the finest cells.
     """
     spec = spec or MeshSpec()
     if skin.hole:
@@ -76,8 +75,8 @@ def _mesh_tube(skin: Skin, spec: MeshSpec, pole: FloatArray | None) -> Mesh:
     """Mesh a skin that is open at both ends."""
     if spec.filled:
         raise PalpateError(
-            f"{skin.name} is open at both ends: what fills it is not meshed.",
-            "Leave the gel out.",
+            f"{skin.name} is open at both ends, and its filling cannot be meshed.",
+            "Leave out the gel.",
             code="filling-needs-apex",
         )
     spec = spec.model_copy(update={"cells": spec.cells or CELLS})
@@ -88,7 +87,7 @@ def _mesh_tube(skin: Skin, spec: MeshSpec, pole: FloatArray | None) -> Mesh:
 
 
 class _Flat(NamedTuple):
-    """A grid on the unit disc: points (n, 2), cells (n_cells, 9), nodes on clamp and mirror, and the middle one."""
+    """A grid on the unit disc: points (n, 2), cells (n_cells, 9), nodes on clamp and mirror, middle node."""
 
     points: FloatArray
     cells: IntArray
@@ -98,7 +97,7 @@ class _Flat(NamedTuple):
 
 
 def _sweep(skin: Skin, spec: MeshSpec, flat: _Flat, pole: FloatArray | None) -> Mesh:
-    """Carry a grid to the skin and sweep it through the thickness."""
+    """Map a grid to the skin and sweep it through the thickness."""
     steps, n = 2 * spec.layers + 1, len(flat.points)
     nodes = _lay(skin, flat.points, spec)
     layer_cells = [
@@ -123,7 +122,7 @@ def _sweep(skin: Skin, spec: MeshSpec, flat: _Flat, pole: FloatArray | None) -> 
 
 
 def _fill(mesh: Mesh, grid: DiscGrid) -> Mesh:
-    """The mesh with its hollow filled."""
+    """Return the mesh with a filling."""
     n = len(mesh.nodes)
     fill = mesh_filling(grid, mesh.nodes[: len(grid.points)], n, whole=mesh.spec.whole)
     nodes = np.concatenate([mesh.nodes, fill.nodes])
@@ -141,10 +140,10 @@ def _fill(mesh: Mesh, grid: DiscGrid) -> Mesh:
 
 
 def centre_mesh(mesh: Mesh, touched: FloatArray) -> Mesh:
-    """The same skin meshed with its pole under a point (3,) mm of the outer surface, unless it has one already.
+    """Mesh the same skin with its pole at a point (3,) mm of the outer surface, unless it has one already.
 
-    With `centred` false in its spec a mesh stays as it is.
-    About the point of first touch a press is nearly a body of revolution: few cells are needed around.
+    A mesh with `centred` false in its spec is unchanged. About the first-contact point a press is nearly
+    axisymmetric, so few cells are needed in azimuth.
     """
     if not mesh.spec.centred or mesh.pole is not None:
         return mesh
@@ -158,7 +157,7 @@ def centre_mesh(mesh: Mesh, touched: FloatArray) -> Mesh:
 
 
 def reshape_mesh(mesh: Mesh, skin: Skin) -> Mesh:
-    """The mesh of another skin whose nodes have the same places on the unit disc and in the wall."""
+    """Return the mesh of another skin, with equal places on the unit disc and through the thickness."""
     layers = 2 * mesh.spec.layers + 1
     nodes = _lay(skin, mesh.inner_disc[: len(mesh.nodes) // layers], mesh.spec)
     nodes[mesh.mirror, 0] = 0.0
@@ -166,38 +165,38 @@ def reshape_mesh(mesh: Mesh, skin: Skin) -> Mesh:
 
 
 def _lay(skin: Skin, place: FloatArray, spec: MeshSpec) -> FloatArray:
-    """Nodes (n, 3) mm at places of the unit disc, layer by layer."""
+    """Return nodes (n, 3) mm at places of the unit disc, layer by layer."""
     layers = np.linspace(0.0, 1.0, 2 * spec.layers + 1)
     return np.concatenate([skin.point(place, layer, spec.rim) for layer in layers])
 
 
 def default_core(skin: Skin, cells: int, *, centred: bool) -> int:
-    """Size of the core for as many cells from pole to rim; twice that where the pole is not at the contact.
+    """Return the core for a number of cells from pole to rim; doubled if the pole is not at the contact.
 
-    Of a low skin it is twice that too: the patch reaches so near to the clamp that the press is no body of revolution
-    about the pole.
+    It is doubled for a low skin too: the patch is so close to the clamp that the press is not axisymmetric about the
+    pole.
     """
     low = skin.height < _LOW * skin.base_radius
     return (1 + (cells - 1) // _MOST_CELLS_OF_A_CORE) * (1 if centred and not low else 2)
 
 
 def default_cells(skin: Skin) -> int:
-    """Cells from pole to rim that keep a press within about 1 % of a mesh twice as fine.
+    """Return the cells from pole to rim that keep a press within about 1 % of a mesh twice as fine.
 
-    The cell is a fixed angle, for the wall presses a patch of some tenths of a radian; thinner walls need no smaller
-    ones, thicker ones do, for they shear at the edge of the patch.
+    The cell is a fixed angle, since the contact patch spans some tenths of a radian. Thinner skins need no smaller
+    cells; thicker ones do, because they shear at the edge of the patch.
     """
     thick = max(skin.thickness / skin.radius - _THICK, 0.0)
     return int(np.clip(round(skin.inner_slope * (_CELLS + _MORE_CELLS * thick)), 22, 48))
 
 
 def _move_pole(disc: FloatArray, pole: FloatArray) -> FloatArray:
-    """Draw the points (n, 2) of the unit disc so that its middle comes to `pole` (2,); the circle stays."""
+    """Move points (n, 2) of the unit disc so that its centre is at `pole` (2,); the circle is unchanged."""
     return disc + (1 - (disc**2).sum(axis=1))[:, None] * pole
 
 
 def _grade(skin: Skin, disc: FloatArray) -> FloatArray:
-    """Draw the points (n, 2) of the unit disc to where contact is; middle and rim stay."""
+    """Concentrate the points (n, 2) of the unit disc where the contact is; centre and rim are unchanged."""
     height = skin.height / skin.base_radius
     share = float(np.interp(height, [0.5, 1.0], [_GRADING_LOW, _GRADING_HIGH]))
     return disc * (1 - share + share * np.hypot(disc[:, 0], disc[:, 1])[:, None])

@@ -1,9 +1,9 @@
-"""Tips of pins that stand on the inner surface: they follow its displacement and the turn of its normal.
+"""Tips of pins on the inner surface: they follow its displacement and the rotation of its normal.
 
-A tip at the distance p inside the root x along the outward normal n moves by ``u(x) - p (n' - n)``, where n' is the
-normal of the deformed surface. At every node that is the mean over the faces that meet there, each ``∝ a × b`` with
-the derivatives a, b of the deformed place by the face's local coordinates; between nodes it is interpolated. The mean
-is smooth, and an order more exact than the normal of a single face.
+A tip at the distance p inside the root x along the outward normal n moves by ``u(x) - p (n' - n)``, with n' the
+normal of the deformed surface. At every node n' is the mean over the adjacent faces, each ``∝ a × b`` with the
+derivatives a, b of the deformed position by the face's local coordinates; between nodes it is interpolated. The mean
+is smooth, and one order more accurate than the normal of a single face.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ _AT_NODES = shape_quadrilateral(np.array([[i, j] for j in (-1.0, 0.0, 1.0) for i
 
 
 def marker_displacement(mesh: Mesh, places: SurfacePoints, displacement: FloatArray) -> FloatArray:
-    """Displacement (n, m, 3) mm of marked points under a displacement (n, n_nodes, 3) mm of the nodes.
+    """Return the displacement (n, m, 3) mm of markers for a displacement (n, n_nodes, 3) mm of the nodes.
 
-    Marked points of a skin with pins are the tips of these, and `places` their roots.
+    Markers of a skin with pins are their tips, and `places` their roots.
     """
     moved = places.interpolate(displacement)
     if not mesh.skin.pin:
@@ -36,9 +36,10 @@ def marker_displacement(mesh: Mesh, places: SurfacePoints, displacement: FloatAr
 def marker_displacement_derivative(
     mesh: Mesh, places: SurfacePoints, displacement: FloatArray, rate: FloatArray, *, across: bool = False
 ) -> FloatArray:
-    """Derivative (n, m, 3) of `marker_displacement`, where that of the displacement (n, n_nodes, 3) is `rate`.
+    """Return the derivative (n, m, 3) of `marker_displacement`.
 
-    `across` says that the rate is antisymmetric about the mirror plane of a half model.
+    `rate` (n, n_nodes, 3) is the derivative of the nodes' displacement. With `across`, it is antisymmetric about the
+    mirror plane of a half model.
     """
     moved = places.interpolate(rate)
     if not mesh.skin.pin:
@@ -51,7 +52,7 @@ def marker_displacement_derivative(
 def _normals(
     mesh: Mesh, nodes: FloatArray, rate: FloatArray, *, across: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """Outward unit normals (n, n_nodes, 3) of the inner surface with these nodes, and how they change with them."""
+    """Return outward unit normals (n, n_nodes, 3) of the inner surface, and their derivative."""
     faces = mesh.inner_faces
     a, b = _tangents(nodes[:, faces])
     da, db = _tangents(rate[:, faces])
@@ -69,7 +70,7 @@ def _normals(
 
 
 def _tangents(nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Derivatives (n, f, 9, 3) by the local coordinates at the nodes (n, f, 9, 3) of faces."""
+    """Return derivatives (n, f, 9, 3) by the local coordinates at the nodes (n, f, 9, 3) of faces."""
     first, second = (np.einsum("qa,nfak->nfqk", _AT_NODES[..., k], nodes) for k in (0, 1))
     return first, second
 
@@ -79,6 +80,6 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def _unit_rate(vectors: FloatArray, rates: FloatArray) -> FloatArray:
-    """Change of the unit vectors along vectors (…, 3) that change at these rates."""
+    """Return the derivative of the unit vectors along vectors (…, 3) that change at these rates."""
     unit, length = _unit(vectors), np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray((rates - (rates * unit).sum(axis=-1, keepdims=True) * unit) / length)

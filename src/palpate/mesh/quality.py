@@ -1,4 +1,4 @@
-"""Figures by which a mesh is judged before it is used."""
+"""Quality measures of a mesh."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class MeshQuality:
     Attributes
     ----------
     volume
-        Volume of the mesh, mm³ (half a dome's for a half mesh).
+        Volume of the mesh, mm³ (of half a skin for a half mesh).
     least_scaled_jacobian
-        Smallest over the cells of the least over the greatest Jacobian determinant at the Gauss points: 1 is a
-        parallelepiped, 0 a degenerate cell.
+        Minimum over the cells of smallest over largest Jacobian determinant at the Gauss points: 1 for a
+        parallelepiped, 0 for a degenerate cell.
     volume_ratio
-        Volume of the greatest cell over that of the least.
+        Volume of the largest cell over that of the smallest.
     """
 
     volume: float

@@ -1,13 +1,13 @@
-r"""The grid of a tube: rings of quadrilaterals on the disc with a hole, finer where a press touches.
+r"""The grid of a tube: rings of quadrilaterals on the disc with a hole, finer at the contact.
 
         .-''''-.
       .'  .--.  '.      hole: the far end's circle; edge: the rim's
-     |   |    |   |     cells: along the meridian times around
+     |   |    |   |     cells: along the meridian times in azimuth
       '.  '--'  .'
         '-....-'
 
-Cells grow away from the place of contact, around by ``ψ = π (v - A sin(πv)/π)`` with v from 0 there to 1 opposite,
-along by the density ``1 + B / cosh²((t - t₀)/W)``.
+Cells grow with the distance from the contact: in azimuth by ``ψ = π (v - A sin(πv)/π)`` with v from 0 there to 1
+opposite, along the meridian by the density ``1 + B / cosh²((t - t₀)/W)``.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 
 CELLS, CORE = 24, 3
-"""Cells along the meridian, and a quarter of those along half a turn, unless a spec says otherwise."""
+"""Default cells along the meridian, and a quarter of those along half a turn."""
 _AROUND = 0.6
-"""Share A by which cells around are narrower at the contact than the mean, and wider opposite to it."""
+"""Share A by which cells are narrower in azimuth at the contact than the mean, and wider opposite."""
 _ALONG, _WIDTH = 2.0, 0.15
-"""How much denser cells along the meridian are at the contact, B, and how far, W, as a share of its length."""
+"""Additional density B of cells along the meridian at the contact, and its width W over the length."""
 _TABLE = 4001
 
 
@@ -51,13 +51,13 @@ def grid_tube(hole: float, cells: int, core: int, pole: FloatArray | None, *, wh
     Parameters
     ----------
     hole
-        Its radius.
+        Radius of the hole.
     cells, core
         Cells along the meridian, and a quarter of those along half a turn.
     pole
-        (2,) place on the disc that is touched, where cells are finest; without one all are alike.
+        (2,) place of contact on the disc, at the finest cells; without one all are equal.
     whole
-        The whole disc, or its half x >= 0, touched on its edge x = 0.
+        Whether the disc is whole, or its half x >= 0 with the contact on its edge x = 0.
     """
     half = 4 * core
     turn = np.linspace(-1, 1, 4 * half + 1)[:-1] if whole else np.linspace(0, 1, 2 * half + 1)
@@ -69,7 +69,7 @@ def grid_tube(hole: float, cells: int, core: int, pole: FloatArray | None, *, wh
         start = float(np.arctan2(pole[1], pole[0]))
     angle, radius = start + np.pi * turn, hole + (1 - hole) * along
     if not whole and pole is not None and pole[1] > 0:
-        angle = np.pi - angle[::-1]  # touched at +y: from -y to +y all the same
+        angle = np.pi - angle[::-1]  # contact at +y: the order from -y to +y is kept
     place = radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     number = np.arange(place.shape[0] * place.shape[1]).reshape(place.shape[:2])
     columns = np.concatenate([number, number[:, :1]], axis=1) if whole else number
@@ -80,7 +80,7 @@ def grid_tube(hole: float, cells: int, core: int, pole: FloatArray | None, *, wh
 
 
 def _draw_along(share: FloatArray, touched: float) -> FloatArray:
-    """Shares (n,) of the meridian, drawn to the place that is touched; both ends stay."""
+    """Return shares (n,) of the meridian, concentrated at the contact; both ends are unchanged."""
     t = np.linspace(0, 1, _TABLE)
     count = t + _ALONG * _WIDTH * np.tanh((t - touched) / _WIDTH)
     count = (count - count[0]) / (count[-1] - count[0])
