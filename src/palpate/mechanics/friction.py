@@ -96,12 +96,12 @@ def correct_history(
     """Correct sticking places and limits by a solution in which points in new contact slid freely.
 
     `before` is the last equilibrium, `after` the solution, `area` (n_points,) mm² the area of each point. A point in
-    new contact sticks at its place of contact; one that lost contact no longer sticks. The time of contact follows from the
-    area: points closer to the obstacle in `before` touch first, and the patch grows at a constant rate. The path of a
-    point up to that time is estimated from its path in the solution, in which the patch sticks only up to its old
-    edge. Ahead of the edge of the sticking region, a free surface moves as the square root of the distance from it.
-    While the edge advances at the rate L, a point at x, reached at the share a = x / L of the increment, therefore
-    moves by ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, while it moves by ``sqrt(x)`` in the solution
+    new contact sticks at its place of contact; one that lost contact no longer sticks. The time of contact follows
+    from the area: points closer to the obstacle in `before` touch first, and the patch grows at a constant rate. The
+    path of a point up to that time is estimated from its path in the solution, in which the patch sticks only up to
+    its old edge. Ahead of the edge of the sticking region, a free surface moves as the square root of the distance
+    from it. While the edge advances at the rate L, a point at x, reached at the share a = x / L of the increment,
+    therefore moves by ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, while it moves by ``sqrt(x)`` in the solution
     (docs/design_notes/mechanics.md). In the first increment no point sticks yet, and a point slides until its time of
     contact.
     """

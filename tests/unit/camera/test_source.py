@@ -100,7 +100,7 @@ def test_a_camera_that_is_unplugged_ends_with_an_error_and_does_not_hang(monkeyp
         images = list(source.images())
     assert [image[0, 0] for image in images[:3]] == [1, 2, 3]
     assert isinstance(images[3], PalpateError)
-    assert "unplugged" in str(images[3])
+    assert images[3].code == "camera-gone"
     assert camera.released
 
 
