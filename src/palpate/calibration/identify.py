@@ -28,11 +28,10 @@ from palpate.design import TILT_SPACE, Skin
 from palpate.surrogate import LATERAL
 
 _TWIN_SD = {"thickness": 0.011, "depth_zero": 0.011, "inverse_friction": 0.012}
-"""Standard deviations of the twin error in these parameters (mm, mm, 1/µ).
+"""Standard deviations of the twin error (mm, mm, 1/µ), of 20 simulated units.
 
-Measured on 20 simulated units with other meshes and stiffening. The twin error is common to all markers of all
-images; marker noise contributes a tenth of it. These and the constants below hold for skin and image of the sizes in
-`palpate.calibration.scale`.
+The units had other meshes and stiffening. The error is common to all markers of all images; marker noise contributes
+a tenth of it. These and the constants below hold for skin and image of the sizes in `palpate.calibration.scale`.
 """
 _LENS_SD = {"distance": 0.19, "focal": 0.0035, "k1": 0.0145}
 """Additional standard deviations of these parameters (mm, ratios), measured on the same units.
@@ -43,10 +42,7 @@ among them.
 _DRIFT_PX = 0.12
 """Additional twin error if the wall moves laterally: higher-order terms, largest if much of it slips."""
 _FIRST, _ITERATIONS = 4, 16
-"""Iterations for mounting, friction and lateral motion alone, and maximum number of iterations.
-
-The first ones are needed because the error of the robot's zero may be large.
-"""
+"""Iterations without unit parameters (the robot's zero may be far off), and maximum iterations."""
 _SMALL = 1e-3
 """Change over the standard deviation below which the fit ends."""
 _WRONG = 9.0
@@ -68,10 +64,8 @@ class IdentificationResult:
 
     Attributes
     ----------
-    posterior
-        Posterior of the unit.
-    mounting
-        Mounting of the unit on the robot.
+    posterior, mounting
+        Posterior of the unit, and mounting on the robot.
     inverse_frictions, inverse_frictions_sd
         (p,) 1/µ of every press.
     misfit
@@ -81,8 +75,8 @@ class IdentificationResult:
     scale
         Stiffness relative to the design.
     estimate
-        Estimate of the parameters. `posterior` and `mounting` contain instead the values with which the twin explains
-        the images best.
+        Estimate of the parameters; `posterior` and `mounting` have the values with which the twin explains the images
+        best.
     left_out
         Deviations that the twin does not model, which are not estimated.
     """
@@ -158,18 +152,10 @@ def _lens_sd(skin: Skin) -> FloatArray:
 
 
 class NormalEquations(NamedTuple):
-    """Normal equations of all markers for the n parameters.
+    """Normal equations of all markers: `normal` (n, n) and `gradient` (n,), over the variance.
 
-    Attributes
-    ----------
-    normal, gradient
-        (n, n) and (n,) of half the weighted squares, over the variance.
-    gradient_noise
-        (n, n) covariance of the gradient by image noise alone.
-    common
-        (n, 2 m) derivative of the gradient by each coordinate (px) of the markers at rest.
-    misfit
-        Reduced chi-square.
+    `gradient_noise` (n, n) is the covariance of the gradient by image noise alone, `common` (n, 2 m) its derivative
+    by each coordinate (px) of the markers at rest, and `misfit` the reduced chi-square.
     """
 
     normal: FloatArray
@@ -388,10 +374,7 @@ class ContradictionError(PalpateError):
 
 
 def _refuse(unit: FloatArray, misfit: float, deviations: FloatArray) -> None:
-    """Raise if the misfit, a robot error (p, 3) or a unit parameter (11,) is too large.
-
-    Errors and parameters are in standard deviations.
-    """
+    """Raise if misfit, robot error (p, 3) or unit parameter (11,), in standard deviations, is too large."""
     if misfit > _WRONG:
         raise ContradictionError(
             f"The calibration presses do not fit this design: the marker residual is {np.sqrt(misfit):.1f} times "

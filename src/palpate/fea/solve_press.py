@@ -79,9 +79,7 @@ def solve_press(
     started = time.process_time()
     check_half_model(mesh, obstacle)
     if branch is Branch.INVERTED and mesh.filling:
-        raise PalpateError(
-            "A filled skin has no inverted branch.", "Choose the flat branch.", code="inverted-state-gel"
-        )
+        raise PalpateError("A filled skin has one branch only.", "Press it from rest.", code="inverted-state-gel")
     if branch is Branch.INVERTED and mesh.skin.hole:
         raise PalpateError(
             f"The inverted branch of {mesh.skin.name} is not supported, because the skin is open.",
@@ -90,9 +88,7 @@ def solve_press(
         )
     if branch is Branch.INVERTED and obstacle.stop_depths:
         raise PalpateError(
-            "The inverted branch is not supported along a route.",
-            "Choose the flat branch.",
-            code="inverted-state-route",
+            "A route cannot follow the inverted branch.", "Choose the flat branch.", code="inverted-state-route"
         )
     mesh = refine_mesh(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, obstacle.at_first_contact(mesh)[1]) if obstacle.axisymmetric else mesh
