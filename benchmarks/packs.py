@@ -22,7 +22,8 @@ import meshio
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec, read_step
+from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec
+from palpate.design.solid import read_step
 from palpate.fabrication import PadMapping, ProcessSpec, project_to_skin, write_pack
 
 HEIGHTS, THICKNESSES, MARKERS = (10, 20, 30), (1, 2, 3, 4), (7, 37, 91, 169)

@@ -50,6 +50,7 @@ _GROUPS = {
             "press": _VERBS["press"],
             "stability": ("stability:stability", "Follow the flat and the inverted branch of a dome."),
             "convergence": ("convergence:convergence", "Compute the mesh dependence of a press."),
+            "profile": ("profile:profile", "Find the skin that follows a drawn meridian (table, DXF, STEP)."),
             "bound": ("limit:limit", "Compute lower bounds on the error of any estimator of a design."),
             "make": ("make:make", "Write mold, print pattern, enclosure and instructions."),
             "specimens": ("specimens:specimens", "Write molds of test specimens."),

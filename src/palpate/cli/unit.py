@@ -27,7 +27,7 @@ _WINDOW = (
     "Window and gel in front of the camera as THICKNESS,INDEX,GEL_INDEX (mm and refractive indices); by default air."
 )
 _UNIT = "Unit file of `palpate calibration identify`; a twin then gives poses in the robot's frame."
-_SKIN = "Shape of the skin as KIND:NAME=VALUE, such as ellipsoid:aspect=0.8."
+_SKIN = "Shape of the skin as KIND:NAME=VALUE: ellipsoid:aspect=0.8, or a drawn meridian as profile:file=tip.dxf."
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
 MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]

@@ -15,6 +15,7 @@ from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import PoseDensity, rotation_vector, turn_about_axis, wall_normal
 from palpate.design.pose_space import OFFSET_SPACE, TILT_SPACE, PoseSpace
+from palpate.design.profile import Profile, read_profile
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
@@ -25,8 +26,6 @@ from palpate.design.solid import (
     cylinder,
     extrude,
     gather,
-    loft,
-    read_step,
     revolve,
     write_step,
 )
@@ -54,6 +53,7 @@ __all__ = [
     "Point",
     "PoseDensity",
     "PoseSpace",
+    "Profile",
     "RevolvedSkin",
     "Rim",
     "Severity",
@@ -70,14 +70,13 @@ __all__ = [
     "cylinder",
     "extrude",
     "gather",
-    "loft",
     "markers_in_rings",
     "place_markers",
     "place_orientation_mark",
     "raise_on_errors",
     "read_points",
+    "read_profile",
     "read_skin",
-    "read_step",
     "revolve",
     "ring_diameters",
     "rotation_vector",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from palpate.core import Registry, data_from_text, spec_from_data
+from palpate.design.profile import profile_data
 from palpate.design.skin import Skin
 from palpate.design.spec import SkinSpec
 
@@ -40,13 +41,15 @@ def build_skin(spec: SkinSpec) -> Skin:
 
 
 def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
-    """Read a skin's spec from plain values; without a ``kind`` it is a dome.
+    """Read a skin's spec from plain values; without a ``kind`` it is a dome, and ``profile`` reads a drawn meridian.
 
     Raises
     ------
     PalpateError
         If the kind is unknown, or a parameter is missing, unknown or out of bounds.
     """
+    if data.get("kind") == "profile":
+        data = profile_data(data)
     return spec_from_data(SKINS, data, "dome")
 
 

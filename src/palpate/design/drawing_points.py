@@ -23,7 +23,7 @@ _SAME_MM = 1e-3
 
 
 def read_circles(path: Path) -> FloatArray:
-    """Read the centres (n, 2) mm of the circles of a drawing, ordered from the axis outward, then by azimuth.
+    """Read the centres (n, 2) mm of the circles of a drawing, by distance from the axis, then by azimuth.
 
     The axis of the skin is the origin of a DXF file and the middle of the page of an SVG file, whose y axis is turned
     upward. Circles larger than three times the median are outlines and left out. Points count if there is no circle.
@@ -40,9 +40,7 @@ def read_circles(path: Path) -> FloatArray:
     try:
         rows = list(_dxf_circles(path) if path.suffix.lower() == ".dxf" else _svg_circles(path))
     except (ValueError, IndexError, ElementTree.ParseError, OSError) as error:
-        raise PalpateError(
-            f"{path} cannot be read as a drawing ({error}).", "Export the drawing again.", code="drawing-broken"
-        ) from error
+        raise _broken(path, error) from error
     if not rows:
         raise PalpateError(
             f"{path} has no circle.", "Draw each marker as a circle, not as a path or a text.", code="drawing-empty"
@@ -57,24 +55,39 @@ def read_circles(path: Path) -> FloatArray:
     return np.asarray(centres[np.lexsort((np.round(azimuth, 6), radius))])
 
 
-def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
-    """Centre and radius of circles, mm, also of inserted blocks."""
+def _broken(path: Path, error: Exception) -> PalpateError:
+    return PalpateError(
+        f"{path} cannot be read as a drawing ({error}).", "Export the drawing again.", code="drawing-broken"
+    )
+
+
+def dxf_entities(path: Path) -> tuple[list[Any], float]:
+    """Return the visible entities of a DXF file, also of inserted blocks, and its unit in mm.
+
+    Raises
+    ------
+    MissingExtraError
+        If ezdxf is not installed.
+    PalpateError
+        If the file cannot be read or has no unit.
+    """
     ezdxf = load_extra("ezdxf", "cad")
     try:
         document = ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError, ValueError, UnicodeError) as error:
-        raise PalpateError(
-            f"{path} is not a DXF file that can be read ({error}).",
-            "Export the drawing again.",
-            code="drawing-broken",
-        ) from error
+    except (ezdxf.DXFError, ValueError, IndexError, OSError) as error:
+        raise _broken(path, error) from error
     unit = document.units or (4 if document.header.get("$MEASUREMENT", 0) == 1 else 0)
     if not unit:
         raise PalpateError(
             f"{path} has no unit ($INSUNITS is 0).", "Set the unit of the drawing, such as mm.", code="drawing-unit"
         )
-    scale = ezdxf.units.conversion_factor(unit, ezdxf.units.MM)
     entities = [one for inserted in document.modelspace() for one in _visible(document, inserted)]
+    return entities, float(ezdxf.units.conversion_factor(unit, ezdxf.units.MM))
+
+
+def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
+    """Centre and radius of circles, mm."""
+    entities, scale = dxf_entities(path)
     for kind in ("CIRCLE", "POINT"):
         found = [one for one in entities if one.dxftype() == kind]
         for one in found:

@@ -12,7 +12,7 @@ from palpate.core.units import split_unit
 from palpate.design.drawing_points import DRAWINGS, read_circles
 from palpate.design.skin import Skin
 
-_MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
+MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
 """Length of each unit in mm."""
 ON_SURFACE = 0.05
 """Maximum distance from the inner surface of a point with a height, mm."""
@@ -54,10 +54,10 @@ def _read_table(path: Path) -> FloatArray:
         axis, unit = split_unit(name.lower())[0], table.unit(at).lower()
         if axis not in ("x", "y", "z"):
             continue
-        if unit not in _MM:
+        if unit not in MM:
             raise PalpateError(
                 f"{path}: column {name} has the unit '{unit}'." if unit else f"{path}: column {name} has no unit.",
-                f"Write x_mm,y_mm; units are {', '.join(_MM)}.",
+                f"Write x_mm,y_mm; units are {', '.join(MM)}.",
                 code="columns-wrong",
             )
         numbers = table.numbers(at) if table.is_numeric(at) else np.full(len(table), np.nan)
@@ -69,7 +69,7 @@ def _read_table(path: Path) -> FloatArray:
                 "Write numbers.",
                 code="row-not-numbers",
             )
-        found[axis] = _MM[unit] * numbers
+        found[axis] = MM[unit] * numbers
     if not {"x", "y"} <= set(found):
         raise PalpateError(
             f"{path} has the columns {', '.join(table.header)}.",

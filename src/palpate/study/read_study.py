@@ -1,4 +1,4 @@
-"""From a YAML file or a preset to a study."""
+"""Studies from YAML files and presets."""
 
 from __future__ import annotations
 
@@ -71,6 +71,9 @@ def _resolve_files(tree: CommentedMap, folder: Path) -> None:
     for layout in markers if isinstance(markers, list) else []:
         if isinstance(layout, dict) and isinstance(layout.get("file"), str):
             layout["file"] = str(folder / _file_name(layout["file"]))
+    skin = designs.get("skin") if isinstance(designs, dict) else None
+    if isinstance(skin, dict) and isinstance(skin.get("file"), str):
+        skin["file"] = str(folder / _file_name(skin["file"]))
     material = tree.get("material")
     if isinstance(material, dict) and str(material.get("name", "")).endswith((".yaml", ".yml")):
         material["name"] = str(folder / _file_name(material["name"]))
@@ -79,6 +82,6 @@ def _resolve_files(tree: CommentedMap, folder: Path) -> None:
 def _file_name(name: str) -> str:
     if "\0" in name:
         raise PalpateError(
-            f"{name!r} can be no file: its name holds a zero byte.", "Mend the name.", code="file-name-malformed"
+            f"{name!r} can be no file: its name holds a zero byte.", "Correct the name.", code="file-name-malformed"
         )
     return name

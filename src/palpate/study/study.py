@@ -47,6 +47,20 @@ class DesignsSpec(Spec):
         (MarkerSpec(),), unit="1", meaning="marker layouts: a count, or a mapping with rings or a file"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _profile_gives_sizes(cls, values: Any) -> Any:
+        """Replace a drawn meridian by its numbers; height and radius are those of the drawing."""
+        skin = values.get("skin") if isinstance(values, dict) else None
+        if not isinstance(skin, dict) or skin.get("kind") != "profile":
+            return values
+        try:
+            shape = dict(skin_from_data(skin).build().spec_data)
+        except PalpateError as error:
+            raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
+        sizes = {"heights": [shape.pop("height")], "base_radius": shape.pop("base_radius")}
+        return {"thicknesses": [shape.pop("thickness")], **values, **sizes, "skin": shape}
+
     @field_validator("markers", mode="before")
     @classmethod
     def _counts_are_layouts(cls, layouts: Any) -> Any:

@@ -65,6 +65,7 @@ ROWS = {
     "design convergence": Row(
         "--out new", (), ("--out",), (*SOLVE[1:], "--meshes 8", "--meshes 2 8", "--meshes x", "--markers 8")
     ),
+    "design profile": Row("--file {profile}", ("--file",), ("--out",), ("--thickness 0", "--thickness 40")),
     "design show": Row("", ("--layout",), (), ("--markers 8", "--rings 20 10", "--rings 10 --layout {text}")),
     "material fit": Row(
         FIT,
@@ -274,6 +275,10 @@ def furnish(folder: Path) -> dict[str, Path]:
     right["truth"].write_text("image,press,rx_deg,ry_deg,depth_mm\n0.png,rest,,,\n1.png,1,1,0,3\n2.png,2,1,0,4\n")
     write_grid(right["results"], evaluate_grid(PAPER[:2]))
     (right["spare"] / "store").mkdir(parents=True)
+    right["profile"] = folder / "tip.csv"
+    angle = np.linspace(0, np.pi / 2, 50)
+    rows = "\n".join(f"{r},{z}" for r, z in zip(20 * np.sin(angle), 20 * np.cos(angle), strict=True))
+    right["profile"].write_text(f"r_mm,z_mm\n{rows}\n")
     right["study"] = folder / "study.yaml"
     right["study"].write_text("name: small\n")
     right["wanted"] = folder / "wanted.yaml"

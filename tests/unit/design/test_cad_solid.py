@@ -18,11 +18,10 @@ from palpate.design import (
     cylinder,
     extrude,
     gather,
-    loft,
-    read_step,
     revolve,
     write_step,
 )
+from palpate.design.solid import loft, read_step
 from palpate.design.superellipse import Superellipse
 
 needs("build123d")

@@ -2,7 +2,8 @@
 
 import pytest
 
-from palpate.design import CadSolid, read_step
+from palpate.design import CadSolid
+from palpate.design.solid import read_step
 from palpate.fabrication import FabricationPack
 
 

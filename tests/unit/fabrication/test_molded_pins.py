@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.design import Design, DomeSpec, MarkerSpec, read_step
+from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.design.pinned import PinnedSpec
+from palpate.design.solid import read_step
 from palpate.fabrication import ProcessSpec, write_pack
 
 DESIGN = Design(PinnedSpec(height=18, base_radius=18, thickness=1, pin=2), MarkerSpec(count=19, diameter=1.2))

@@ -7,7 +7,8 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.design import Arc, read_step
+from palpate.design import Arc
+from palpate.design.solid import read_step
 from palpate.fabrication import ProcessSpec, build_specimen_molds, write_specimen_molds
 from palpate.fabrication.specimen import outline_dumbbell
 
