@@ -34,7 +34,6 @@ FRONT_DOORS = {
         "place_markers",
         "place_orientation_mark",
         "read_points",
-        "read_step",
         "revolve",
         "ring_diameters",
         "write_step",

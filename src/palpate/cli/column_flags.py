@@ -11,7 +11,7 @@ from palpate.datasets import ColumnMapping
 
 _IMAGE = (
     "Column of the image names or numbers, if it is not recognised by its name; the camera of a LeRobot dataset, the "
-    "array of an HDF5, NPZ or Zarr file, or the folder of images, if there are several."
+    "array of an HDF5, NPZ or Zarr file, the topic of a ROS bag, or the folder of images, if there are several."
 )
 _PRESS = "Column of the press that an image belongs to; without it, each image is a separate press."
 _ANGLES = "Unit of angles whose column has no unit in its name."

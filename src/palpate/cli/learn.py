@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _RECORDING = (
     "Table of poses (text, JSON lines, Parquet) in the folder of its images or video; an HDF5, NPZ or Zarr file; a "
-    "folder with one of these or with HDF5 episodes; or a LeRobot dataset."
+    "folder with one of these or with HDF5 episodes; a LeRobot dataset; or a ROS bag."
 )
 _OUT = "Folder for the model (model.h5) and the report. The same command resumes an interrupted run."
 _LEARN = (
@@ -31,6 +31,7 @@ _LEARN = (
     "(pose_4=rx_deg,pose_3=depth_mm). By default rx, ry and depth if they exist, otherwise all columns."
 )
 _REST = "Image of the unloaded sensor, if the table has no row with the press or file name 'rest'."
+_POSE = "Topic of the poses of a ROS bag, if it has several."
 _START = "Model to start from: of another unit of the same design (model.h5), or of its simulation (.onnx)."
 
 
@@ -42,6 +43,7 @@ class TableFlags:
     targets: Annotated[str | None, Parameter(help=_LEARN)] = None
     columns: ColumnFlags = ColumnFlags()
     rest: Annotated[Path | None, Parameter(help=_REST)] = None
+    pose: Annotated[str, Parameter(help=_POSE)] = ""
 
 
 def learn(
@@ -59,7 +61,8 @@ def learn(
 
     check_folder(out)
     begin = read_pretrained(start) if start is not None else None
-    found = read_recording(recording, table.columns.mapping(table.targets), table.rest, spec.max_images, spec.seed)
+    choice = replace(table.columns.mapping(table.targets), pose=table.pose)
+    found = read_recording(recording, choice, table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _print_line(note)
     store, first = ArtefactStore(keep_results(out) / "store"), None

@@ -106,7 +106,7 @@ def read_recording(
     if rest is not None:
         read_image(rest)  # refused here, by its own sentence
     reads = reader()
-    reads.image = choice.image
+    reads.image, reads.pose = choice.image, choice.pose
     table, images = reads.read(place)
     folder = place.parent
     if images is None and choice.image not in table.columns and (folder / choice.image).is_dir():

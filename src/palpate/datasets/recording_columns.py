@@ -128,6 +128,8 @@ class ColumnMapping:
     frame
         Point of the pressed surface in mm and its outward normal, in the frame of the poses: ``x,y,z,nx,ny,nz``,
         empty if poses are relative to it, or it is estimated.
+    pose
+        Topic of the poses of a ROS bag; empty if it has one.
     """
 
     targets: tuple[str, ...] = ()
@@ -137,6 +139,7 @@ class ColumnMapping:
     lengths: str = ""
     euler: str = ""
     frame: str = ""
+    pose: str = ""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:

@@ -22,10 +22,13 @@ class RecordingReader(ABC):
         What it reads, as messages name it.
     image
         Which of several images a row has is read: a key or path, as ``--image`` gives it; empty if there is one.
+    pose
+        Which of several sources of poses is read, as ``--pose`` gives it; empty if there is one.
     """
 
     formats: ClassVar[str]
     image: str = ""
+    pose: str = ""
 
     def choose(self, name: str, keys: Sequence[str]) -> str:
         """Return the one key of images that is meant by `image`: a whole key, or its last part.
@@ -89,6 +92,7 @@ READERS: Registry[type[RecordingReader]] = Registry(
         "table": "palpate.datasets.recording_reader:TableReader",
         "hdf5": "palpate.datasets.read_hdf5:HDF5Reader",
         "arrays": "palpate.datasets.read_arrays:ArraysReader",
+        "rosbag": "palpate.datasets.read_rosbag:RosbagReader",
     },
     fits=lambda found: isinstance(found, type) and issubclass(found, RecordingReader),
 )
