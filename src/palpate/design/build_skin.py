@@ -41,7 +41,9 @@ def build_skin(spec: SkinSpec) -> Skin:
 
 
 def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
-    """Read a skin's spec from plain values; without a ``kind`` it is a dome, and ``profile`` reads a drawn meridian.
+    """Read a skin's spec from plain values; without a ``kind``, it is a dome.
+
+    The kind ``profile`` reads a drawn meridian (`read_profile`).
 
     Raises
     ------

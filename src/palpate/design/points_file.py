@@ -1,4 +1,4 @@
-"""Points of free layouts and tracked points, from tables with columns x, y and z, or from circles of a drawing."""
+"""Points of free layouts and tracked points, from tables or circles of drawings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ON_SURFACE = 0.05
 
 
 def read_points(path: Path, skin: Skin) -> FloatArray:
-    """Read points (n, 3) mm of the inner surface from a table with a header, or from the circles of a drawing.
+    """Read points (n, 3) mm of the inner surface from a table, or from the circles of a drawing.
 
     The columns of a table are ``x_mm, y_mm`` and optionally ``z_mm``, in any order, unit and dialect. A point without
     ``z_mm``, and a circle of a DXF or SVG file (`read_circles`), is projected along the axis; outside the skin its z

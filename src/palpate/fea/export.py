@@ -4,7 +4,7 @@
 in the skin's frame (*Warp by vector* ``displacement_mm`` shows the deformed skin); cells are quadratic in all three
 directions (VTK_TRIQUADRATIC_HEXAHEDRON). Fields at nodes:
 
-* ``displacement_mm``, ``wall_gap_mm`` (distance to the wall's plane; on the outer surface the contact gap);
+* ``displacement_mm``, ``wall_gap_mm`` (distance to the obstacle; on the outer surface the contact gap);
 * ``cauchy_stress_mpa`` (xx, yy, zz, xy, yz, xz), ``von_mises_mpa`` and ``pressure_mpa`` (minus a third of the trace):
   extrapolated from the Gauss points to the nodes of each cell, then averaged over the cells that share a node. They
   are missing for a press solved by CalculiX, whose bricks define the pressure differently.
@@ -74,11 +74,11 @@ def _write_images(folder: Path, press: Press) -> list[str]:
     meshio = _meshio()
     mesh, turn = press.mesh, press.obstacle.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
-    obstacle, _ = press.obstacle.at_first_contact(mesh)
+    path = press.obstacle.path(mesh)
     solid = None if press.solved_by != "palpate" else clamped_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
-        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).penetration(mesh.nodes + u)
+        gap = -path(float(depth)).penetration(mesh.nodes + u)
         fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": gap}
         if solid is not None:
             fields |= _stress_fields(solid, u, turn)

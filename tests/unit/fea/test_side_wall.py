@@ -1,14 +1,16 @@
 """Barrels under a wall at their side: mirror images, turns, work, clamps, tubes under pressure by closed forms."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from errors import refused
+from needs import needs
 from palpate.design import Dome, MarkerSpec, place_markers
 from palpate.design.barrel import BarrelSpec
-from palpate.fea import BallSpec, Branch, Press, WallSpec, read_obstacle, read_press, write_press
+from palpate.fea import BallSpec, Branch, Press, WallSpec, export_press, read_obstacle, read_press, write_press
 from palpate.fea.loaded_skin import clamp_skin
 from palpate.fea.side_wall import SideWallSpec
 from palpate.material import get_material
@@ -42,6 +44,14 @@ def test_a_press_above_the_middle_is_the_mirror_image_of_one_below(leaning: Pres
     assert turned == pytest.approx(leaning.positions(points), abs=1e-4)
     assert other.force * flip == pytest.approx(leaning.force, rel=1e-4, abs=1e-7)
     assert np.abs(leaning.displacement_at(points)[-1]).max() > 0.5
+
+
+def test_the_exported_gap_is_the_distance_to_the_wall_at_the_side(leaning: Press, tmp_path: Path) -> None:
+    meshio = needs("meshio")
+    export_press(tmp_path / "press", leaning)
+    for number in range(len(leaning.depth)):
+        gap = meshio.read(tmp_path / "press" / f"press_{number:04d}.vtu").point_data["wall_gap_mm"]
+        assert gap[leaning.mesh.outer_faces].min() == pytest.approx(0, abs=0.02)
 
 
 def test_the_force_is_along_the_normal_and_its_work_is_stored(leaning: Press) -> None:
