@@ -54,7 +54,7 @@ def guarded(command: Callable[[], Any]) -> int:
 
 
 def _loses_interruption(frame: FrameType | None) -> bool:
-    """Return whether an import, a destructor or a weak reference is at work, which may swallow an interruption."""
+    """Return whether an import, destructor or weak reference runs, which may swallow an interruption."""
     while frame is not None:
         code = frame.f_code
         if "importlib" in code.co_filename or code.co_filename.endswith("weakref.py") or code.co_name == "__del__":

@@ -87,7 +87,7 @@ def _check_python() -> InstallCheck:
 
 
 def _needed() -> dict[str, str]:
-    """Return palpate's requirements on this machine: distribution → extra that installs it, empty if required.
+    """Return palpate's requirements: distribution → extra that installs it, empty if required.
 
     The result is empty without metadata, as in a folder of sources that was never installed. Backends of the linear
     solver, which only some platforms need, are checked separately.

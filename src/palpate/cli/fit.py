@@ -211,7 +211,7 @@ def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> M
 
 
 def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
-    """Return a fit as JSON data: constants, quality, stability; unless `alone`, ranking and unmeasured modes."""
+    """Return a fit as JSON data: constants, quality, stability, and unless `alone` the ranking."""
     facts: dict[str, Any] = {
         "model": found.model.name,
         "samples": [_describe_sample(sample) for sample in samples],
@@ -300,7 +300,7 @@ def _warnings(found: Fit) -> Iterator[str]:
 
 
 def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
-    """Yield a sentence if the fit is too stiff or too soft at small strain, with the flag that corrects it."""
+    """Yield a sentence with a flag if the fit is too stiff or too soft at small strain."""
     secants = [item for item in compare_secants(samples, found) if abs(item.excess) > SECANT_TOLERANCE]
     if not secants:
         return

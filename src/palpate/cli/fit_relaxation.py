@@ -68,7 +68,7 @@ def fit_tests(
 
 
 def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Material | None:
-    """Return the material that a relaxation `alone` is added to; `None` with other tests, or without output file."""
+    """Return the material that a relaxation `alone` is added to; `None` without an output file."""
     if not alone:
         if flags.onto is not None:
             raise PalpateError(

@@ -138,7 +138,7 @@ def check_file(path: Path | None, *endings: str) -> None:
 
 
 def check_folder(path: Path | None) -> None:
-    """Reject an output folder that cannot be made or written to, before the computation; `None` is accepted.
+    """Reject an output folder that cannot be made or written to; `None` is accepted.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from palpate.design import TILT_SPACE, PoseSpace
 
 @dataclass(frozen=True)
 class Dataset:
-    """Images of one design, without jitter: it is drawn anew whenever the images are used.
+    """Images of one design, without jitter, which is drawn again at each use.
 
     The order of the markers is that of the layout, in every image. An image in which a marker cannot be seen
     is not in the dataset, since a network that reads every marker has no input for it; `dropped` counts it.
@@ -25,7 +25,7 @@ class Dataset:
     Attributes
     ----------
     spec
-        What was chosen.
+        Sampling of poses and images.
     images_px
         (n, m, 2) u and v of each marker (px).
     poses
@@ -47,9 +47,9 @@ class Dataset:
     dropped
         Sampled images left out, by reason.
     space
-        What the numbers of a pose are: those of the obstacle that pressed.
+        Coordinates of the poses, by the obstacle.
     forces
-        (n, 3) N of the dome on the wall, dome's frame; `None` where they were not asked for.
+        (n, 3) N of the skin on the wall, in the skin's frame; `None` if not requested.
     """
 
     spec: DatasetSpec
@@ -98,7 +98,7 @@ class Dataset:
         return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
 
     def full_depth_travel_mm(self) -> float:
-        """Mean marker travel of the design: `travel_mm` averaged over the images at the greatest depth."""
+        """Mean marker travel of the design: `travel_mm` averaged over the images at the maximum depth."""
         deepest = self.poses[:, 2].max()
         return float(self.travel_mm[np.isclose(self.poses[:, 2], deepest)].mean())
 

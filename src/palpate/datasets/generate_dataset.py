@@ -1,4 +1,4 @@
-"""From solved presses to images: sample poses, interpolate the markers, project them, split by press."""
+"""Datasets from solved presses: sampled poses, interpolated and projected markers, split by press."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def generate_dataset(
     markers
         Layout on the dome's inner surface.
     camera
-        Looks at the markers from below.
+        Camera below the markers.
     spec
-        Poses, images left out, jitter, normalisation, split and what varies from unit to unit.
+        Poses, images left out, jitter, normalisation, split and deviations of units.
     perturbed_presses
-        Presses of units that differ from the design, as `spec.randomise` asks for.
+        Presses of deviating units, as `spec.randomise` requires.
     forces
         Whether the images have the force on the wall as well.
 
@@ -142,7 +142,7 @@ class _View:
 def _images_at(
     field: RandomisedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
-    """Columns of the images at one depth; `dropped` counts the others."""
+    """Return the columns of the images at one depth; `dropped` counts the rejected images."""
     branch, reason = field.labels(rotations, image)
     dropped.update(str(text) for text in reason[reason != ""])
     row = np.flatnonzero(branch != "")
@@ -180,6 +180,6 @@ def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:
         shown = ", ".join(str(number) for number in unseen[:5])
         raise PalpateError(
             f"{len(unseen)} of {len(rest)} markers cannot be seen at rest (numbers {shown}).",
-            "Move the camera farther away, or use smaller rings.",
+            "Increase the distance of the camera, or use smaller rings.",
             code="markers-hidden",
         )

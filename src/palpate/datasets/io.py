@@ -29,7 +29,7 @@ _COLUMNS = {
 
 
 def dataset_version(camera: Camera) -> str:
-    """Return the version of a dataset for its key: behaviour, libraries, the plug-in of the lens, and file format."""
+    """Return the version of a dataset for its key: behaviour, libraries, lens plug-in, file format."""
     return f"{stage_version('dataset', camera.lens)}; format {DATASET_FORMAT}"
 
 

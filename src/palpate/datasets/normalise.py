@@ -1,4 +1,4 @@
-"""From pixels to what a network reads: jitter first, in pixels; then the image scaled to −1 … 1 or 0 … 1."""
+"""Normalisation of images for networks: jitter in pixels, then a scale to −1 … 1 or 0 … 1."""
 
 from __future__ import annotations
 

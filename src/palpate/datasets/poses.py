@@ -26,12 +26,12 @@ def sample_poses(
     spec
         Protocol, number of presses and seed.
     offset
-        Greatest offset of an obstacle that does not tilt, mm, or greatest tilt of one that comes to the side,
+        Maximum offset of an obstacle that does not tilt, mm, or maximum tilt of one that comes to the side,
         degrees; `None` for a wall.
     lies
         Whether it is a line, whose offsets are spread evenly by length, and its directions by angle.
     least
-        Least tilt of one that comes to the side, degrees: poses fill the ring between both.
+        Minimum tilt of one that comes to the side, degrees: poses fill the ring between both.
 
     Returns
     -------

@@ -1,12 +1,12 @@
-"""Domain randomisation: markers of units that differ from the design, so that a training has seen what will be met.
+"""Domain randomisation: markers of units that deviate from the design.
 
 Every virtual press is that of another unit. With fields u of the presses of the design, of walls with friction µ_k
 and of a thinner and a thicker dome, a unit's displacement is
 
     u = u_0 + (1 - a) (u_k - u_0) + a (u_k+1 - u_0) + b (u_± - u_0),      0 ≤ a, b ≤ 1
 
-that is, linear between neighbouring frictions (no slip, if the design says so, is next to the largest) and from the
-design's thickness to one of the others. A misprinted dot moves as the surface beneath it, to first order in its
+that is, linear between neighbouring frictions (no slip, if the design has it, is next to the largest) and from the
+design's thickness to the thinner or thicker one. A misprinted marker moves with the surface, to first order in its
 displacement δ along two tangents t_i:  u(p + δ) = u(p) + Σ δ_i (u(p + h t_i) - u(p)) / h.
 """
 
@@ -27,7 +27,7 @@ from palpate.fea import Press
 from palpate.surrogate import PressField, build_field
 
 _STEP = 0.2
-"""Distance h of the points from which the surface's motion beside a dot is taken, mm."""
+"""Distance h of the points by which the motion of the surface near a marker is differentiated, mm."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ class RandomisedField:
     base
         The design.
     others
-        Frictions by falling coefficient, then thicknesses.
+        Frictions by descending coefficient, then thicknesses.
     weights
         (n presses, len(others)) share of each other's difference from the base.
     tangent_fields
-        Fields of dots displaced along two tangents by `_STEP`; empty where the print is exact.
+        Fields of markers displaced along two tangents by `_STEP`; empty if the print is exact.
     tangent_offsets
-        (n presses, m, 2) displacement of each dot along them, mm.
+        (n presses, m, 2) displacement of each marker along them, mm.
     """
 
     base: PressField
@@ -81,7 +81,7 @@ class RandomisedField:
         return self.base.rest
 
     def labels(self, rotations: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
-        """Branch of every virtual press at one depth, or why there is none; see `PressField.labels`."""
+        """Return the branch of every virtual press at one depth, or a reason; see `PressField.labels`."""
         tilt = np.hypot(rotations[:, 0], rotations[:, 1])
         branch, reason = self.base.labels(tilt, depth_index)
         for weight, other in zip(self.weights.T, self.others, strict=True):
@@ -140,9 +140,9 @@ def randomise_field(
     presses, layout
         The design's.
     relatives
-        Presses of units that differ.
+        Presses of deviating units.
     spec
-        Seed, and what varies.
+        Seed and deviations.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def randomise_field(
 
 
 def _draw_weights(spec: RandomisationSpec, seed: int, count: int) -> FloatArray:
-    """(count, frictions and thicknesses) shares of the others in every virtual press."""
+    """Return the shares (count, frictions and thicknesses) of the relatives in every virtual press."""
     frictions = len(spec.frictions)
     weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
     if frictions:
@@ -203,7 +203,7 @@ def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> Non
     for name, (needed, given) in wanted.items():
         if needed != given:
             raise PalpateError(
-                f"The dataset varies the {name} by {needed} more sets of presses, but {given} are there.",
+                f"The dataset varies the {name} by {needed} more sets of presses, but {given} were given.",
                 "Press them first; `palpate run` does so by itself.",
                 code="dataset-variation-missing",
             )
@@ -212,7 +212,7 @@ def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> Non
 def _tangent_fields(
     layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec
 ) -> tuple[PressField, ...]:
-    """Fields of the dots displaced along the meridian and along the circle."""
+    """Return the fields of markers displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()
     skin = presses[0].mesh.skin

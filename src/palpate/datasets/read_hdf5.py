@@ -1,9 +1,9 @@
-"""Recordings in HDF5: images as one array and poses as others beside it, or such groups, a press each.
+"""HDF5 recordings: one array of images and arrays of poses, or one group of these per press.
 
 One dataset of the file, or of each group, holds the images (`palpate.datasets.stored_images`). A folder of files
 whose names differ by a number is read as a whole, each file a press.
-Every other of n numbers, or of (n, k), is a column, or k of them, named by its attribute ``columns`` where it has
-one. So the arrays of many labs, and robomimic's ``data/demo_0``, are read alike; each group counts as a press.
+Each further dataset of n or (n, k) numbers gives a column, or k columns, named by its attribute ``columns`` if it
+exists. Each group, such as robomimic's ``data/demo_0``, counts as a press.
 """
 
 from __future__ import annotations

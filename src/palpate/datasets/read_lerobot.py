@@ -1,6 +1,6 @@
-"""Datasets as LeRobot keeps them, versions 2 and 3: Parquet tables, videos beside them, each episode a press.
+"""LeRobot datasets, versions 2 and 3: Parquet tables and videos; each episode is a press.
 
-The files are read by pyarrow as they lie; LeRobot itself, which brings a robot's whole software, is not needed.
+The files are read by pyarrow; LeRobot itself is not needed.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def _columns(tables: Sequence[Any], features: dict[str, Any], cameras: Sequence[
 
 
 def _videos(folder: Path, camera: str, columns: dict[str, Column], parquet: Any) -> ImageSet:
-    """Where each row's image lies: in the video of its episode, or from its episode's start in one of several."""
+    """Return the images of the rows: in the video of their episode, or from its start in a joint video."""
     episode = columns["episode_index"].astype(int)
     frame = columns["frame_index"].astype(int)
     paths = sorted(path for path in (folder / "videos").rglob("*.mp4") if camera in path.parts)

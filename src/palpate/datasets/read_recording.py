@@ -1,4 +1,4 @@
-"""From a folder or file to a recording: its table, its images, and the poses that belong to them."""
+"""Recordings read from a folder or file: table, images and their poses."""
 
 from __future__ import annotations
 
@@ -40,21 +40,21 @@ class Recording:
     Attributes
     ----------
     name
-        What a person reads.
+        Name of the recording.
     images
         The images; first those of presses, in the order of the poses, then those at rest.
     names
-        (n,) what a person calls an image.
+        (n,) names of the images.
     poses
-        What is to be learnt, each with (n,) values.
+        Quantities to estimate, (n,) values each.
     others
-        Other numbers of the motion.
+        Further quantities of the motion.
     press
         (n,) number of the press.
     rest
         Number of images at rest, after the n of presses.
     notes
-        What was left out or assumed, a sentence each.
+        Omissions and assumptions, one sentence each.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Recording:
 
     @property
     def targets(self) -> FloatArray:
-        """(n, k) what is to be learnt, degrees and mm."""
+        """(n, k) quantities to estimate, degrees and mm."""
         return np.stack([one.values for one in self.poses], axis=1)
 
     @property
@@ -90,7 +90,7 @@ def read_recording(
     place
         A file or folder that a reader accepts (`READERS`), or a folder that holds one such file.
     choice
-        What its columns are, where their names do not tell.
+        Meaning of columns whose names do not state it.
     rest
         An image of the unloaded sensor, if the table names no such image.
     most, seed
@@ -153,7 +153,7 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
     """The reader of a file or folder, or of the one file in a folder that a reader accepts."""
     if not place.exists():
         raise PalpateError(
-            f"{place} is not there.", "Give a folder with a table of poses, or the table.", code="file-missing"
+            f"{place} does not exist.", "Give a folder with a table of poses, or the table.", code="file-missing"
         )
     readers = [reader for _, reader in READERS.available()]
     for reader in readers:
@@ -253,8 +253,8 @@ def _refuse_small(found: Recording) -> None:
         )
     if found.presses < LEAST_PRESSES:
         raise PalpateError(
-            f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: none could be held "
-            "out to judge what was learnt.",
+            f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: too few "
+            "for a test set.",
             f"Record {LEAST_PRESSES} presses or more; if its press column means something else, give --press.",
             code="recording-few-presses",
         )

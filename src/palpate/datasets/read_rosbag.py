@@ -36,7 +36,7 @@ _PAUSE = 5.0
 _RANGE_S, _FINE = 1.0, 0.25
 """Largest clock offset that is searched, s, and its step over the time between images."""
 _SURE, _BETTER = 0.6, 0.7
-"""Minimum correlation of image change and motion; maximum share of the variance left without an offset."""
+"""Minimum correlation of image change and motion; maximum ratio of residual variances."""
 _SMALL = 24
 """Side of the images whose change is measured, px."""
 _MOSAICS = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}

@@ -1,7 +1,7 @@
-"""What each column of a table is: image, press, rest, a number of the pose with its unit, or nothing to learn.
+"""Meaning of the columns of a table: image, press, or a quantity of the pose with its unit.
 
-Columns are known by their names; where a name leaves two meanings open, the person is asked by a flag, never guessed
-at. Angles become degrees and lengths mm.
+Columns are recognised by their names. If a name has two meanings, a flag is required. Angles are converted to
+degrees, lengths to mm.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ AXES = {
         ("z", "penetration", "indentation", "tiefe", "eindringtiefe", "profondeur", "深度", "深さ"), "depth"
     ),
 }
-"""Other names of what the rest of the program calls so, where no column has the name itself."""
+"""Alternative names of axes, used if no column has the name itself."""
 _STILL = 1e-9
 _JUMP, _GAP = 150.0, 45.0
 """Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
@@ -87,18 +87,18 @@ _TURN = 3.5
 
 @dataclass(frozen=True, eq=False)
 class PoseColumn:
-    """One number of the pose.
+    """One quantity of the pose.
 
     Attributes
     ----------
     column
         Name in the table.
     axis, unit
-        Short name, and unit of `values`: deg, mm, N, or 1 where nobody said.
+        Short name, and unit of `values`: deg, mm, N, or 1 if not stated.
     values
         (n,) numbers in this unit.
     note
-        What was done or assumed; empty for nothing.
+        Conversions and assumptions; may be empty.
     """
 
     column: str
@@ -110,17 +110,17 @@ class PoseColumn:
 
 @dataclass(frozen=True, eq=False)
 class ColumnMapping:
-    """What a person says about a table where it does not itself.
+    """Meaning and units of columns that a table does not state itself.
 
     Attributes
     ----------
     targets
-        Columns that are to be estimated, ``pose_4=rx_deg`` for one whose name does not tell what it is; empty for
-        rx, ry and depth where there are such, else all.
+        Columns to estimate, ``pose_4=rx_deg`` if the name does not state the quantity; empty for rx, ry and depth
+        if they exist, else all.
     image, press
-        Names of these columns; empty where their names tell.
+        Names of these columns; empty if recognised.
     angles, lengths
-        Units of columns that do not name theirs, ``deg`` or ``rad``, ``mm`` or ``m``; empty where values tell.
+        Units of columns without a unit, ``deg`` or ``rad``, ``mm`` or ``m``; empty if the values decide.
     euler
         Orientation of three or more columns: order of Euler angles, as scipy names it (``xyz`` about fixed axes,
         ``XYZ`` about rotated ones), ``rotvec``, ``xyzw`` or ``wxyz`` for quaternions, ``matrix``; empty if names and
@@ -173,7 +173,7 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
 
 
 def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
-    """Name of the column that says to which press an image belongs; empty without one."""
+    """Return the column of the press of an image; empty without one."""
     if choice.press:
         return _given(table, choice.press, "--press")
     return next((name for name in table.columns if name.strip().lower() in _PRESS), "")
@@ -182,14 +182,14 @@ def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
 def find_pose_columns(
     table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]
 ) -> tuple[tuple[PoseColumn, ...], tuple[PoseColumn, ...], tuple[str, ...]]:
-    """Numbers of the pose.
+    """Find the quantities of the pose.
 
     Parameters
     ----------
     table, choice
-        The table, and what is said about it.
+        The table, and the meaning of its columns.
     taken
-        Columns that are something else.
+        Columns with another meaning.
 
     Returns
     -------
@@ -199,7 +199,7 @@ def find_pose_columns(
     Raises
     ------
     PalpateError
-        If nothing is left to learn, or a column is not what it must be; the sentence names the column.
+        If no quantity is left, or a column has wrong values; the message names the column.
     """
     table, asked = _rename(table, choice.targets)
     learn = tuple(_given(table, name, "--targets") for name in asked)
@@ -211,8 +211,8 @@ def find_pose_columns(
         why = _why_not(table, name)
         if why and wanted:
             raise PalpateError(
-                f"Column {name} cannot be learnt: {why}.",
-                "Mend it, or leave it out of --targets.",
+                f"Column {name} cannot be estimated: {why}.",
+                "Correct it, or leave it out of --targets.",
                 code="column-not-trainable",
             )
         if why:
@@ -294,7 +294,7 @@ def _usual(poses: list[PoseColumn]) -> list[PoseColumn]:
 
 
 def name_axes(poses: list[PoseColumn]) -> list[PoseColumn]:
-    """The same with the axes that the rest of the program knows, where that leaves no two alike."""
+    """Return the columns with the axis names of palpate, unless two would be equal."""
     axes = [one.axis for one in poses]
     renamed = []
     for one in poses:
@@ -362,7 +362,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
 
 
 def short_name(name: str) -> str:
-    """Name of an axis without what tables write around it: ``pose_Rx`` is ``rx``."""
+    """Return the name of an axis without prefixes: ``pose_Rx`` is ``rx``."""
     short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"
 

@@ -1,6 +1,6 @@
-"""Images of a recording, wherever they lie: files, a video, an array in HDF5, cells of a Parquet table.
+"""Images of a recording: files, videos, arrays, or cells of a Parquet table.
 
-They are read in rising order, one by one, and none is kept.
+They are read in ascending order, one by one.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class ImageSet(ABC):
 
     @abstractmethod
     def stamp(self, number: int) -> str:
-        """What changes when the image does: name, size and time of its file."""
+        """Return a text that changes with the image: name, size and time of its file."""
 
     @abstractmethod
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        """Images by rising numbers; an error in the place of one that cannot be read."""
+        """Yield images by ascending numbers, with an error in place of an unreadable one."""
 
 
 @final
@@ -47,7 +47,7 @@ class ImageFiles(ImageSet):
         try:
             about = path.stat()
         except OSError:
-            return f"{path.name} is not there"
+            return f"{path.name} does not exist"
         return f"{path.name} {about.st_size} {about.st_mtime_ns}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
@@ -118,7 +118,7 @@ class ArrayImages(ImageSet):
 
 @final
 class SelectedImages(ImageSet):
-    """Some images of a set, in rising order of the set."""
+    """Some images of a set, in ascending order."""
 
     def __init__(self, images: ImageSet, rows: Sequence[int]) -> None:
         self._images, self._rows = images, [int(row) for row in rows]
@@ -147,12 +147,12 @@ class ConcatenatedImages(ImageSet):
 
 
 def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
-    """Paths of images by the names of a table: beside it, or anywhere below it where the name is found once.
+    """Return the paths of images that a table names, next to it or below it if the name is unique.
 
     Raises
     ------
     PalpateError
-        If none of them is there.
+        If none of them exists.
     """
     direct = [folder / name.replace("\\", "/") for name in names]
     if all(path.is_file() for path in direct):
@@ -173,8 +173,8 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
     found = [path if path.is_file() else below.get(path.name, [path])[0] for path in direct]
     if not any(path.is_file() for path in found):
         raise PalpateError(
-            f"None of the {len(names)} images of the table is there, the first is {names[0]}.",
-            f"Put them beside the table, into {folder} or a folder in it.",
+            f"None of the {len(names)} images of the table exists; the first is {names[0]}.",
+            f"Put them next to the table, into {folder} or a folder in it.",
             code="images-missing",
         )
     return found

@@ -19,7 +19,7 @@ class RecordingReader(ABC):
     Attributes
     ----------
     formats
-        What it reads, as messages name it.
+        Names of the formats in messages.
     image
         Which of several images a row has is read: a key or path, as ``--image`` gives it; empty if there is one.
     pose
@@ -61,7 +61,7 @@ class RecordingReader(ABC):
 
     @abstractmethod
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet | None]:
-        """Return the table with a row an image, and the images, `None` where a column names their files.
+        """Return the table with one row per image, and the images, `None` if a column names their files.
 
         Raises
         ------

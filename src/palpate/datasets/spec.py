@@ -12,7 +12,7 @@ from palpate.fea import check_contact
 
 
 class RandomisationSpec(Spec):
-    """Domain randomisation: deviations of the simulated units from the design, drawn for each virtual press.
+    """Domain randomisation: deviations of simulated units, drawn for each virtual press.
 
     Deviations change only the marker displacements since the rest image, as for a real sensor: at rest, each unit
     looks as designed.

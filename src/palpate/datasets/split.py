@@ -29,7 +29,7 @@ class LeakageError(PalpateError):
 
 
 def number_presses(places: FloatArray) -> IntArray:
-    """Number the presses (n, 2) of rx and ry, or x and y, so that two with the same pose get the same number."""
+    """Number the presses (n, 2) of rx and ry, or x and y; equal poses get equal numbers."""
     rounded = np.round(places / SAME_POSE).astype(np.int64)
     _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
@@ -96,11 +96,11 @@ def check_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, spa
     press
         (n,) number of the press of each image.
     poses
-        (n, 3) rx and ry (degrees), depth (mm), or what `space` says.
+        (n, 3) rx and ry (degrees), depth (mm), or the coordinates of `space`.
     validation
         (n,) whether each image is for validation.
     space
-        What the columns of the poses are.
+        Coordinates of the poses.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Contract suites: what every implementation of a contract must satisfy, for the package's own and for others.
+"""Contract suites of the extension points, for implementations of palpate and of other packages.
 
-A test class inherits a suite and gives its fixtures; pytest, which this room alone needs, collects the rest.
+A test class inherits a suite and gives its fixtures; pytest collects the tests.
 """
 
 from palpate.core import lazy_front

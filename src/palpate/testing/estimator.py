@@ -21,7 +21,7 @@ class EstimatorSuite:
 
     @pytest.fixture
     def samples(self, kind: type[EnsembleMember]) -> TrainingSet:
-        """Displacements of nine markers, or images of a blob, and three targets, the last of which is auxiliary."""
+        """Displacements of nine markers, or images of a blob, with two targets and an auxiliary one."""
         random, rows = np.random.default_rng(0), np.arange(32)
         poses = random.uniform(-1.0, 1.0, (90, 3))
         inputs = np.tanh(poses @ random.normal(0.0, 1.0, (3, 18))).reshape(90, 9, 2)

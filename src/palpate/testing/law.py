@@ -1,4 +1,4 @@
-"""What every material law must satisfy."""
+"""Contract suite of material laws."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class LawSuite:
 
     @pytest.fixture
     def states(self) -> FloatArray:
-        """Deformation gradients (n, 3, 3) at which the law is evaluated; others where it locks before these."""
+        """Deformation gradients (n, 3, 3) of the evaluation; a law that locks earlier overrides them."""
         F = np.eye(3) + 0.25 * np.random.default_rng(0).normal(size=(1500, 3, 3))
         return np.ascontiguousarray(F[np.linalg.det(F) > 0.3][:500])
 

@@ -1,4 +1,4 @@
-"""What every lens must satisfy."""
+"""Contract suite of lenses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every sparse direct solver must satisfy."""
+"""Contract suite of sparse direct solvers."""
 
 from __future__ import annotations
 

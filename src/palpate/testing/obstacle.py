@@ -1,4 +1,4 @@
-"""What every obstacle must satisfy."""
+"""Contract suite of obstacles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class ObstacleSuite:
 
     @pytest.fixture
     def spec(self) -> ObstacleSpec:
-        """An obstacle beside the axis, away from a symmetric place."""
+        """An obstacle off the axis, at a place without symmetry."""
         raise NotImplementedError("Give the fixture `spec`.")
 
     @pytest.fixture
@@ -26,7 +26,7 @@ class ObstacleSuite:
 
     @pytest.fixture
     def obstacle(self, spec: ObstacleSpec, mesh: Mesh) -> Obstacle:
-        """The obstacle at first touch."""
+        """The obstacle at first contact."""
         return spec.at_first_contact(mesh)[0]
 
     @pytest.fixture

@@ -1,4 +1,4 @@
-"""What every reader of recordings must satisfy."""
+"""Contract suite of readers of recordings."""
 
 from __future__ import annotations
 

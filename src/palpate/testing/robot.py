@@ -1,4 +1,4 @@
-"""What every robot that carries a sensor must satisfy."""
+"""Contract suite of robots that carry a sensor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from palpate.sensor import Placement, Robot, rotation_from_vector
 
 
 class RobotSuite:
-    """Inherit and give the fixture `robot`; pytest collects the rest. The robot moves by 2 mm and turns by 1°."""
+    """Inherit and give the fixture `robot`, which is moved by 2 mm and rotated by 1°."""
 
     TOLERANCE_MM = 0.05
     TOLERANCE_DEG = 0.05

@@ -1,4 +1,4 @@
-"""What every skin must satisfy."""
+"""Contract suite of skins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every source of images must satisfy."""
+"""Contract suite of sources of images."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class SourceSuite:
 
     @pytest.fixture
     def text(self) -> str:
-        """What a person writes for a source that gives a few images and ends."""
+        """Text that names a source with a few images and an end."""
         raise NotImplementedError("Give the fixture `text`.")
 
     @pytest.fixture
     def missing(self) -> str:
-        """What a person writes for a source of the same kind that is not there."""
+        """Text that names a missing source of the same kind."""
         raise NotImplementedError("Give the fixture `missing`.")
 
     @pytest.fixture
