@@ -125,7 +125,7 @@ class Schedule:
                 return False
             self._remade[missing] += 1
             self.made.discard(missing)
-            self._ways.setdefault(missing, self._ways[task.recipe.key] + need.cost)
+            self._ways.setdefault(missing, self._ways[task.recipe.key] + need.urgency)
             self._add(need)
         self._add(task)
         return True
@@ -272,11 +272,11 @@ def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tu
 
 
 def _ways(tasks: list[Task]) -> dict[str, float]:
-    """Cost of each task and of the longest chain that depends on it, s, by key."""
+    """Return the urgency of each task and of the longest chain that depends on it, by key."""
     ways: dict[str, float] = {}
     for task in reversed(tasks):  # each after those it needs, so backwards
         key = task.recipe.key
-        ways[key] = ways.get(key, 0.0) + task.cost
+        ways[key] = ways.get(key, 0.0) + task.urgency
         for need in task.dependencies:
             ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
     return ways

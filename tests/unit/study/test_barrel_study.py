@@ -55,7 +55,7 @@ def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
     ("change", "says"),
     [
         ({"obstacle": {}, "tilts_deg": [0, 2]}, ("obstacle-needs-apex",)),
-        ({"designs": {}}, ("side-wall-needs-barrel", "H20 T2 is none")),
+        ({"designs": {}}, ("side-wall-needs-barrel", "H20 T2")),
         ({"tilts_deg": [70, 92]}, ("side-wall-touches-end", "70", "50")),
         ({"forces": True}, ("skin-no-apex",)),
         ({"built": {}}, ("skin-no-apex",)),
