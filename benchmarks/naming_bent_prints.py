@@ -26,17 +26,17 @@ SCALES = (1.0, 1.6)
 
 
 LEGEND = """\
-Rings off by any law within 15 % that keeps their order, an ellipse up to 8 % (half of them take their
-dots along, half leave them on their rays), each ring up to 2 px off centre, every dot turned by up to
-0.5°; any roll, a camera up to 6 mm aside and 8° tilted, barrel left over; 5 % of the dots missing (the
-mark among them), 10 false ones a dot's diameter from the others; images blurred, noisy and unevenly lit,
-dots that touch. Half of the draws have an orientation mark.
+Rings that are distorted by any function within 15 % that keeps their order, and an ellipse of up to 8 % (half
+of the prints take their markers along). Each ring is up to 2 px eccentric, and each marker is rotated by up to
+0.5°. Any roll, a camera up to 6 mm off axis and tilted by 8°, with residual distortion. 5 % of the markers are
+missing (the mark among them); 10 false blobs lie a marker diameter away from markers. Images have blur, noise,
+uneven light and touching blobs. Half of the draws have an orientation mark.
 
-Whole: every number right, or right up to a symmetry and said to be ambiguous where no mark was printed.
-Ambiguous: the same though the mark was there. Mark hidden: the same where it was not. Lost: a dot that
-was there is said to be missing. Refused: with a reason. Stand-in, counted besides: a false dot within
-0.18 of the spacing of an empty place is taken for its dot. Reprojection: against the print without each
-dot's own scatter, root mean square distance."""
+* Whole: every index correct, or correct up to a symmetry and reported as ambiguous if no mark was printed.
+* Ambiguous: the same although the mark was visible. Mark hidden: the same with a hidden mark.
+* Lost: a visible marker is reported as missing. Refused: rejected with a reason.
+* Stand-in (an additional count): a false blob within 0.18 of the spacing of an empty place is taken for its marker.
+* Reprojection: RMS distance from the print without the scatter of single markers."""
 
 
 @dataclass
@@ -123,11 +123,11 @@ def main() -> None:
     parser.add_argument("--controls", type=int, default=6)
     given = parser.parse_args()
     command = (__doc__ or "").split("\n\n")[1].strip()
-    lines = ["# Naming prints that are bent as a whole", "", f"    {command}", "", LEGEND, ""]
+    lines = ["# Assignment of distorted prints", "", f"    {command}", "", LEGEND, ""]
     names = ("whole", "ambiguous", "mark hidden", "lost", "refused", "wrong", "stand-in")
     for image, draws in ((False, given.draws), (True, given.images)):
-        what = "Full images through the detector" if image else "Dots drawn"
-        lines += [f"## {what}", "", f"| markers | draws | {' | '.join(names)} | CPU ms, median | most |"]
+        heading = "Full images through the detector" if image else "Marker positions"
+        lines += [f"## {heading}", "", f"| markers | draws | {' | '.join(names)} | CPU ms, median | most |"]
         lines += ["| --- " * (len(names) + 4) + "|"]
         rows = {count: name_draws(count, draws, image) for count in COUNTS}
         for count, row in rows.items():
@@ -139,7 +139,7 @@ def main() -> None:
             lines += [
                 "## Reprojection at rest, px",
                 "",
-                "| markers | prints | by the law, median | 95 % | design alone, median | refused |",
+                "| markers | prints | ring model, median | 95 % | design alone, median | refused |",
             ]
             lines += ["| --- " * 6 + "|"]
             for count, row in rows.items():
@@ -149,7 +149,7 @@ def main() -> None:
                     f"| {row.refused_pose} |"
                 )
             lines.append("")
-    lines += ["## Controls", "", "| what | tried | named |", "| --- | --- | --- |"]
+    lines += ["## Controls", "", "| input | draws | assigned |", "| --- | --- | --- |"]
     lines += [f"| {kind} | {tried} | {named} |" for kind, tried, named in name_controls(given.controls)]
     given.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
