@@ -1,7 +1,7 @@
-"""From an idea to a trusted vision-based tactile sensor.
+"""Design, simulation and calibration of vision-based tactile sensors.
 
-The names of a first press and a first grid, loaded when they are first asked for (PEP 562); each room,
-`palpate.design` to `palpate.viewer`, has the rest.
+The names of a first press and a first grid, loaded on first use (PEP 562); the subpackages `palpate.design` to
+`palpate.viewer` have the rest.
 
     >>> import palpate as pp
     >>> mesh = pp.mesh_skin(pp.build_skin(pp.DomeSpec(height=20)), pp.MeshSpec(cells=4))

@@ -1,4 +1,4 @@
-"""`python -m palpate`: the command, where no script of that name is on the path."""
+"""Run the command line as `python -m palpate`."""
 
 from palpate.cli import main
 

@@ -1,4 +1,4 @@
-"""Results in a notebook: formatters that draw what the rooms below hand on. `enable` registers them."""
+"""Formatters that draw results in a notebook; `enable` registers them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Learning: from images of markers, simulated or recorded, to the pose of the wall with an honest interval."""
+"""Estimators: pose of the obstacle from images of markers, with conformal intervals."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""From an estimator and held-out presses to intervals that keep their promise, and the proof on other presses."""
+"""Calibration of conformal intervals by held-out presses, and their coverage on further presses."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ LEVEL = 0.9
 FALSE_ALARM = 0.02
 """Share of images inside the trained range that may be flagged; more where few presses calibrate."""
 SHARE = 0.5
-"""Share of the held-out presses that calibrate; coverage is measured on the others."""
+"""Share of the held-out presses that calibrate; coverage is measured on the remaining ones."""
 DRAWS = 4
 """Draws of jitter for each held-out image."""
 MOST_IMAGES = 4096
 """Training images on which the error of each depth is measured."""
 LEAST_NOISE_PX = 0.05
-"""Noise of a marker's position where a dataset has no jitter: that of finding blobs (px)."""
+"""Noise of a marker's position for a dataset without jitter: that of the detector (px)."""
 LEAST_ERROR = 1e-6
-"""Least RMS error of a depth, in its unit: guards an estimator without any."""
+"""Minimum RMS error of a depth, in its unit: avoids a division by zero."""
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """What intervals are worth, on jittered images of presses that neither trained nor calibrated.
+    """Coverage of intervals, on jittered images of presses that neither trained nor calibrated.
 
     Attributes
     ----------
     level
-        Share that was promised.
+        Nominal coverage.
     presses, images
         Numbers of presses and of jittered images.
     angle, depth
@@ -43,9 +43,9 @@ class Coverage:
     half_width_deg, half_width_mm
         Mean half-width, of rx and ry pooled, and of depth.
     flagged_ood
-        Share of images that were called out of the trained range, all of them falsely.
+        Share of images flagged as out of distribution, all of them falsely.
     false_alarm
-        Share that was promised not to be exceeded there.
+        Upper limit of this share.
     """
 
     level: float
@@ -60,7 +60,7 @@ class Coverage:
 
 
 def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
-    """Give an estimator its interval, from some of the held-out presses; its estimates stay as they are.
+    """Calibrate the interval of an estimator by some of the held-out presses; estimates do not change.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
     Returns
     -------
     Estimator
-        With an interval; unchanged where a single press is held out, since none would be left to prove it.
+        With an interval; unchanged if a single press is held out, since none would remain for the coverage.
     """
     kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     if len(np.unique(held.press)) < 2:
@@ -96,12 +96,12 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
 
 
 def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Coverage | None:
-    """Measure what intervals are worth on the held-out presses that did not calibrate them.
+    """Measure the coverage of intervals on the held-out presses that did not calibrate them.
 
     Parameters
     ----------
     estimator
-        What is judged.
+        The calibrated estimator.
     dataset
         The dataset that it was calibrated on.
     seed
@@ -110,7 +110,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     Returns
     -------
     Coverage | None
-        `None` where the estimator has no interval, or one that promises nothing.
+        `None` if the estimator has no interval, or an infinite one.
     """
     interval = estimator.interval
     held = dataset.subset(validation=True)
@@ -136,13 +136,13 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
 def draw_images(
     held: Dataset, targets: FloatArray, rows: BoolArray, seed: int
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Images, targets (n, k) and presses of some rows, with `DRAWS` draws of jitter each."""
+    """Draw images, targets (n, k) and presses of some rows, with `DRAWS` draws of jitter each."""
     images = draw_jitter(np.tile(held.images_px[rows], (DRAWS, 1, 1)), held.spec.jitter_px, generator(seed))
     return images, np.tile(targets[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
 
 
 def _measure_scale(estimator: Estimator, model: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:
-    """Depths (d,) and RMS error (d, 3) on training images with jitter that the training did not see."""
+    """Measure depths (d,) and RMS error (d, 3) on training images with new jitter."""
     rng = generator(seed, "scale")
     rows = rng.permutation(len(model.poses))[:MOST_IMAGES]
     images = draw_jitter(model.images_px[rows], model.spec.jitter_px, rng)
@@ -154,7 +154,7 @@ def _measure_scale(estimator: Estimator, model: Dataset, seed: int) -> tuple[Flo
 
 
 def _find_range(model: Dataset, seed: int) -> TrainedRange:
-    """The trained range, without a threshold yet."""
+    """Find the trained range, without a threshold yet."""
     noise = max(model.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
     moved = (model.images_px - model.rest_px).reshape(len(model.images_px), -1)
     centre = moved.mean(axis=0)

@@ -1,4 +1,4 @@
-"""An estimator's errors held against the limit: how near they come, and whether they come too near."""
+"""Comparison of an estimator's errors with the error bound; errors far below it show leakage."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.learn.error_bound import ErrorBound
 from palpate.learn.metrics import Metrics
 
 STANDARD_ERRORS = 3.0
-"""A jittered RMSE so many standard errors below the floor is leakage."""
+"""Number of standard errors below the floor from which a jittered RMSE counts as leakage."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def pool_bounds(limits: Sequence[ErrorBound], images: Mapping[float, int] | None
     Returns
     -------
     PooledBound | None
-        `None` where no depth has both a bound and images.
+        `None` if no depth has both a bound and images.
     """
     weights = [limit.share if images is None else images.get(_depth(limit.depth_mm), 0) for limit in limits]
     total = sum(weights)
@@ -55,7 +55,7 @@ def pool_bounds(limits: Sequence[ErrorBound], images: Mapping[float, int] | None
 
 
 def compare_with_bound(jittered: Metrics, limits: Sequence[ErrorBound]) -> tuple[PooledBound, float] | None:
-    """The pooled limit over the images of a judged estimator, and its jittered RMSE over the least-squares one.
+    """Pool the bound over an estimator's images, and divide its jittered RMSE by the least-squares bound.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def compare_with_bound(jittered: Metrics, limits: Sequence[ErrorBound]) -> tuple
     Returns
     -------
     tuple[PooledBound, float] | None
-        Both over the depths that have a bound; `None` where there is none, or no jitter.
+        Both over the depths that have a bound; `None` without such depths or without jitter.
     """
     bounded = {_depth(limit.depth_mm) for limit in limits}
     judged = [errors for errors in jittered.by_depth if _depth(errors.depth_mm) in bounded]
@@ -79,10 +79,10 @@ def compare_with_bound(jittered: Metrics, limits: Sequence[ErrorBound]) -> tuple
 
 
 def find_leakage(jittered: Metrics, limits: Sequence[ErrorBound], spec: DatasetSpec) -> str:
-    """Say at which depth an estimator is better than any can be; empty where it is nowhere.
+    """Report the depth at which errors are below the floor, which shows leakage; else return ''.
 
-    The floor holds where poses fill the disc of tilts evenly; the paper's few repeated poses give an estimator more
-    to know, so they are not judged. The RMSE of n images is itself uncertain by RMSE / 2√n.
+    The floor holds if poses fill the disc of tilts evenly. The few repeated poses of the paper give an estimator more
+    information, so they are not tested. The RMSE of n images has a standard error of RMSE / 2√n.
 
     Parameters
     ----------

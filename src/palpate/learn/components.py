@@ -1,4 +1,4 @@
-"""Principal components of the images: what moves, in the few directions in which it moves more than the jitter.
+"""Principal components of the images: directions in which the markers move more than the jitter.
 
 Clean images of one design lie near a surface of three dimensions (rx, ry, depth) in a space of 2 m pixel
 coordinates. Along the principal directions of that surface the signal has variance λ, everywhere the jitter adds
@@ -19,10 +19,12 @@ import numpy as np
 from palpate.core import FloatArray
 
 _AS_GREAT = 1e-6
-"""Share by which entries of a direction may differ and count as great alike; far above rounding, 1e-12, and far below
-what distinguishes them where a layout has no symmetry, 1e-2."""
+"""Relative tolerance within which entries of a direction count as equal in magnitude.
+
+It is far above rounding (1e-12) and far below the differences in layouts without symmetry (1e-2).
+"""
 SMALLEST_SCALE = 1e-6
-"""Least standard deviation of a component, in normalised units: guards a layout at rest without jitter."""
+"""Minimum standard deviation of a component, normalised: for a layout at rest without jitter."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class PrincipalComponents:
     projection: FloatArray
 
     def fold(self, weight: FloatArray, bias: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """First layer that reads x in place of z: from weights (r, k, h), bias (r, h) to (r, 2m, h), (r, h)."""
+        """Fold the map into the first layer: weights (r, k, h), bias (r, h) to (r, 2m, h), (r, h)."""
         folded: FloatArray = self.projection @ weight
         return folded, bias - self.mean @ folded
 
@@ -49,9 +51,9 @@ class PrincipalComponents:
 def principal_directions(covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Variances (m,), descending, and orthonormal directions (m, m) of a covariance, one a column.
 
-    The entry of largest magnitude of each direction is positive: the sign of an eigenvector is up to the linear
-    algebra library, and a network trained on the other one is another network. Of entries as large, as a symmetric
-    layout has them, the first counts.
+    The entry of largest magnitude of each direction is positive: the sign of an eigenvector depends on the linear
+    algebra library, and a changed sign changes the trained network. Of several entries of equal magnitude, as in a
+    symmetric layout, the first is taken.
     """
     variance, directions = np.linalg.eigh(covariance)
     sizes = np.abs(directions)

@@ -1,4 +1,4 @@
-"""Controls: what a wrong split would flatter, and what is left when the labels mean nothing."""
+"""Control experiments: a split by image instead of by press, and shuffled labels."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class SplitComparison:
     Attributes
     ----------
     by_press
-        Held-out presses: the honest figure.
+        Errors on held-out presses.
     by_image
-        Held-out images, whose presses stand in the training at other depths.
+        Errors on held-out images, whose presses are in the training set at other depths.
     """
 
     by_press: Metrics
@@ -30,7 +30,7 @@ class SplitComparison:
 
     @property
     def optimism_factor(self) -> float:
-        """How many times smaller the split by image makes the RMSE of the angle."""
+        """RMSE of the angle with the split by press over that with the split by image."""
         return self.by_press.rmse_deg / self.by_image.rmse_deg
 
 
@@ -39,18 +39,18 @@ def compare_splits(
     spec: TrainingSpec = TrainingSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
 ) -> SplitComparison:
-    """Train once on presses and once on images drawn at random, as many, and measure what the second flatters.
+    """Train with a split by press and with one by image, of equal size, and compare the errors.
 
-    Only errors come back: no dataset can be made with a split by image, and no estimator trained on one leaves here.
+    Only errors are returned, so that no dataset or estimator with a split by image leaves this function.
 
     Parameters
     ----------
     dataset
-        Images with poses and an honest split.
+        Images with poses, split by press.
     spec
-        Training of both.
+        Settings of each training.
     seed
-        Seed of both trainings and of the split by image.
+        Seed of the trainings and of the split by image.
     """
     kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     drawn = np.zeros(len(dataset.poses), dtype=bool)
@@ -64,9 +64,9 @@ def compare_splits(
 
 
 def shuffle_labels(dataset: Dataset, seed: int = 0) -> Dataset:
-    """The same images with the poses of other presses, depths kept: nothing is left to learn about the angle.
+    """Exchange poses among presses, depths kept: the images contain no information on the angle.
 
-    Each press gets the rotation of another one, drawn within its side of the split, so that the split stays honest.
+    Each press gets the rotation of another press of the same side of the split.
     """
     poses = dataset.poses.copy()
     for side in (False, True):

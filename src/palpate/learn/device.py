@@ -1,4 +1,4 @@
-"""Where networks train: the processor, or a CUDA device with the same code."""
+"""Device of a training: the processor, or a CUDA device with the same code."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from palpate.core import PalpateError
 
 
 def find_device(name: str) -> str:
-    """``"cpu"`` or ``"cuda"`` from a choice; ``"auto"`` is cuda on a machine that has it.
+    """Resolve a device name to ``"cpu"`` or ``"cuda"``; ``"auto"`` is cuda if available.
 
     Raises
     ------

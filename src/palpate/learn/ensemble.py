@@ -1,4 +1,4 @@
-"""Choosing among estimators, and mixing them: weights that make the error least on presses that taught nothing."""
+"""Selection and weighting of estimators, by minimum error on validation presses."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from scipy.optimize import nnls
 from palpate.core import BoolArray, FloatArray
 
 MIXTURE, PICTURES = "mixture", "mixture of pictures"
-"""Mixtures of all estimators, and of those that read pictures."""
+"""Ensembles of all estimators, and of image networks."""
 _LEAST = 0.03
-"""Weight below which an estimator is left out of a mixture."""
+"""Weight below which an estimator is left out of an ensemble."""
 _GAIN = 0.97
-"""A mixture is taken where it brings the error below this share of the best alone."""
+"""An ensemble is selected if its error is below this share of the best single estimator's."""
 
 
 @dataclass(eq=False)
 class Ensemble:
-    """Weighted estimators that give a pose together.
+    """Weighted estimators of a pose.
 
     Attributes
     ----------
@@ -29,8 +29,7 @@ class Ensemble:
     half_width
         (k,) half-widths of its intervals.
     name, error
-        The estimator, or ``mixture``; its root mean square error on the validation images, over the deviations of the
-        targets.
+        The estimator, or ``mixture``; its RMSE on the validation images, over the standard deviations of the targets.
     """
 
     parts: tuple[str, ...]
@@ -40,7 +39,7 @@ class Ensemble:
     error: float = float("nan")
 
     def combine(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
-        """Estimates (n, k) from those of the parts."""
+        """Combine the estimates of the parts to (n, k)."""
         return np.asarray(
             sum(weight * estimates[name] for name, weight in zip(self.parts, self.weights, strict=True))
         )
@@ -49,16 +48,16 @@ class Ensemble:
 def select_ensemble(
     estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
 ) -> tuple[list[Ensemble], Ensemble | None, Ensemble | None]:
-    """All by their error on the validation images; the best of all, and of those that read images (`None`: no such).
+    """Rank estimators by validation error; return all, the best, and the best on images (or `None`).
 
     Parameters
     ----------
     estimates
-        Name → (n, k) estimates, NaN where an estimator has none.
+        Name → (n, k) estimates, NaN if an estimator cannot read an image.
     targets, choose, scale
-        (n, k) poses, (n,) images that choose, (k,) by which errors are divided.
+        (n, k) poses, (n,) validation images, (k,) divisors of the errors.
     dots
-        Names of those that read dots.
+        Names of the estimators on marker positions.
     """
     scale = np.where(scale > 0, scale, 1.0)
     whole = choose & np.all([np.isfinite(one).all(axis=1) for one in estimates.values()], axis=0)
@@ -73,7 +72,7 @@ def select_ensemble(
     ranked.sort(key=lambda option: option.error)
 
     def best_of(names: list[str], rows: BoolArray, title: str) -> Ensemble | None:
-        """The best of some alone, or their mixture where it is clearly better; the mixture is ranked too."""
+        """Best single estimator, or the ensemble if it is clearly better; both are ranked."""
         alone = next((option for option in ranked if option.name in names), None)
         mixed = _mix(title, {name: estimates[name] for name in names}, targets, rows)
         if alone is None or mixed is None:
@@ -89,7 +88,7 @@ def select_ensemble(
 
 
 def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Ensemble | None:
-    """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
+    """Non-negative least-squares weights of each component, summing to one; `None` for one part."""
     names = list(estimates)
     if len(names) < 2 or rows.sum() < 10:
         return None

@@ -1,14 +1,13 @@
-"""How good an estimator could be: bounds on the angle's error from the Jacobian of the image, without training.
+"""Bounds on the angle's error from the Jacobian of the image, without training.
 
-Jitter is uniform in ±a in each of the 2m pixel coordinates, so its variance is a²/3. With J = ∂U/∂(rx, ry, depth)
+Jitter is uniform in ±a in each of the 2m pixel coordinates, so its variance is a²/3. With J = ∂U/∂(rx, ry, depth):
 
 * *least squares*: covariance (a²/3) (JᵀJ)⁻¹, the best of the linear unbiased estimators;
 * *Pitman*: mean square error of the posterior mean under a flat prior. Uniform noise has hard edges, so with
   many markers this lies far below least squares (∝ 1/m, not 1/√m);
-* *floor*: the same for one who knows the depth and that poses fill the disc of tilts evenly. No estimator
-  of one image can have a lower mean square error over these poses, whatever it was trained on; an error
-  below it means leakage. (Pitman's is no floor where it comes near the radius of the disc, as with 7 markers: there
-  an estimator gains from knowing the disc.)
+* *floor*: the same with known depth and poses that fill the disc of tilts evenly. No estimator of one image can
+  have a lower mean square error over these poses; an error below it means leakage. (Pitman's bound is no floor if it
+  comes near the radius of the disc, as with 7 markers: there the prior of the disc adds information.)
 
 Both posterior means are those of the image's linear model about the true pose.
 """
@@ -28,13 +27,13 @@ from palpate.surrogate import PressField, image_jacobian
 POSES = 48
 """Poses over the disc of tilts at which the bounds are averaged."""
 FEWEST_IMAGES = 3
-"""Fewer images than these say nothing about the change with depth."""
+"""Minimum number of images for a derivative by depth."""
 DRAWS = 4
 """Draws of jitter at each pose."""
 ILL_POSED = 1e8
 """Condition number of a Jacobian beyond which the pose is not determined."""
 STEPS = 60
-"""Steps of a walk after it has forgotten its start."""
+"""Steps of a random walk after burn-in."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class ErrorBound:
     depth_mm
         Depth of the wall.
     poses
-        Number of poses that could be judged.
+        Number of poses with a bound.
     share
         Share of the dataset's poses that have an image at this depth.
     least_squares_deg
@@ -73,14 +72,14 @@ class ErrorBound:
 def compute_error_bounds(
     field: PressField, camera: Camera, spec: DatasetSpec, seed: int = 0
 ) -> tuple[ErrorBound, ...]:
-    """Bound the angle's error at every depth of a dataset; that of the offset, in mm, where a field is of offsets.
+    """Bound the error of the angle, or of the offset (mm), at every depth of a dataset.
 
     Parameters
     ----------
     field
         Positions of the design's markers.
     camera
-        Looks at them.
+        Camera of the design.
     spec
         Disc of tilts, jitter and images left out.
     seed
@@ -89,17 +88,16 @@ def compute_error_bounds(
     Returns
     -------
     tuple[ErrorBound, ...]
-        By rising depth; a depth at which no pose could be judged is left out, as where one or two markers cannot
-        tell three unknowns apart.
+        By ascending depth; depths without a bound are left out, as with one or two markers for three unknowns.
 
     Raises
     ------
     PalpateError
-        If the obstacle is one that lies level.
+        If the obstacle is an axisymmetric body that does not tilt.
     """
     if field.space.is_line:
         raise PalpateError(
-            "The limit of an obstacle that lies level is not known: near the axis its place does not tell its pose.",
+            "No bound exists for an obstacle that lies level: near the axis its place does not determine the pose.",
             "Measure errors on held-out images (palpate.learn.evaluate).",
             code="limit-obstacle-level",
         )
@@ -124,7 +122,7 @@ def compute_error_bounds(
 
 
 def _reach(field: PressField, image: int) -> float:
-    """Greatest tilt (degrees) that an unbroken run of tilts covers at one depth; 0 where there is none."""
+    """Maximum tilt (degrees) of an unbroken run of tilts at one depth; 0 without one."""
     return max((run.last_deg for run in field.runs[image] if run.last_deg > run.first_deg), default=0.0)
 
 
@@ -161,7 +159,7 @@ def posterior_rmse(
     Parameters
     ----------
     jacobians
-        (n, c, d) at n poses, d at least 2: rx, ry, and what else is unknown.
+        (n, c, d) at n poses, d at least 2: rx, ry, and further unknowns.
     jitter_px
         Half-width of the uniform jitter.
     discs

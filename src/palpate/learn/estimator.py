@@ -1,4 +1,4 @@
-"""The noun of the stage: a trained map from marker positions to the pose of the obstacle."""
+"""Estimator: a trained map from marker positions to the pose of the obstacle."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from palpate.learn.perceptron import evaluate_perceptrons
 
 @dataclass(frozen=True, eq=False)
 class Estimator:
-    """One or more perceptrons as plain arrays: it predicts with numpy alone.
+    """One or more perceptrons as plain arrays; prediction needs numpy only.
 
     Attributes
     ----------
     normalisation
-        From pixels to what the first layer reads.
+        Map from pixels to the input of the first layer.
     weights, biases
         One (r, in, out) and one (r, out) a layer, for r members; the last layer gives standardised poses.
     activation
@@ -34,20 +34,20 @@ class Estimator:
     seed
         Seed of the training.
     made_by
-        How it was found: method and spec, as JSON data.
+        Method and spec of the training, as JSON data.
     training_images, validation_images
-        Images that it was trained and judged on.
+        Numbers of training and validation images.
     history
         For each member, the validation error (standardised) after each epoch; empty for a closed form.
     repeat_rmse_deg
-        RMSE of the angle of every repeat on clean held-out images (degrees), also of repeats that were not kept;
-        empty for a closed form.
+        RMSE of the angle of every repeat on clean held-out images (degrees), also of discarded repeats; empty for a
+        closed form.
     interval
-        Half-widths and trained range (`calibrate`); `None` where nothing is promised.
+        Half-widths and trained range (`calibrate`); `None` if not calibrated.
     version
-        Behaviour stamp of the code that trained it.
+        Version of the training stage.
     space
-        What it estimates.
+        Components of the estimated pose.
     """
 
     normalisation: Normalisation
@@ -94,7 +94,7 @@ class Estimator:
         return mean
 
     def estimate(self, images_px: FloatArray) -> Prediction:
-        """Estimate poses of images (n, m, 2), see `predict`, with half-widths and the flag of the trained range.
+        """Estimate poses of images (n, m, 2) (see `predict`), with half-widths and out-of-distribution flags.
 
         Without an interval the half-widths are infinite and no image is out of distribution.
         """
@@ -108,7 +108,7 @@ class Estimator:
         )
 
     def predict_members(self, images_px: FloatArray) -> FloatArray:
-        """Estimates (r, n, 3) of every member for images (n, m, 2), see `predict`."""
+        """Estimate poses (r, n, 3) by every member for images (n, m, 2), see `predict`."""
         if images_px.shape[1:] != self.rest_px.shape:
             raise PalpateError(
                 f"The images have markers of shape {images_px.shape[1:]}, the estimator reads {self.rest_px.shape}.",
@@ -120,7 +120,7 @@ class Estimator:
         return np.asarray(outputs * self.output_sd + self.output_mean)
 
     def keep_members(self, rows: list[int]) -> Estimator:
-        """The same estimator with some of its members only; an interval belongs to all of them and is left out."""
+        """Return the estimator with some of its members only, and without the interval."""
         return replace(
             self,
             weights=tuple(weight[rows] for weight in self.weights),

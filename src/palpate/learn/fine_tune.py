@@ -1,9 +1,9 @@
-"""From few presses: a network on dots that was trained elsewhere, adapted to this unit.
+"""Fine-tuning of a pretrained marker network to a unit by few presses.
 
-The other network knows another unit of the same make: another recording, or the design as simulated. Its dots at rest
-are found among this unit's as in any image (`palpate.vision.match_markers`), and the map between both rest images,
-linear, carries displacements over: so camera and print of this unit are taken out. Then the network is trained on,
-slowly and tied to where it began; with very few presses only its outputs are corrected linearly.
+The network comes from another recording or from the simulated design. The pretrained layout at rest is matched to
+this unit's blobs (`palpate.vision.match_markers`); the linear map between both rest images transforms displacements,
+which removes differences of camera and print. The network is then trained further, at a low rate and regularised
+towards its initial weights; with very few presses only a linear correction of its outputs is fitted.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ from palpate.vision import MarkerMatcher, ObservedLayout
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
 _HOLD = 0.05
-"""Weight of a correction's departure from none, over the number of presses that teach."""
+"""Weight of the regularisation of the linear correction, over the number of training presses."""
 _DENSITY = 2.5
-"""A rest image of another scale than this factor is not looked for."""
+"""Maximum scale factor between the two rest images."""
 
 
 @dataclass(frozen=True, eq=False)
 class PretrainedModel:
-    """What adaptation begins with.
+    """Pretrained model.
 
     Attributes
     ----------
     name
-        File that it came from.
+        Its file.
     layout
-        Its dots at rest, px of its own camera.
+        Its markers at rest, px of its own camera.
     network
-        Its network on dots.
+        Its marker network.
     outputs
         Names of its outputs, ``rx_deg`` …
     """
@@ -57,12 +57,12 @@ class PretrainedModel:
 
 
 def read_pretrained(path: Path) -> PretrainedModel:
-    """Read the model of a recording (.h5) or a network that was trained on a simulation (.onnx).
+    """Read the model of a recording (.h5) or a network trained on simulated images (.onnx).
 
     Raises
     ------
     PalpateError
-        If it is neither, or has no network on dots.
+        If it is neither, or has no marker network.
     """
     if path.suffix == ".onnx":
         return _of_simulation(path.name, read_estimator(path))
@@ -70,15 +70,15 @@ def read_pretrained(path: Path) -> PretrainedModel:
     found = [part for part in model.parts.values() if isinstance(part, MarkerNetwork)]
     if not found or model.layout is None:
         raise PalpateError(
-            f"{path.name} has no network on dots to begin with; it has {', '.join(model.parts)}.",
-            "Give a model whose best estimator reads dots.",
+            f"{path.name} has no network on markers; it has {', '.join(model.parts)}.",
+            "Give a model whose best estimator reads markers.",
             code="model-no-marker-network",
         )
     return PretrainedModel(path.name, model.layout, found[0], model.space.names)
 
 
 def _of_simulation(name: str, found: Estimator) -> PretrainedModel:
-    """A network of the simulation as one on displacements: it reads (rest + moved − offset) / scale."""
+    """Convert a simulation's network to one on displacements: it reads (rest + moved − offset) / scale."""
     scale = np.tile(np.array(found.normalisation.scale_px), len(found.rest_px))
     at_rest = found.normalisation.apply(found.rest_px).reshape(-1)
     arrays: dict[str, NDArray[Any]] = {"projection": np.diag(1.0 / scale), "offset": -at_rest}
@@ -92,12 +92,12 @@ def _of_simulation(name: str, found: Estimator) -> PretrainedModel:
 
 
 def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerNetwork:
-    """The other network on this unit's displacements, its outputs in this recording's order.
+    """Return the pretrained network on this unit's displacements, with outputs in this recording's order.
 
     Raises
     ------
     PalpateError
-        If its dots at rest are not found among this unit's, or it estimates something else.
+        If its layout does not match this unit's rest image, or it estimates other quantities.
     """
     assert seen.assigned is not None
     wanted = tuple(f"{one.axis}_{one.unit}" for one in seen.recording.poses)
@@ -111,7 +111,7 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     scale = float(np.median(seen.assigned.layout.spacing_px) / np.median(start.layout.spacing_px))
     if not 1 / _DENSITY < scale < _DENSITY:
         raise PalpateError(
-            f"The dots of {start.name} are {scale:.2g} times as dense.",
+            f"The markers of {start.name} are {scale:.2g} times as dense.",
             "Give a unit of the same make.",
             code="rest-markers-density",
         )
@@ -119,8 +119,8 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     found = MarkerMatcher(start.layout, seen.eye.shape).find(shrunk)
     if not found.accepted:
         raise PalpateError(
-            f"The dots at rest are not those of {start.name}: {found.fault} ({found.agreement:.0%} agree).",
-            "Give a unit of the same make, its camera turned by less than half the angle between two dots.",
+            f"The markers at rest do not match {start.name}: {found.fault} ({found.agreement:.0%} agree).",
+            "Give a unit of the same make, its camera turned by less than half the angle between two markers.",
             code="rest-markers-differ",
         )
     placed = start.layout.rest_px + found.moved_px
@@ -144,17 +144,17 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
 def fine_tune_members(
     start: PretrainedModel, seen: PreparedRecording, progress: Progress
 ) -> dict[str, MarkerNetwork]:
-    """The other network, corrected and adapted to this recording, by name.
+    """Return the corrected and the fine-tuned network by name.
 
     Raises
     ------
     PalpateError
-        If its dots are not this unit's, or this recording has none.
+        If the layouts do not match, or this recording has no assigned markers.
     """
     if seen.assigned is None:
         raise PalpateError(
-            "The recording has no numbered dots to adapt by.",
-            "Learn without --from.",
+            "The recording has no assigned markers for fine-tuning.",
+            "Train without --from.",
             code="recording-markers-unassigned",
         )
     carried = transfer_network(start, seen)
@@ -167,7 +167,7 @@ def fine_tune_members(
 
 
 def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
-    """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
+    """Fit outputs a + B y by least squares on the training set, regularised towards B = 1."""
     given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
     residual = (lesson.targets[lesson.train] - given) / scale
@@ -188,7 +188,7 @@ def _adapt(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
 
 
 def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
-    """Errors of the other network as it is and adapted with ever more presses, on the test presses."""
+    """Errors on the test presses: pretrained, and fine-tuned with increasing numbers of presses."""
     if seen.assigned is None:
         return ()
     carried = transfer_network(start, seen)

@@ -1,9 +1,8 @@
-"""The force on the wall from the same dots as the pose: a small network beside the estimator, trained after it.
+"""Contact force from the same markers as the pose, by a small network trained after the estimator.
 
-It estimates the force in the wall's axes, which are the dome's turned by the wall's rotation, for a silicone of the
-design's stiffness. Its error is about a part of the force and a part that is always there: the half-width of an
-interval is  q (a + b |normal|)  with a and b fitted to jittered training images and q counted over held-out presses
-(`interval`).
+It estimates the force in the wall's axes, which are the skin's turned by the wall's rotation, for the design's
+stiffness. Its error has a part proportional to the force and a constant part: the half-width of an interval is
+q (a + b |normal|), with a and b fitted to jittered training images and q by held-out presses (`interval`).
 """
 
 from __future__ import annotations
@@ -24,15 +23,14 @@ from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_on
 
 FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
-"""Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
-outward normal."""
+"""Components of a force in the wall's axes, N: along its x and y axes, and along its outward normal."""
 _NETWORK = TrainingSpec(repeats=1)
 _LEAST_N = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class ForceHead:
-    """A network that tells forces, and how far it may be off.
+    """Network of the force, with half-widths of its intervals.
 
     Attributes
     ----------
@@ -43,7 +41,7 @@ class ForceHead:
     level
         Share of true values that the interval covers.
     validation_error
-        Errors on held-out presses that calibrated nothing, jittered: by name, see `train_forces`.
+        Errors, by name, on held-out presses that calibrated nothing, with jitter (see `train_forces`).
     """
 
     network: Estimator
@@ -53,18 +51,18 @@ class ForceHead:
     validation_error: Mapping[str, float]
 
     def predict(self, images_px: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Forces (n, 3) N by `FORCE_AXES` and half-widths (n, 3) N, from images (n, m, 2) px."""
+        """Predict forces (n, 3) N by `FORCE_AXES` and half-widths (n, 3) N, from images (n, m, 2) px."""
         forces = self.network.predict(images_px)
         return forces, self.floor + self.share * np.abs(forces[:, 2:])
 
 
 def turn_to_wall(forces: FloatArray, poses: FloatArray) -> FloatArray:
-    """Forces (n, 3) in the wall's axes from the dome's, for poses whose first two columns are rx and ry, degrees."""
+    """Rotate forces (n, 3) to the wall's axes, for poses whose first columns are rx and ry, degrees."""
     return np.einsum("nij,ni->nj", _turns(poses), forces)
 
 
 def turn_to_dome(forces: FloatArray, poses: FloatArray) -> FloatArray:
-    """Forces (n, 3) in the dome's axes from the wall's; see `turn_to_wall`."""
+    """Rotate forces (n, 3) from the wall's axes to the skin's; see `turn_to_wall`."""
     return np.einsum("nij,nj->ni", _turns(poses), forces)
 
 
@@ -74,7 +72,7 @@ def _turns(poses: FloatArray) -> FloatArray:
 
 
 def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceHead:
-    """Train on the images that are not held out, calibrate on half of the others' presses and judge by the rest.
+    """Train on the training images, calibrate on half of the held-out presses and test on the rest.
 
     Parameters
     ----------
@@ -86,7 +84,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     Returns
     -------
     ForceHead
-        `judged` has ``normal_rmse_n`` and ``tangential_rmse_n`` (each of the two components), the same with
+        `validation_error` has ``normal_rmse_n`` and ``tangential_rmse_n`` (each of the two components), the same with
         ``clean_`` before them for images without jitter, ``normal_rms_n`` (the forces), ``coverage`` (share of
         all components inside their intervals) and ``presses``.
 

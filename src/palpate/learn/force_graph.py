@@ -1,4 +1,4 @@
-"""Forces in the ONNX file of an estimator: outputs beside the pose, which itself stays as it was.
+"""Forces in the ONNX file of an estimator: additional outputs; the pose does not change.
 
 force_n            (n, 3) float, N in the wall's axes: along x, along y, normal (`palpate.learn.force`)
 force_half_width_n (n, 3) float, of their intervals
@@ -20,22 +20,22 @@ from palpate.learn.io import INPUT, network_graph
 FORCE, FORCE_HALF_WIDTH = "force_n", "force_half_width_n"
 """Names of the outputs."""
 _OWN = "force_network_"
-"""Start of the other names of the nodes."""
+"""Prefix of the remaining node names."""
 
 
 def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
-    """Train forces and write an estimator's file anew to `path`, telling them; their errors stand in its metadata.
+    """Train forces and write the estimator with force outputs to `path`; its metadata contain the errors.
 
     Parameters
     ----------
     estimator
-        Its file; the pose that it tells stays as it is.
+        Its file; its pose does not change.
     dataset
         The images that it was trained on, with their forces.
     path
         File to write.
     seed, device
-        Of the training.
+        Seed and device of the training.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int 
 
 
 def add_forces(estimator: Path, head: ForceHead, path: Path) -> None:
-    """Write an estimator's file anew to `path`, with the outputs of a head."""
+    """Write an estimator with the outputs of a force head to `path`."""
     onnx = load_extra("onnx", "predict")
     model = onnx.load_model_from_string(estimator.read_bytes())
     body, arrays = network_graph(head.network, _OWN, FORCE)

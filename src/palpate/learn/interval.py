@@ -1,15 +1,15 @@
-"""Conformal intervals: how far an estimate may be wrong; and which images are out of distribution.
+"""Conformal intervals of estimates, and flags of images that are out of distribution.
 
 The half-width of the interval of one component of the pose is
 
     h(x) = q · sqrt( spread(x)² + s(depth)² )
 
 with the spread of the ensemble's members, the error s that jitter alone causes at that depth (RMS over training
-images, linear between their depths), and one factor q a component. The factor is not fitted but counted: it is the
-quantile of |error| / sqrt(…) over presses that trained nothing. Images of one press are near copies, so the presses,
-not the images, are what is exchangeable; each of K presses has the weight 1 / (K + 1), shared by its images, and the
-rest belongs to the press to come (Lee, Barber & Willett 2023, "Distribution-free inference with hierarchical data").
-The interval then covers at least the level on average over new presses, whatever the estimator is.
+images, linear between their depths), and one factor q a component. The factor is the quantile of |error| / sqrt(…)
+over presses that trained nothing. Images of one press are nearly identical, so presses, not images, are exchangeable:
+each of K presses has the weight 1 / (K + 1), shared by its images, and the remaining weight belongs to the next press
+(Lee, Barber & Willett 2023, "Distribution-free inference with hierarchical data"). The interval then covers at least
+the level on average over new presses, for any estimator.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from palpate.core import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Estimates with what is known about their errors.
+    """Estimates with intervals and flags.
 
     Attributes
     ----------
     poses
         (n, 3) rx and ry (degrees), depth (mm).
     half_width
-        (n, 3) half-width of the interval of each component, in its unit; infinite where nothing is promised.
+        (n, 3) half-width of the interval of each component, in its unit; infinite if not calibrated.
     out_of_distribution
-        (n,) whether the markers moved as in no image of the training, so that neither estimate nor interval holds.
+        (n,) whether the marker motion is unlike all training images; estimate and interval are then invalid.
     forces, forces_half_width
-        (n, 3) N by `palpate.learn.FORCE_AXES`; `None` where the model tells none.
+        (n, 3) N by `palpate.learn.FORCE_AXES`; `None` if the model has no forces.
     """
 
     poses: FloatArray
@@ -46,12 +46,12 @@ class Prediction:
 
 @dataclass(frozen=True, eq=False)
 class TrainedRange:
-    """What displacements the training knew.
+    """Range of the training displacements.
 
-    Displacements of clean images span a few principal directions; along each the training has a least and a greatest
-    coordinate. The score of an image is the greatest of its excesses over these, in standard deviations of the
-    jitter, of what is left over beside the directions, in standard deviations over the training, and of the estimated
-    tilt and depth beyond those trained, in expected errors.
+    Displacements of clean images span a few principal directions, each with a minimum and a maximum training
+    coordinate. The score of an image is the maximum of: excess over these coordinates, in standard deviations of the
+    jitter; residual outside the directions, in standard deviations over the training; estimated tilt and depth beyond
+    the trained ones, in expected errors.
 
     Attributes
     ----------
@@ -62,13 +62,13 @@ class TrainedRange:
     noise_px
         Standard deviation of one coordinate under jitter (px).
     rest_mean_px, rest_sd_px
-        Mean and standard deviation, over jittered training images, of the root mean square left over (px).
+        Mean and standard deviation, over jittered training images, of the RMS residual (px).
     tilt_deg
-        Greatest tilt (degrees).
+        Maximum tilt (degrees).
     min_depth_mm, max_depth_mm
         Depths (mm).
     threshold
-        Greatest score that counts as inside.
+        Maximum score inside the range.
     false_alarm
         Share of images of new presses, at most, that are flagged as out of distribution.
     """
@@ -113,9 +113,9 @@ class Interval:
     level
         Share of the true values that the interval covers, on average over new presses, e.g. 0.9.
     factor
-        (3,) q of each component; infinite where too few presses were left to promise the level.
+        (3,) q of each component; infinite if there were too few presses for the level.
     depths_mm, error
-        (d,) rising depths and (d, 3) RMS error on jittered training images there (degrees, degrees, mm).
+        (d,) ascending depths and (d, 3) RMS error on jittered training images there (degrees, degrees, mm).
     trained
         The trained range.
     presses
@@ -141,7 +141,7 @@ class Interval:
         return self.factor * self.scale(member_poses)
 
     def score(self, displacement_px: FloatArray, member_poses: FloatArray) -> FloatArray:
-        """How far (n,) images are beside the training, from displacements (n, 2m) in px and poses (r, n, 3)."""
+        """Out-of-distribution score (n,), from displacements (n, 2m) in px and poses (r, n, 3)."""
         return self.trained.score(displacement_px, member_poses.mean(axis=0), self.scale(member_poses))
 
     def is_out_of_distribution(self, displacement_px: FloatArray, member_poses: FloatArray) -> BoolArray:

@@ -1,4 +1,4 @@
-"""The interval as part of the ONNX graph, so that any runtime gives it with the pose.
+"""Interval as part of the ONNX graph, so that any runtime computes it with the pose.
 
     half_width (n, 3) float, in the pose's units:  factor · sqrt( var over members + error(depth)² )
     out_of_distribution (n,) bool:                 score of the displacement > threshold
@@ -72,20 +72,20 @@ INTERVAL_NODES = """
     flags = Greater (range_score, range_threshold)
     out_of_distribution = Squeeze (flags, column)
 """
-"""Nodes after those of the pose: `Interval` and `TrainedRange` in the same words."""
+"""Nodes after those of the pose: formulas of `Interval` and `TrainedRange`."""
 
 _FIELDS = [item.name for item in fields(TrainedRange)]
 _VECTORS, _SCALARS = _FIELDS[:4], _FIELDS[4:]
 
 
 def describe_interval(interval: Interval) -> dict[str, Any]:
-    """What stands in the metadata, as JSON data: everything but arrays."""
+    """Describe the interval for the metadata, as JSON data without arrays."""
     trained = {name: getattr(interval.trained, name) for name in _SCALARS}
     return {"level": interval.level, "presses": list(interval.presses), "trained_range": trained}
 
 
 def read_interval(content: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Interval:
-    """The interval from its description and the arrays of the graph."""
+    """Build the interval from its description and the arrays of the graph."""
     trained: dict[str, Any] = {name: arrays[f"range_{name}"].astype(float) for name in _VECTORS}
     trained |= {name: float(content["trained_range"][name]) for name in _SCALARS}
     depths = arrays["error_depths"].astype(float)
@@ -124,7 +124,7 @@ def _to_hinges(depths: FloatArray, values: FloatArray) -> FloatArray:
 
 
 def _from_hinges(depths: FloatArray, first: FloatArray, hinges: FloatArray) -> FloatArray:
-    """Values (d, 3) at the depths: what `_to_hinges` was made from."""
+    """Values (d, 3) at the depths: the inverse of `_to_hinges`."""
     beyond: FloatArray = np.maximum(depths[:, None] - depths, 0.0)
     return first + beyond @ hinges
 

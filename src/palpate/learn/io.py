@@ -8,7 +8,7 @@ A calibrated estimator also gives half_width (n, 3) and out_of_distribution (n,)
 added by `force_graph`, and reading a file as an estimator leaves them out.
 
 The difference to the rest image is taken in double precision and the first bias moved to match, so that single
-precision after it costs less than 1e-5 degrees. Everything that is no weight stands in the model's metadata as text.
+precision after it costs less than 1e-5 degrees. All data other than weights are in the model's metadata as text.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def read_estimator(path: Path) -> Estimator:
 
 
 def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
-    """The metadata of a model, after a model that is no estimator of this format was refused."""
+    """Return the metadata of a model; reject a model of another format."""
     if metadata.get("format") != FORMAT or metadata.get("format_version") != FORMAT_VERSION:
         raise PalpateError(f"{path} is not an estimator of format {FORMAT_VERSION}.", AGAIN, code="model-version")
     return metadata
@@ -140,7 +140,7 @@ def network_graph(estimator: Estimator, prefix: str = "", pose: str = POSE) -> t
 
 
 def _rest_input(normalisation: Normalisation, rest_px: FloatArray) -> FloatArray:
-    """What the first layer reads at rest, (2m,)."""
+    """Input of the first layer at rest, (2m,)."""
     return normalisation.apply(rest_px).reshape(-1)
 
 

@@ -1,4 +1,4 @@
-"""The learning curve: how the error falls with the number of presses, and what more of them would bring."""
+"""Learning curve: error by number of training presses, and its extrapolation."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from palpate.learn.member import EnsembleMember, ImageRidge, MarkerNetwork, Mark
 from palpate.learn.training_set import TrainingSet
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
-"""Numbers of presses that are tried, as far as there are so many."""
+"""Numbers of training presses, as far as the recording has them."""
 _EPOCHS = 150
-"""Epochs of the one network by which the curve is drawn: fewer than those of the model, so its errors are larger."""
+"""Epochs of the network of the curve: fewer than the model's, so that its errors are larger."""
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """Errors after a number of presses.
+    """Errors for a number of training presses.
 
     Attributes
     ----------
     presses, estimator
-        Number of presses that taught, and what learnt from them.
+        Number of training presses, and the estimator.
     rmse
-        One a component, on the presses held out.
+        One a component, on the held-out presses.
     """
 
     presses: int
@@ -41,14 +41,14 @@ def compute_learning_curve(
     test: BoolArray,
     train: Callable[[TrainingSet, int], Iterable[EnsembleMember]],
 ) -> tuple[CurvePoint, ...]:
-    """Errors after ever more presses, on the same test presses.
+    """Compute errors for increasing numbers of presses, on the same test presses.
 
     Parameters
     ----------
     samples, press, test
         All samples, their presses (n,), and the test samples (n,).
     train
-        Estimators trained on samples of a number of presses; that of least validation error is taken.
+        Trains estimators on a number of presses; that of minimum validation error is taken.
     """
     presses, points = np.unique(press[samples.train]), []
     for count in (*(number for number in PRESSES if number < len(presses)), len(presses)):
@@ -73,7 +73,7 @@ def train_quickly(samples: TrainingSet, presses: int) -> Iterator[EnsembleMember
 
 
 def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
-    """What twice as many presses would bring, by the law of the last two points; empty for fewer than two."""
+    """Predict the effect of twice as many presses from the last two points; empty for fewer than two."""
     if len(points) < 2:
         return ""
     first, last = points[-2:]

@@ -31,7 +31,7 @@ PENALTIES = tuple(10.0**k for k in range(-4, 4))
 SIDES = (16, 24, 32)
 """Sizes to which images are shrunk for ridge, px."""
 _LONGER = 8 / 3
-"""Passes over rotated images over those over plain ones: what comes in six ways bears longer training."""
+"""Passes over rotated images over those over plain ones: augmented data allow longer training."""
 _MOST_SHOWN = 250_000
 """Images that these passes show at most, unless plain ones show more: 35 to 50 minutes of a core."""
 _IMAGE_S, _MARKERS_S = 0.01, 60.0
@@ -73,7 +73,7 @@ class EnsembleMember(ABC):
     effort
         One of `EFFORTS`: the first choice of `RecordingSpec.estimators` that trains it.
     takes_rotation, takes_auxiliary
-        Whether it is trained a second time with rotated presses, and with the other motions as targets.
+        Whether it is trained a second time with rotated presses, and with further motions as targets.
     name
         Such as ``dots-network-turned``: its kind, and how it was trained.
     arrays
@@ -91,7 +91,7 @@ class EnsembleMember(ABC):
     @classmethod
     @abstractmethod
     def train(cls, name: str, samples: TrainingSet, run: TrainingRun) -> Self:
-        """Train on samples; the same seed gives the same numbers."""
+        """Train on samples; equal seeds give equal numbers."""
 
     @abstractmethod
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
@@ -109,7 +109,7 @@ class EnsembleMember(ABC):
 
 
 class _Ridge(EnsembleMember):
-    """Ridge regression with the penalty, and the size of images, of least validation error."""
+    """Ridge regression, with penalty and image size of minimum validation error."""
 
     effort = "ridge"
     sides: ClassVar[Sequence[int | None]] = (None,)
@@ -171,7 +171,7 @@ class MarkerNetwork(EnsembleMember):
         return cls(name, arrays)
 
     def fine_tune(self, name: str, samples: TrainingSet) -> MarkerNetwork:
-        """These networks trained on, slowly and tied to their weights; they lie on the inputs of `samples`."""
+        """Train these networks further, regularised towards their weights; inputs are those of `samples`."""
         load_extra("torch", "learn")
         from palpate.learn.train_member import fine_tune_marker_network
 

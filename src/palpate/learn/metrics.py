@@ -1,11 +1,11 @@
-"""Errors of an estimator against the truth, in the words of the paper: RMSE, MAE, Max.Abs.Error, SD.
+"""Errors of an estimator, by the figures of the paper: RMSE, MAE, Max.Abs.Error, SD.
 
-The paper judges a design by its angles alone. With the errors e of n images in both components (rx, ry)
+The paper evaluates a design by its angles alone. With the errors e of n images in both components (rx, ry)
 
     RMSE = sqrt( Σ (e_rx² + e_ry²) / 2n )        max = max( |e_rx|, |e_ry| )
 
-so one number pools both components, and the maximum is that of a single component, not of the angle between
-the two normals. Depth is estimated as well and reported by itself. So it is for the place (x, y) of an obstacle.
+so both components are pooled, and the maximum is that of a single component, not of the angle between the normals.
+Depth, or the place (x, y) of an obstacle, is reported separately.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from palpate.design import TILT_SPACE, PoseSpace
 TILT_STEP_DEG = 2.0
 """Width of the intervals of tilt, as the paper's step."""
 ROUNDING = 1e-9
-"""A tilt so near to the end of an interval (in intervals) stands on it."""
+"""A tilt closer than this to the end of an interval (in intervals) counts as at the end."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class ErrorSummary:
     Attributes
     ----------
     rmse, mae, max
-        Root mean square, mean and greatest absolute error.
+        Root mean square, mean and maximum absolute error.
     sd, bias
         Standard deviation about the mean error (divisor n) and the mean error: rmse² = sd² + bias².
     """
@@ -97,7 +97,7 @@ class TiltErrors:
     images
         Number of images.
     angle
-        Errors of both components pooled (degrees).
+        Errors of rx and ry pooled (degrees).
     """
 
     from_deg: float
@@ -123,10 +123,10 @@ class Metrics:
         By the names of `PoseSpace.errors`: ``angle`` pools rx and ry, the paper's RMSE and Max.Abs.Error, then ``rx``
         and ``ry`` (degrees) and ``depth`` (mm).
     by_depth
-        The same for the images of each depth, by rising depth.
+        The same for the images of each depth, by ascending depth.
     by_tilt
-        The angle's errors in intervals of `TILT_STEP_DEG`, by rising tilt; an interval without images is left out.
-        Empty where the obstacle does not tilt.
+        Errors of the angle in intervals of `TILT_STEP_DEG`, by ascending tilt; intervals without images are left out.
+        Empty if the obstacle does not tilt.
     """
 
     images: int
@@ -159,7 +159,7 @@ class Metrics:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Read what `as_dict` wrote."""
+        """Build errors from the data of `as_dict`."""
         by_depth = tuple(DepthErrors(item["depth_mm"], item["images"], _read(item)) for item in data["by_depth"])
         by_tilt = tuple(TiltErrors(**{**item, "angle": ErrorSummary(**item["angle"])}) for item in data["by_tilt"])
         return cls(data["images"], _read(data), by_depth, by_tilt)
@@ -174,14 +174,14 @@ def _read(data: Mapping[str, Any]) -> dict[str, ErrorSummary]:
 
 
 def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = TILT_SPACE) -> Metrics:
-    """Compare estimates with the truth.
+    """Compare estimates with the ground truth.
 
     Parameters
     ----------
     estimates, poses
-        (n, 3) each: rx and ry (degrees), depth (mm), or what `space` says.
+        (n, 3) each: rx and ry (degrees), depth (mm), or the components of `space`.
     space
-        What the columns are.
+        Meaning of the columns.
 
     Returns
     -------

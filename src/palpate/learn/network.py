@@ -98,7 +98,7 @@ def train_network(
     ----------
     samples
         Normalised images (n, 2m), clean for training and with jitter for validation, and poses; the numbers of a
-        repeat do not depend on the other repeats.
+        repeat do not depend on further repeats.
     jitter
         (2m,) half-width of the uniform jitter, normalised.
     inside

@@ -5,7 +5,7 @@ With jitter uniform in ±a the likelihood of a pose offset δ is flat inside the
     { δ : |e − J δ| ≤ a in every coordinate }
 
 and zero outside, e being the jitter that was drawn at the true pose δ = 0. The mean of the polytope (cut by the
-prior) is the estimate of least mean square error. Hit-and-run (Smith 1984) walks through it: pick a direction,
+prior) is the estimate of minimum mean square error. Hit-and-run (Smith 1984) walks through it: pick a direction,
 find the chord, go to a point drawn evenly from it. Averaging the middles of the chords, not the points, halves
 the noise (Rao–Blackwell).
 """

@@ -1,4 +1,4 @@
-"""An estimator at work: the ONNX file in a runtime of its own, without what trained it."""
+"""Prediction by an estimator's ONNX file in its runtime, without the training libraries."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Predictor:
     level
         Share of true values that its intervals cover; `None` for a model without any.
     space
-        What it estimates.
+        Components of the estimated pose.
     forces
-        Whether it tells forces as well.
+        Whether it predicts forces as well.
     """
 
     session: Any
@@ -45,7 +45,7 @@ class Predictor:
     forces: bool = False
 
     def predict(self, images_px: FloatArray) -> Prediction:
-        """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
+        """Estimate poses with half-widths and out-of-distribution flags.
 
         Parameters
         ----------
@@ -55,7 +55,7 @@ class Predictor:
         Returns
         -------
         Prediction
-            Half-widths are infinite, and no image is out of distribution, where the model has no interval.
+            Half-widths are infinite, and no image is out of distribution, if the model has no interval.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""A recording as it is learnt from: dots and pictures of its images, correspondence, and which presses judge."""
+"""Preparation of a recording for training: blobs, small images, correspondence and split."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from palpate.learn.training_set import TrainingSet
 from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
 _LEAST_GOOD = 0.25
-"""Least share of images with numbered dots for parts that read dots."""
+"""Minimum share of images with assigned markers for estimators on markers."""
 _FIELD = 6
-"""Dots of an image from which it has a field of them."""
+"""Number of blobs in an image from which they form a field."""
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedRecording:
-    """A recording as it is learnt from: unreadable and double images left out.
+    """Prepared recording, without unreadable and duplicate images.
 
     Attributes
     ----------
     recording, eye, sight, assigned
-        What it is, how it was looked at, what was seen, dots by number (`None` without dots).
+        The recording, its preprocessing, the detections, and the assigned markers (`None` without markers).
     rows
         (n,) rows of the recording that are used.
     moved, accepted
-        (n, m, 2) displacements and (n,) whether they are believed; empty without dots.
+        (n, m, 2) displacements and (n,) whether their assignment is accepted; empty without markers.
     pictures, targets, press
         (n, h, w), (n, k) and (n,).
     split
-        What each press is for.
+        Training, validation and test presses.
     notes
-        What must be said about the recording.
+        Notes on the recording, for the report.
     """
 
     recording: Recording
@@ -58,7 +58,7 @@ class PreparedRecording:
     notes: tuple[str, ...]
 
     def samples(self, markers: bool, seed: int = 0) -> tuple[TrainingSet, BoolArray]:
-        """Displacements that are believed, or all images, as samples of a training; and (n,) the test samples."""
+        """Accepted displacements, or all images, as training samples; and (n,) the test samples."""
         rows = self.accepted if markers else np.ones(len(self.targets), bool)
         inputs, split = self.moved if markers else self.pictures, self.split
         return TrainingSet(inputs, self.targets, split.train & rows, split.validation & rows, seed), split.test & rows
@@ -67,7 +67,7 @@ class PreparedRecording:
 def prepare_recording(
     recording: Recording, spec: RecordingSpec, store: ArtefactStore, progress: Progress
 ) -> PreparedRecording:
-    """Look at a recording: dots and pictures, correspondence, split.
+    """Prepare a recording: blobs and small images, correspondence, split.
 
     Raises
     ------
@@ -135,17 +135,17 @@ def _assign(
     store: ArtefactStore,
     progress: Progress,
 ) -> tuple[AssignedMarkers | None, list[str]]:
-    """Dots of all images by number, `None` where there are too few, and what must be said about them."""
+    """Assigned markers of all images (`None` if there are too few), and notes on them."""
     notes: list[str] = []
     count = len(recording)
     if spec.estimators == "picture":
         return None, notes
     without = sum(len(dots) < _FIELD for dots in sight.dots[:count])
     if eye.detector is None or without > 0.8 * count:
-        notes.append(f"{without} of {count} images show no field of dots: learnt from pictures alone.")
+        notes.append(f"{without} of {count} images show no field of markers: only image estimators are trained.")
         return None, notes
     if without > 0.02 * count:
-        notes.append(f"{without} of {count} images show no dots.")
+        notes.append(f"{without} of {count} images show no markers.")
     reference = choose_reference(sight.dots, count)
     if reference < count:
         notes.append(
@@ -165,10 +165,10 @@ def _assign(
     assigned = AssignedMarkers(ObservedLayout(arrays.pop("rest_px")), reference, **arrays)
     failed = int((~assigned.good[:count]).sum())
     notes.append(
-        f"{len(assigned.layout)} dots make the layout; the correspondence of {count - failed} of {count} images is "
-        f"believed{'; the others are read from the picture' if failed else ''}."
+        f"{len(assigned.layout)} markers form the layout; the assignment of {count - failed} of {count} images is "
+        f"accepted{'; the remaining images are read by an image estimator' if failed else ''}."
     )
     if failed > (1 - _LEAST_GOOD) * count:
-        notes.append("Too few to learn from dots: learnt from pictures alone.")
+        notes.append("Too few for estimators on markers: only image estimators are trained.")
         return None, notes
     return assigned, notes

@@ -1,7 +1,7 @@
-"""What every image of a recording shows: its dots, and a small picture. Nothing larger is kept of an image.
+"""Blobs and a small copy of every image of a recording; nothing larger is kept in memory.
 
-Images are taken a chunk at a time; what a chunk gave lies in the store under the stamps of its files, so that an
-interrupted run looks at no image twice.
+Images are processed in chunks. The result of a chunk is in the store under the stamps of its files, so that an
+interrupted run processes no image twice.
 """
 
 from __future__ import annotations
@@ -40,18 +40,18 @@ Pictures = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Preprocessor:
-    """How an image is looked at, chosen once from a few images of a recording.
+    """Preprocessing of images, chosen once from a few images of a recording.
 
     Attributes
     ----------
     shape
         Height and width of the images, px.
     detector
-        Finds dots; `None` where no image has a field of them.
+        Detector of blobs; `None` if no image has a field of markers.
     size
-        Height and width of the small pictures, px.
+        Height and width of the small images, px.
     dark
-        Whether dots are darker than what is about them; pictures are turned so that they are bright.
+        Whether markers are darker than their surroundings; small images are inverted so that markers are bright.
     """
 
     shape: tuple[int, int]
@@ -60,12 +60,12 @@ class Preprocessor:
     dark: bool
 
     def extract(self, image: NDArray[Any]) -> tuple[Pictures, FloatArray]:
-        """Small picture (h, w) and dots (n, 2) of an image.
+        """Return the small image (h, w) and the blobs (n, 2) of an image.
 
         Raises
         ------
         PalpateError
-            If it is none, or has another size.
+            If it is not an image, or has another size.
         """
         grey = _grey(image)
         if grey.shape != self.shape:
@@ -87,18 +87,18 @@ class Preprocessor:
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """What all images show.
+    """Detections in all images.
 
     Attributes
     ----------
     pictures
-        (n, h, w) small pictures, dots bright.
+        (n, h, w) small images, markers bright.
     dots
-        n arrays (k, 2), px.
+        n arrays (k, 2) of blobs, px.
     digests
         (n,) checksum of each image's pixels.
     faults
-        (n,) why an image could not be read; empty for those that were.
+        (n,) reason why an image could not be read; empty for readable ones.
     """
 
     pictures: Pictures
@@ -113,7 +113,7 @@ class Detections:
 
 
 def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
-    """Choose polarity and size of the dots, and the size of pictures, from images at rest or a few others.
+    """Choose polarity and size of the blobs, and the size of small images, from a few images.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
     items = list(recording.images.read(sorted({int(k) for k in looked})))
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
-        reason = next((item.problem for item in items if isinstance(item, PalpateError)), "there is none")
+        reason = next((item.problem for item in items if isinstance(item, PalpateError)), "it has no images")
         raise PalpateError(
             f"The first images cannot be read: {reason}", "Check the table's image names.", code="images-unreadable"
         )
@@ -149,7 +149,7 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
 def preprocess_images(
     recording: Recording, eye: Preprocessor, store: ArtefactStore, progress: Progress
 ) -> Detections:
-    """Look at all images of a recording, those at rest last.
+    """Preprocess all images of a recording, rest images last.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def _write(path: Path, recording: Recording, eye: Preprocessor, numbers: Sequenc
 
 
 def first_duplicate(digests: TextArray) -> IntArray:
-    """(n,) number of the first image with the same pixels, its own where there is none before it."""
+    """(n,) number of the first image with the same pixels, which may be the image itself."""
     _, first, number = np.unique(digests, return_index=True, return_inverse=True)
     found = np.asarray(first[number.reshape(-1)])
     return np.where(digests == "", np.arange(len(digests)), found)

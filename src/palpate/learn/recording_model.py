@@ -1,8 +1,8 @@
-"""The model that a recording gives: layout, estimators and intervals in one HDF5 file of numbers, no program in it.
+"""Model of a recording: layout, estimators and intervals in one HDF5 file of numbers, without code.
 
-An image is looked at as in the training, its dots get the layout's numbers, and the estimator that was best by
-held-out error gives the pose. Where it reads dots and these are not to be trusted, the best that reads pictures takes
-over, with its own, wider intervals.
+An image is preprocessed as in the training, its blobs are assigned to the layout, and the estimator of minimum
+held-out error gives the pose. If the assignment is not accepted, the best estimator on images is used instead, with
+its own, wider intervals.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _STORED = ("fields", "seen", "motion", "usual")
 
 
 class PoseReading(NamedTuple):
-    """What a model says about one image: its pose (k,), half-widths (k,), and the dots (n, 2) px that it saw."""
+    """Reading of one image: its pose (k,), half-widths (k,), and the detected blobs (n, 2) px."""
 
     pose: FloatArray
     half_width: FloatArray
@@ -43,27 +43,27 @@ class PoseReading(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordedModel:
-    """A sensor that was learnt from a recording.
+    """Sensor model trained on a recording.
 
     Attributes
     ----------
     preprocessor
-        How images are looked at.
+        Preprocessing of images.
     layout
-        Dots at rest; `None` where the sensor is read from pictures alone.
+        Markers at rest; `None` for a sensor with image estimators only.
     reference_bank
-        Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
-        sensor's motions and what is usual, see `MarkerMatcher.to_arrays`.
+        Displacements (b, m, 2) and descriptors of their images (b, GRID²) as initial guesses of assignments, with
+        motion modes and usual residuals, see `MarkerMatcher.to_arrays`.
     parts
-        All that was trained and is kept, by name.
+        All estimators of the model, by name.
     marker_ensemble, image_ensemble
-        What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
+        Estimators of images with and without assigned markers; `None` if missing.
     max_disagreement
-        (k,) by how much both may differ for the dots to be believed; infinite where this would help nothing.
+        (k,) maximum difference of the two ensembles for an accepted assignment; infinite if a limit does not help.
     outputs
         Axis and unit of each component, and its name in the table.
     about
-        What it was made from and with, as JSON data.
+        Inputs and versions of its making, as JSON data.
     """
 
     preprocessor: Preprocessor
@@ -78,7 +78,7 @@ class RecordedModel:
 
     @property
     def space(self) -> PoseSpace:
-        """What it estimates; the package's own space where it is that of a wall."""
+        """Estimated components; the package's own space for the pose of a wall."""
         names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
         if names == TILT_SPACE.names:
             return TILT_SPACE
@@ -86,7 +86,7 @@ class RecordedModel:
 
     @cached_property
     def matcher(self) -> MarkerMatcher | None:
-        """Numbers the dots of images."""
+        """Matcher that assigns blobs to markers."""
         if self.layout is None:
             return None
         fields, seen, motion, usual = self.reference_bank
@@ -95,7 +95,7 @@ class RecordedModel:
         )
 
     def read(self, image: NDArray[Any]) -> PoseReading:
-        """The pose in one image.
+        """Estimate the pose in one image.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class RecordedModel:
         Raises
         ------
         PalpateError
-            If it is no image, or has another size.
+            If it is not an image, or has another size.
         """
         picture, dots = self.preprocessor.extract(image)
         found = self.matcher.find(dots) if self.matcher is not None else None
@@ -126,12 +126,12 @@ class RecordedModel:
     def estimate_all(
         self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray
     ) -> tuple[FloatArray, BoolArray]:
-        """Poses (n, k) of images, NaN where there is none, and (n,) whether by their dots.
+        """Estimate poses (n, k) of images, NaN if impossible, and (n,) whether by their markers.
 
         Parameters
         ----------
         moved, pictures, good
-            (n, m, 2) displacements, (n, h, w) pictures and (n,) whether the displacements are believed.
+            (n, m, 2) displacements, (n, h, w) small images and (n,) whether the assignment is accepted.
         """
         found = np.full((len(pictures), len(self.outputs)), np.nan)
         by_dots = good.copy() if self.marker_ensemble is not None else np.zeros(len(good), bool)
@@ -148,13 +148,13 @@ class RecordedModel:
         return found, by_dots
 
     def is_outside(self, pose: FloatArray, half_width: FloatArray) -> bool:
-        """Whether a pose (k,) is beyond those that were learnt from, by more than its interval (k,)."""
+        """Whether a pose (k,) is beyond the training poses by more than its interval (k,)."""
         low, high = np.array(self.about["range"])
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
     def estimate(self, use: Ensemble, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
-        """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
+        """Estimate poses (n, k) from displacements (n, m, 2) and small images (n, h, w) by an ensemble."""
         parts = [self.parts[name] for name in use.parts]
         return use.combine({one.name: one.predict(moved if one.reads_markers else pictures) for one in parts})
 
@@ -198,7 +198,7 @@ def write_model(path: Path, model: RecordedModel) -> None:
 
 
 def read_model(path: Path) -> RecordedModel:
-    """Read what `write_model` wrote.
+    """Read a model written by `write_model`.
 
     Raises
     ------
@@ -241,7 +241,7 @@ def read_model(path: Path) -> RecordedModel:
 
 
 def is_recorded_model(path: Path) -> bool:
-    """Whether a file says that it is such a model."""
+    """Whether a file is marked as such a model."""
     try:
         with h5py.File(path, "r") as file:
             return bool(file.attrs.get("format") == FORMAT)

@@ -1,4 +1,4 @@
-"""The report of what a recording gave: a page, data, and pictures of correspondences, errors and learning curve."""
+"""Report of a training on a recording: page, data, and figures."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from palpate.learn.train_on_recording import RecordingResult
 _SHOWN = 6
 _DPI = 110
 _DIM = 0.6
-"""Brightness of images under the ways of their dots."""
+"""Brightness of images under the marker displacements."""
 
 
 def recording_report(result: RecordingResult) -> dict[str, Any]:
-    """Plain data of what a recording gave."""
+    """Return the results of a training as plain data."""
     seen, outputs = result.seen, result.model.outputs
     assigned = seen.assigned
     return {
@@ -53,7 +53,7 @@ def recording_report(result: RecordingResult) -> dict[str, Any]:
 
 
 def recording_page(result: RecordingResult) -> list[str | Report]:
-    """Paragraphs and tables of the report."""
+    """Yield paragraphs and tables of the report."""
     seen, outputs, about = result.seen, result.model.outputs, result.model.about
     names = [f"{axis} {'' if unit == '1' else unit}".strip() for axis, unit, _ in outputs]
     head = (
@@ -68,23 +68,23 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     rows = [_row(score, score.name == result.best) for score in result.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     return [
-        f"# What the recording {seen.recording.name} gave",
-        f"**{result.best}: {figures}** RMSE on {held} presses that taught nothing.",
-        f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
-        f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
-        f"{about['test']} judged. No press is in two of these.",
+        f"# Results of the recording {seen.recording.name}",
+        f"**{result.best}: {figures}** RMSE on {held} test presses.",
+        f"{about['images']} images of {about['presses']} presses: {about['train']} training images, "
+        f"{about['validation']} for validation and for the intervals of {about['spec']['level']:.0%}, "
+        f"{about['test']} test images. No press is in two of these sets.",
         Report.of("", head, rows, details=[f"{name} max" for name in names]),
-        "The estimator was chosen by the presses that choose, not by those in the table.",
-        "## What must be known about the recording",
+        "The estimator was selected by the validation presses; the table shows the test presses.",
+        "## Notes on the recording",
         "\n".join(f"* {note}" for note in seen.notes),
-        "## How many presses",
+        "## Learning curve",
         Report.of(
             "",
             ("presses", "estimator", *(f"{name} RMSE" for name in names)),
             [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in result.curve],
         ),
         extrapolate_learning_curve(result.curve),
-        "" if seen.assigned is None else "![dots by number](correspondence.png)",
+        "" if seen.assigned is None else "![assigned markers](correspondence.png)",
         "![errors](errors.png)",
         f"First errors after {result.seconds[0]:.0f} s, all after {result.seconds[1]:.0f} s. Made by "
         + ", ".join(f"{name} {version}" for name, version in about["made_by"].items())
@@ -113,7 +113,7 @@ def _draw_errors(result: RecordingResult) -> Figure:
     axes = figure.subplots(1, count + 1, squeeze=False)[0]
     off = result.estimates - seen.targets
     for column, (axis, (name, unit, _)) in enumerate(zip(axes, outputs, strict=False)):
-        for rows, colour, what in ((seen.accepted, "C0", "by dots"), (~seen.accepted, "C1", "by picture")):
+        for rows, colour, what in ((seen.accepted, "C0", "by markers"), (~seen.accepted, "C1", "by image")):
             shown = rows & seen.split.test
             if shown.any():
                 axis.plot(
@@ -130,7 +130,7 @@ def _draw_errors(result: RecordingResult) -> Figure:
         axes[-1].loglog(
             [point.presses for point in result.curve], values, "o-", label=f"{name} ({unit})", markersize=4
         )
-    axes[-1].set_xlabel("presses that taught")
+    axes[-1].set_xlabel("training presses")
     axes[-1].set_ylabel("RMSE on held-out presses")
     axes[-1].legend(fontsize=7, frameon=False)
     _bare(axes[-1])
@@ -138,7 +138,7 @@ def _draw_errors(result: RecordingResult) -> Figure:
 
 
 def _draw_correspondences(result: RecordingResult, recording: Recording) -> Figure:
-    """Images from the calmest to the most moved, and some that failed, with the way of each dot from rest."""
+    """Images by ascending motion, and some failed ones, with the displacement of each marker."""
     seen = result.seen
     assert seen.assigned is not None
     far = np.linalg.norm(seen.moved, axis=-1).mean(axis=1)

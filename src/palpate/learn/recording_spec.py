@@ -38,6 +38,6 @@ class RecordingSpec(Spec):
         "all",
         unit="",
         meaning="estimators to train: all, all without image networks (fast), ridge regression, estimators on marker "
-        "positions (dots), or image networks (picture)",
+        "positions (`dots`), or image networks (`picture`)",
     )
     seed: int = parameter(0, unit="1", meaning="seed of the split, weights and batches", ge=0)

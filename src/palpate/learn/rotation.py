@@ -1,10 +1,9 @@
-"""Turned presses: what a sensor of revolution would have seen if it had been pressed from another side.
+"""Augmentation by rotated presses of a sensor of revolution.
 
-Seen from below, such a sensor is alike in all directions. Where a press moved the dots by a field u(x), the press
-turned by an angle about the axis would have moved them by R u(R⁻¹ x), and its tilt is the one that was recorded,
-turned as well. So one recorded press teaches presses from all sides, whatever the pattern of the dots: the field is
-read between dots by a thin-plate spline. Whether a turn of the image turns (rx, ry) along or against it, the
-recording itself tells.
+Such a sensor is invariant under rotation about its axis. If a press moved the markers by a field u(x), the press
+rotated about the axis moves them by R u(R⁻¹ x), and its tilt is rotated as well. One recorded press thus gives
+presses from all directions for any layout: the field is interpolated between markers by a thin-plate spline. Whether
+(rx, ry) turn with or against a rotation of the image is estimated from the recording.
 """
 
 from __future__ import annotations
@@ -21,32 +20,31 @@ from scipy.spatial import Delaunay, cKDTree
 from palpate.core import FloatArray
 
 _TURNING, _FIXED = ("rx", "ry"), ("depth", "rz", "force")
-"""Axes that turn with the sensor, and those that stay as they are."""
+"""Axes that rotate with the sensor, and those that are invariant."""
 _LEAST_TURNED = 20
-"""Images that find the sense: with fewer, it is not clear."""
+"""Minimum number of images for a clear sense of rotation."""
 COUNT = 36
-"""Turns that are drawn from, evenly around."""
+"""Number of rotations, evenly spaced."""
 MOST_DOTS = 800
-"""Dots of the largest layout that is turned: the fields' covariance has (2 m)² numbers."""
+"""Maximum number of markers for this augmentation: the fields' covariance has (2 m)² numbers."""
 _NEAR, _FAR = 12, 0.75
-"""Dots by which a field is read between them; outside the layout the nearest dot speaks, from this distance over the
-spacing on."""
+"""Markers of a local interpolation, and distance over spacing from which the nearest is used."""
 _ORDERS = (6, 4, 3, 2)
 _MOST_ALIKE, _ALIKE = 0.9, 0.3
-"""Share of the dots that must come to lie on others when a pattern is turned, and how near, over their spacing."""
+"""Symmetry of a rotated pattern: minimum share of coinciding markers, tolerance over spacing."""
 _RINGS, _CLEAR = 5, 0.8
-"""Rings over which fields are pooled to tell the sense, and residual over the other sense's that makes it clear."""
+"""Rings over which fields are pooled, and residual ratio of the two senses that is clear."""
 
 
 class RotationAugmentation(NamedTuple):
-    """How poses turn with images about the middle of the dots (`palpate.learn.rotation`).
+    """Rotation of poses with images about the centre of the layout (`palpate.learn.rotation`).
 
     Attributes
     ----------
     places_px
-        (m, 2) dots as they stand when nothing favours a side, px of the images or pictures that teach.
+        (m, 2) marker positions without a preferred direction, px of the training images.
     base_px
-        (m, 2) displacement by which a lesson on dots tells of these places; 0 where they are those at rest.
+        (m, 2) displacement in the training set that corresponds to these positions; 0 for rest positions.
     sense
         Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
     """
@@ -58,19 +56,19 @@ class RotationAugmentation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RotationOperators:
-    """Turns of fields of displacements about the middle of a layout.
+    """Rotations of displacement fields about the centre of a layout.
 
     Attributes
     ----------
     rest_px
-        (m, 2) dots at rest, px.
+        (m, 2) markers at rest, px.
     """
 
     rest_px: FloatArray
 
     @cached_property
     def middle(self) -> FloatArray:
-        """(2,) middle of the layout, px: half way between its farthest dots, which a missing one moves little."""
+        """(2,) centre of the layout, px: mid-point of its extreme markers, insensitive to a missing one."""
         return np.asarray((self.rest_px.min(axis=0) + self.rest_px.max(axis=0)) / 2)
 
     @cached_property
@@ -80,7 +78,7 @@ class RotationOperators:
         return RBFInterpolator(self.rest_px, np.eye(count), neighbors=near, kernel="thin_plate_spline", degree=1)
 
     def operator(self, number: int) -> FloatArray:
-        """(2 m, 2 m) that turns fields (2 m,), the two numbers of a dot side by side, by `number` steps."""
+        """(2 m, 2 m) rotation of fields (2 m,), u and v of a marker adjacent, by `number` steps."""
         count = len(self.rest_px)
         if number % COUNT == 0:
             return np.eye(2 * count)
@@ -95,7 +93,7 @@ class RotationOperators:
         return np.einsum("gm,ij->gimj", between, turn).reshape(2 * count, 2 * count)
 
     def spread(self, fields: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) and of all that they give by every third turn."""
+        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under every third rotation."""
         mean, own = fields.mean(axis=0), np.cov(fields.T)
         operators = [self.operator(number) for number in range(0, COUNT, 3)]
         means = np.array([each @ mean for each in operators])
@@ -110,7 +108,7 @@ def rotation(number: int) -> FloatArray:
 
 
 def pattern_order(rest_px: FloatArray) -> int:
-    """Into how many alike parts a layout (m, 2) is cut by turns: 6 of a hexagon, 4 of a square, 1 of most others."""
+    """Order of rotational symmetry of a layout (m, 2): 6 of a hexagon, 4 of a square, 1 of most."""
     about = rest_px - RotationOperators(rest_px).middle
     tree = cKDTree(about)
     spacing = float(np.median(tree.query(about, 2)[0][:, 1]))
@@ -130,7 +128,7 @@ def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatAr
     Parameters
     ----------
     rest_px, moved_px, tilt
-        (m, 2) dots at rest, (n, m, 2) displacements, (n, 2) rx and ry in degrees.
+        (m, 2) markers at rest, (n, m, 2) displacements, (n, 2) rx and ry in degrees.
     """
     apart = rest_px - RotationOperators(rest_px).middle
     place, moved = apart[:, 0] + 1j * apart[:, 1], moved_px[..., 0] + 1j * moved_px[..., 1]
@@ -151,7 +149,7 @@ def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatAr
 def find_rotation(
     rest_px: FloatArray, moved_px: FloatArray, targets: FloatArray, axes: Sequence[str], at_rest: bool
 ) -> RotationAugmentation | None:
-    """How (rx, ry) turn with the images; `None` if they cannot, or if another target might.
+    """Find the rotation of (rx, ry) with the images; `None` if they or another target forbid it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Poses that stand some rows away from their images in the table of a recording."""
+"""Constant row offset between poses and images in the table of a recording."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _BETTER = 0.6
 
 
 def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:
-    """By how many rows poses must be moved to fit the images far better than they do; 0 where none does.
+    """Find the row offset of poses that makes them fit the images far better; 0 if none does.
 
     Parameters
     ----------
     features, targets
-        (n, p) what images show and (n, k) poses, in the order of the table.
+        (n, p) features of images and (n, k) poses, in the order of the table.
     train
-        (n,) images by which linear fits are made; the others judge them.
+        (n,) images of the linear fits; the remaining images test them.
     """
     centred = features - features.mean(axis=0)
     _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)

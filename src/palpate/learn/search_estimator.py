@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 SPACES = {"paper": PAPER_SPACE, "best": BEST_SPACE}
 
 REDUCTION = 3
-"""One in so many trials goes on to the next rung."""
+"""One in this number of trials is promoted to the next rung."""
 STARTUP = 5
-"""Settings drawn at random before the others are proposed by what was found."""
+"""Random settings before proposals by the model."""
 
 
 def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Estimator:
@@ -34,10 +34,10 @@ def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Est
     dataset
         Clean images with their poses and split.
     spec
-        Which preset, how many trials, seed.
+        Preset, number of trials, seed.
     journal
-        File of the search's finished trials; an interrupted search goes on from it and gives the same numbers
-        as one that was never stopped. Not used by the preset ``"quick"``.
+        File of the search's finished trials; an interrupted search resumes from it and gives the same numbers
+        as an uninterrupted one. Not used by the preset ``"quick"``.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Est
 
 
 def _split_again(dataset: Dataset, seed: int) -> Dataset:
-    """Only the presses for training, some of them held out anew."""
+    """Return the training presses, with a new split."""
     kept = dataset.subset(validation=False)
     fraction = dataset.spec.validation_fraction
     inner = split_presses(kept.press, child_seed(seed, "inner split"), fraction)
@@ -71,7 +71,7 @@ def _best_setting(dataset: Dataset, space: HyperparameterSpace, spec: LearningSp
 
 
 def _validate(dataset: Dataset, space: HyperparameterSpace, trial: optuna.Trial, spec: LearningSpec) -> float:
-    """Score of one setting; of trainings longer from rung to rung, unless one of them is hopeless."""
+    """Score one setting by trainings of increasing length, ended early if its score is poor."""
     import optuna
 
     training = space.trial({name: trial.suggest_categorical(name, values) for name, values in space.choices.items()})
@@ -87,7 +87,7 @@ def _validate(dataset: Dataset, space: HyperparameterSpace, trial: optuna.Trial,
 
 
 def _tried_before(trial: optuna.Trial) -> dict[int, float]:
-    """Scores by epochs of an ended trial of the same setting: it is not trained again."""
+    """Scores by epochs of a finished trial of the same setting, which is not trained again."""
     same = [other.intermediate_values for other in _ended(trial.study) if other.params == trial.params]
     return {epochs: score for scores in same for epochs, score in scores.items()}
 
@@ -95,7 +95,7 @@ def _tried_before(trial: optuna.Trial) -> dict[int, float]:
 def _is_hopeless(score: float, epochs: int, trial: optuna.Trial) -> bool:
     """Whether a score is not in the best part of all trials after as many epochs (ASHA, Li et al. 2020).
 
-    Optuna's own pruner counts trials that were interrupted as well, so that a resumed search could end otherwise.
+    Optuna's own pruner counts interrupted trials as well, so that a resumed search could differ.
     """
     found = [other.intermediate_values for other in _ended(trial.study)]
     scores = sorted([score, *(scores[epochs] for scores in found if epochs in scores)])
@@ -103,7 +103,7 @@ def _is_hopeless(score: float, epochs: int, trial: optuna.Trial) -> bool:
 
 
 def _score(dataset: Dataset, space: HyperparameterSpace, training: TrainingSpec, spec: LearningSpec) -> float:
-    """What is made least, as mean over the trainings of one setting."""
+    """Objective of a setting: mean score over its trainings."""
     estimator = train(dataset, training, spec.seed, device=find_device(spec.device))
     single = [estimator.keep_members([row]) for row in range(estimator.members)]
     scores = [
@@ -136,7 +136,7 @@ def _sampler(seed: int) -> optuna.samplers.BaseSampler:
 
 
 def _ended(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
-    """Trials that came to an end, hopeless ones too, in their order; an interrupted one is none."""
+    """Completed and pruned trials in their order, without interrupted ones."""
     import optuna
 
     states = (optuna.trial.TrialState.COMPLETE, optuna.trial.TrialState.PRUNED)

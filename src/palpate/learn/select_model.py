@@ -1,4 +1,4 @@
-"""From trained parts to a model: errors of each, the best of them, intervals, and what the model must know."""
+"""Selection of a model from trained estimators: errors, best estimator, intervals."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ from palpate.learn.recording_spec import RecordingSpec
 from palpate.vision import marker_descriptor
 
 WHOLE = "all images, by dots or by picture"
-"""Row of the model as a whole, where some images are read by one and some by the other."""
+"""Name of the model as a whole, if some images are read by markers and some by an image estimator."""
 _APART, _WORTH, _LEAST_APART = (1.0, 1.5, 2.0, 3.0), 0.95, 20
-"""Limits of how far dots and picture may be apart that are tried, over what nine images in ten stay below; share of
-the square error that one must leave at most, and images needed to choose one."""
+"""Selection of the maximum disagreement of marker and image ensembles.
+
+Multiples of the 90 % quantile that are tried; maximum ratio of the square error for a limit; minimum number of
+images.
+"""
 _BANK = 200
-"""Images that a model keeps as guesses for others."""
+"""Images that a model keeps as initial guesses of assignments."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +42,9 @@ class EstimatorScore:
     share
         Share of the held-out images that it reads.
     validation_error
-        Root mean square error on the validation presses, over the range's deviations: what choice goes by.
+        RMSE on the validation presses, over the standard deviations of the targets: the criterion of selection.
     seconds
-        Time of its training; 0 where it was found in the store.
+        Time of its training; 0 if it was in the store.
     coverage
         Share of held-out values inside its intervals, a component.
     """
@@ -57,7 +60,7 @@ class EstimatorScore:
 def select_model(
     seen: PreparedRecording, spec: RecordingSpec, parts: dict[str, EnsembleMember], seconds: dict[str, float]
 ) -> tuple[RecordedModel, tuple[EstimatorScore, ...], str]:
-    """The model, the errors of all estimators, and the name of the best."""
+    """Select the model; return it with the errors of all estimators and the name of the best."""
     count = len(seen.targets)
     estimates = {}
     for name, part in parts.items():
@@ -110,7 +113,7 @@ def _apart(
     estimates: dict[str, FloatArray],
     seen: PreparedRecording,
 ) -> FloatArray:
-    """How far (k,) dots and picture may be apart: what makes the error of the presses that choose least."""
+    """Maximum disagreement (k,) of marker and image ensembles, by minimum validation error."""
     never = np.full(seen.targets.shape[1], np.inf)
     if best is None or fallback is None or best is fallback:
         return never
@@ -137,7 +140,7 @@ def _score(
     seen: PreparedRecording,
     seconds: dict[str, float],
 ) -> EstimatorScore | None:
-    """Errors of estimates (n, k) on the held-out presses; `None` where it reads none of them."""
+    """Errors of estimates (n, k) on the held-out presses; `None` without such estimates."""
     off = found - seen.targets
     judged = seen.split.test & np.isfinite(off).all(axis=1)
     if not judged.any():
@@ -150,7 +153,7 @@ def _score(
 
 
 def _bank(seen: PreparedRecording) -> tuple[FloatArray, FloatArray]:
-    """Displacements of images far from each other, and what they look like: guesses for other images."""
+    """Displacements of images far from each other, with their descriptors: initial guesses of assignments."""
     sure = np.flatnonzero(seen.accepted & seen.split.train)
     features = seen.moved[sure].reshape(len(sure), -1)
     chosen = [0]

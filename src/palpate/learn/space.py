@@ -1,4 +1,4 @@
-"""What a search may choose: the paper's Table 1, or our own few settings."""
+"""Search spaces of hyperparameters: the paper's Table 1, and a smaller one."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ Setting = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class HyperparameterSpace:
-    """A finite table of settings and how one is tried.
+    """Finite table of settings and the evaluation of one.
 
     Attributes
     ----------
     choices
-        The values of each setting.
+        Values of each setting.
     trials
-        Settings tried where the user does not say.
+        Default number of trials.
     rungs
-        Epochs of the trainings by which a trial is judged, one after the other, each complete with its own schedule;
-        a hopeless trial ends before the last. Empty: one training as long as the protocol says.
+        Epochs of the successive trainings of a trial, each complete with its own schedule; a poor trial ends before
+        the last. Empty: one training as long as the protocol states.
     inner_split
-        Whether trials are judged on presses taken from those for training, so that the held-out presses choose
-        nothing and stay an honest measure.
+        Whether trials are evaluated on presses taken from the training set, so that the held-out presses stay
+        unbiased.
     trial, final
-        Training by which a setting is judged, and training of the setting that won.
+        Training of a trial, and training of the best setting.
     score
-        What is made least, from the clean and the jittered RMSE of the angle (degrees).
+        Objective, from the clean and the jittered RMSE of the angle (degrees).
     """
 
     choices: Mapping[str, tuple[Any, ...]]
@@ -51,7 +51,7 @@ PAPER_SPACE = HyperparameterSpace(
     final=lambda setting: paper_training(**setting),
     score=lambda clean_deg, jittered_deg: jittered_deg,
 )
-"""Table 1 of Zaid et al. 2024 by its protocol: no pruning, the validation RMSE chooses and is reported."""
+"""Table 1 of Zaid et al. 2024 by its protocol: no pruning; the validation RMSE selects."""
 
 BEST_SPACE = HyperparameterSpace(
     choices={"layers": (3, 4), "width": (128, 256), "components": (24, 48, 96), "clean_share": (0.25, 0.5, 0.75)},
@@ -62,4 +62,4 @@ BEST_SPACE = HyperparameterSpace(
     final=lambda setting: TrainingSpec(epochs=135, repeats=3, **setting),
     score=lambda clean_deg, jittered_deg: (clean_deg * jittered_deg) ** 0.5,
 )
-"""Our choice: short single trainings, halved, choose what is then trained longer and three times over."""
+"""Smaller space: short trainings with successive halving; the winner trains longer, three times."""

@@ -1,4 +1,4 @@
-"""From a dataset to an estimator: a perceptron, or the ridge regression that it must beat."""
+"""Training of an estimator from a dataset: a perceptron, or ridge regression as its baseline."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def train(
 ) -> Estimator:
     """Train perceptrons on the images that are not held out.
 
-    Jitter is drawn anew for every image in every epoch, in pixels and before normalisation.
+    New jitter is drawn for every image in every epoch, in pixels and before normalisation.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def train_on(
     device: str = "cpu",
     targets: tuple[FloatArray, FloatArray] | None = None,
 ) -> Estimator:
-    """Train on the images of `checkpoint` and choose epochs and repeats by those of `held`; for the rest see `train`.
+    """Train on the images of `checkpoint`, and select epochs and repeats by those of `held`; see `train`.
 
     `targets` (n, 3) and (m, 3) replace their poses. The caller ensures that they share no press: `train` takes them
     from one dataset.
@@ -108,7 +108,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     """Fit the best linear estimator under jitter, in closed form.
 
     Jitter of half-width a adds a²/3 to the variance of every coordinate, so the mean squared error over it is
-    least for ridge regression with the penalty n a²/3 (Bishop 1995, "Training with noise is equivalent to
+    minimal for ridge regression with the penalty n a²/3 (Bishop 1995, "Training with noise is equivalent to
     Tikhonov regularization").
 
     Parameters
@@ -161,11 +161,11 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     Parameters
     ----------
     estimator
-        What is judged.
+        The estimator.
     dataset
         The dataset that it was trained on, or another of the same layout.
     jitter_seed
-        Seed of one draw of the dataset's jitter; `None` judges on clean images.
+        Seed of one draw of the dataset's jitter; `None` evaluates on clean images.
     """
     held = dataset.subset(validation=True)
     images = held.images_px

@@ -26,15 +26,20 @@ COMPONENTS, WIDTH, LAYERS, MEMBERS, MARKER_EPOCHS = 48, 256, 4, 3, 300
 CHANNELS, DENSE = (16, 32, 64, 96, 128), 256
 """Network on images: channels of its convolutions, units of its dense layer."""
 MARKER_NOISE, NOISE, SHIFT, RISE = 0.01, 0.1, 0.024, 0.25
-"""While training: noise of scaled components; on images noise over their standard deviation, largest shift over their
-longer side, share of the training in which the rate rises. Shift and rise take a fifth off the error after as many
-epochs."""
+"""Noise, shift and warm-up of a training.
+
+Noise of scaled components; on images noise over their standard deviation, maximum shift over their longer side, and
+share of the training in which the rate increases. Shift and increase reduce the error by a fifth after as many
+epochs.
+"""
 _FINE_TUNING = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, anchor_weight=1e-3)
 _POWER = 0.35
-"""Components are scaled by their deviation to this power: small ones count, but not as much as large ones."""
+"""Power of the deviation by which components are scaled: small ones count, but less than large ones."""
 _TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
-"""Share of the batches that are rotated, and shares of the training between which it falls to none: a built sensor is
-not quite alike in all directions, and Euler angles do not quite turn."""
+"""Share of rotated batches, and shares of the training between which it falls to zero.
+
+A built sensor is not quite symmetric, and Euler angles do not rotate exactly.
+"""
 
 Source = Callable[["Tensor", float, "Sequence[Generator]"], "tuple[Tensor, Tensor]"]
 """Gives inputs (r, b, …) and targets (r, b, k) of samples (r, b), see `TrainingTask.draw`."""
@@ -202,7 +207,7 @@ class ImageTask(TrainingTask):
             )
 
     def spec(self, epochs: int, threads: int) -> TrainerSpec:
-        """How it is trained."""
+        """Settings of the training."""
 
         def schedule(step: int, steps: int) -> float:
             rise = RISE * steps

@@ -1,4 +1,4 @@
-"""The parts of a model: those that the store holds, and those to be trained, networks beside each other.
+"""Training of the estimators of a model that the store lacks, networks in parallel processes.
 
 Several networks get a process each: two threads of one network wait for each other, on a busy machine for most of the
 time.
@@ -22,7 +22,7 @@ from palpate.learn.member import EnsembleMember, TrainingRun
 from palpate.learn.training_set import TrainingSet
 
 _WAIT_S = 0.5
-"""Time for which the pool is waited for, s."""
+"""Waiting time for the pool, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class TrainingJob:
 
     @cached_property
     def recipe(self) -> Recipe:
-        """What it is made from."""
+        """Recipe of the estimator."""
         digest, samples, rotation = hashlib.sha256(), self.samples, self.samples.rotation
         arrays = [samples.inputs, samples.targets, samples.train, samples.validation]
         for array in arrays + ([] if rotation is None else [rotation.places_px, rotation.base_px]):
@@ -68,23 +68,23 @@ class TrainingJob:
 def train_members(
     jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, progress: Progress
 ) -> Iterator[tuple[EnsembleMember, float]]:
-    """Train estimators; each with the time in s that it took, as soon as it is trained.
+    """Train estimators; yield each with its training time in s, as soon as it is trained.
 
     Parameters
     ----------
     jobs
-        What is to be made.
+        Estimators to train.
     threads
-        Cores that networks may use: of several, each that is missing is trained in a process of its own.
+        Cores for networks: with several, each missing network is trained in its own process.
     store
-        Where parts are kept, and what an interrupted training needs to go on.
+        Store of estimators, and of checkpoints of interrupted trainings.
     progress
         Receives each epoch, and the end of each network.
 
     Raises
     ------
     PalpateError
-        If a training process dies, or finds what the user can mend.
+        If a training process dies, or raises a `PalpateError`.
     """
     missing = [job for job in jobs if job.cost and store.find(job.recipe) is None]
     workers = min(threads, len(missing))
@@ -103,7 +103,7 @@ def train_members(
 
 
 def _draft(store: ArtefactStore, job: TrainingJob) -> Path:
-    """File of what is known before a training's end; members of a network add to its name."""
+    """File of the checkpoint of a training; members of a network add to its name."""
     kept = store.path(job.recipe, ".epochs")
     kept.parent.mkdir(parents=True, exist_ok=True)
     return kept
@@ -145,7 +145,7 @@ def _trained(job: TrainingJob, outcome: Outcome) -> EnsembleMember:
     if outcome.status is Status.DIED:
         raise PalpateError(
             f"The training of {job.name} ended: {outcome.reason}.",
-            "Start again, it goes on where it was; with --threads 1 one network is trained at a time. In a script of "
+            "Start again to resume it; with --threads 1 one network is trained at a time. In a script of "
             'your own, call it under `if __name__ == "__main__":`.',
             code="training-process-died",
         )

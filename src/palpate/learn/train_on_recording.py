@@ -1,6 +1,6 @@
-"""From a recording to a model with honest errors: dots, correspondence, estimators, the best of them, its intervals.
+"""Training on a recording: markers, correspondence, estimators, selection, intervals.
 
-Every stage lies in a store under what it was made from; a run that was interrupted goes on where it was.
+The result of every stage is in a store under its recipe, so that an interrupted run resumes.
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
 from palpate.learn.train_members import TrainingJob, train_members
 
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
-"""Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
+"""Error ratio to the mean pose: limits of a failed training, and of a search for a row offset."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordingResult:
-    """What a recording gave.
+    """Result of a training on a recording.
 
     Attributes
     ----------
     seen
-        What was learnt from.
+        The prepared recording.
     model
         The model.
     scores
-        Every estimator's errors on held-out presses; `best` is that of the model as a whole.
+        Errors of every estimator on held-out presses; `best` is that of the model as a whole.
     best
-        Name of the estimator that reads images with numbered dots, or all images.
+        Name of the estimator that reads images with assigned markers, or all images.
     estimates
-        (n, k) of the model for all images that are used, NaN where there is none.
+        (n, k) of the model for all images that are used, NaN if missing.
     curve
         Errors by number of presses.
     seconds
-        Time until the first errors were known, and altogether.
+        Time until the first errors were known, and in total.
     """
 
     seen: PreparedRecording
@@ -68,25 +68,25 @@ def train_on_recording(
     start: PretrainedModel | None = None,
     first: RecordingResult | None = None,
 ) -> RecordingResult:
-    """Learn from a recording.
+    """Train estimators on a recording.
 
     Parameters
     ----------
     recording, spec
-        What is learnt from, and how.
+        The recording, and the settings.
     store
-        Where stages are kept.
+        Store of the stages.
     progress
         Receives the images and trainings done.
     start
-        A model to begin with: of another unit, or of a simulation.
+        Pretrained model: of another unit, or of a simulation.
     first
-        What fewer estimators gave for the same recording: its learning curve and times are taken over.
+        Result of fewer estimators for the same recording: its learning curve and times are reused.
 
     Raises
     ------
     PalpateError
-        If images and poses do not belong together, or too little is left to learn from.
+        If images and poses do not belong together, or too few images remain.
     """
     begin = time.monotonic()
     seen = prepare_recording(recording, spec, store, progress)
@@ -145,7 +145,7 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[Training
 
 
 def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
-    """How (rx, ry) turn with the images of the training."""
+    """Find the rotation of (rx, ry) with the training images."""
     if seen.assigned is None:
         return None
     rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
@@ -167,7 +167,7 @@ def _figure(error: float, one: PoseColumn) -> str:
 
 
 def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...]) -> None:
-    """Refuse images from which poses cannot be told better than by their mean."""
+    """Reject images from which poses are estimated no better than by their mean."""
     judged = seen.split.test
     sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
     ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
@@ -180,14 +180,14 @@ def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...
     if shift:
         raise PalpateError(
             f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",
-            "Mend the table.",
+            "Correct the table.",
             code="recording-rows-shifted",
         )
     if (ratio[best] > _NO_BETTER).all():
         one, error = seen.recording.poses[0], scores[best].errors[0].rmse
         raise PalpateError(
-            f"The poses cannot be told from the images: on presses held out the best estimate of {one.axis} is off "
-            f"by {error:.3g} {one.unit}, its mean by {sd[0]:.3g} {one.unit}.",
+            f"The images do not determine the poses: on held-out presses the RMSE of {one.axis} is "
+            f"{error:.3g} {one.unit}; the mean pose gives {sd[0]:.3g} {one.unit}.",
             "Images and poses do not belong together: another run's table, or names that were shuffled.",
             code="recording-poses-unrelated",
         )

@@ -1,8 +1,8 @@
 """The training loop: networks as slices of the same tensors, each with its own random stream.
 
 A parameter has the shape (r, …) for r members, so that one product serves all. Each member has its own order of
-samples, augmentation and learning rate, and stops by itself; its numbers do not depend on the other members. Another
-kind of network is trained with r = 1.
+samples, augmentation and learning rate, and stops by itself; its numbers do not depend on the remaining members.
+Other kinds of networks are trained with r = 1.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def fall(done: float) -> float:
 
 @dataclass(frozen=True)
 class TrainerSpec:
-    """How networks are trained.
+    """Settings of the training of networks.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class TrainerSpec:
         Learning rate over that at the start, by step from 1 and number of steps; the default rises in at most a fifth
         of the training.
     keep_best
-        Whether the weights of the epoch of least validation error are kept, or those of the last epoch.
+        Whether the weights of the epoch of minimum validation error are kept, or those of the last epoch.
     stopping_patience, plateau_patience, plateau_factor
         Epochs without progress before a member stops, and before its rate falls by the factor.
     anchor_weight

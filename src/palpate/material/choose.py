@@ -1,4 +1,4 @@
-"""From the text a person writes to a material."""
+"""Material from its name, its file, or a law with constants."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def get_material(text: str) -> Material:
 
 
 def _constants(model: Model) -> tuple[str, ...]:
-    """Names of a fitted model's constants in the order of its law: mu1, alpha1, mu2, … of Ogden."""
+    """Return a fitted model's constants in the order of its law: mu1, alpha1, mu2, … of Ogden."""
     pairs = zip(model.linear, model.shapes, strict=True) if model.shapes else ((name,) for name in model.linear)
     return tuple(name for pair in pairs for name in pair)
 
@@ -89,8 +89,8 @@ def material_from_data(data: dict[str, Any]) -> Material:
     Parameters
     ----------
     data
-        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``, ``relaxation`` where it relaxes, and ``gel``
-        where one fills a skin.
+        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``; ``relaxation`` if it relaxes, ``gel`` if
+        filled.
     """
     if "gel" in data:
         wall = {name: value for name, value in data.items() if name != "gel"}

@@ -1,4 +1,4 @@
-"""Which columns of a bench's table are strain and stress, and in which unit."""
+"""Columns of strain and stress in a table of a test machine, and their units."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _STRESS_UNITS = {unit.lower(): unit for unit in StressUnit} | {
 _GAUGE_LENGTHS = (5.0, 250.0)
 """Gauge lengths of specimens, mm (ISO 37: 10 to 25; D412: 25 to 33; long strips and blocks)."""
 _ALIKE = 0.02
-"""Difference of a true strain from the logarithm of the stretch by which the two columns agree."""
+"""Maximum difference of a true strain from the logarithm of the stretch for the two columns to agree."""
 MAX_STRAIN = 12.0
 """Strain at rupture of the softest silicones; a larger one without a unit may be in per cent."""
 
@@ -69,12 +69,12 @@ class Pair:
 
 @dataclass(frozen=True)
 class Columns:
-    """Where the samples of a table stand.
+    """Columns of the samples in a table.
 
     Attributes
     ----------
     pairs
-        Columns of strain and stress; several where the samples stand side by side.
+        Columns of strain and stress; several if the samples are side by side.
     strain_unit, stress_unit
         Their units.
     strain_factor
@@ -143,7 +143,7 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     Raises
     ------
     PalpateError
-        If a column is missing, stands twice, or its unit is not said; the message names the columns there are.
+        If a column is missing or ambiguous, or its unit is not stated; the message lists the columns.
     """
     strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL))
     stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE))
@@ -177,14 +177,14 @@ def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[
     if found is None:
         raise PalpateError(
             f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
-            f"Say which: --{kind} NAME or NUMBER.",
+            f"Choose one: --{kind} NAME or NUMBER.",
             code="column-missing",
         )
     return found
 
 
 def seek_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int | None:
-    """Column as `find_column` finds it; `None` where no name has the pattern."""
+    """Column as `find_column` finds it; `None` if no name matches the pattern."""
     if given is not None:
         return _named(table, given, kind)[0]
     found = _matching(table, pattern)
@@ -202,7 +202,7 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
             return found
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
-        f"Say which: --{kind} NAME or NUMBER, and --{kind}-unit.",
+        f"Choose one: --{kind} NAME or NUMBER, and --{kind}-unit.",
         code="column-missing",
     )
 
@@ -247,7 +247,7 @@ def _listed(table: Table) -> str:
 
 
 def _alternate(strains: list[int], stresses: list[int]) -> bool:
-    """Whether strain and stress take turns: samples side by side."""
+    """Whether strain and stress columns alternate: samples side by side."""
     turns = sorted([*strains, *stresses])
     return turns[0::2] in (strains, stresses) and turns[1::2] in (strains, stresses)
 
@@ -300,7 +300,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
 
 
 def _is_ratio(table: Table, column: int) -> bool:
-    """Whether travel or true strain shows that a strain without a unit is no percentage."""
+    """Whether travel or true strain shows that a strain without a unit is a ratio."""
     strain = table.numbers(column)
     rows = np.abs(strain) > 0.1 * np.nanmax(np.abs(strain), initial=0.0)
     others = [at for at, name in enumerate(table.header) if at != column and name and table.is_numeric(at)]

@@ -56,9 +56,9 @@ def stretches(mode: Mode, stretch: FloatArray) -> FloatArray:
 
 
 def uniaxial_range(mode: Mode, low: float, high: float) -> tuple[float, float]:
-    """Uniaxial stretches with the same invariant I1 as the stretches low…high of a mode, on the same side of rest.
+    """Uniaxial stretches with the same invariant I1 as the stretches low…high, on the same side of rest.
 
-    Exact between equibiaxial tension and uniaxial compression, which are one state; a planar stretch stays as it is.
+    Exact between equibiaxial tension and uniaxial compression, which are one state; a planar stretch is unchanged.
     """
     return (float(high) ** -2, float(low) ** -2) if mode is Mode.EQUIBIAXIAL else (float(low), float(high))
 

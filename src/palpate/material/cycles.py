@@ -1,6 +1,6 @@
-"""Cyclic tests: one state of the material from loading and unloading at several levels.
+"""Cyclic tests: selection of one state from loading and unloading at several levels.
 
-An elastomer softens in its first cycles (Mullins 1969) and keeps a set, so a curve of all cycles is that of no state.
+An elastomer softens in its first cycles (Mullins 1969) and keeps a set, so a curve through all cycles mixes states.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from palpate.material.loading import find_sweeps
 from palpate.material.sample import Loading, Sample
 
 _MIN_ROWS = 4
-"""Rows of a loading: test machines write tens or more, a sudden return of the crosshead one or two."""
+"""Minimum number of rows of a loading: machines write tens or more, a sudden return gives one or two."""
 _SAME_LEVEL = 0.03
 """Peaks nearer than this share of the range are one level; crossheads repeat a peak to about 1 %."""
 
 
 def select_cycle(sample: Sample, cycle: int | None) -> tuple[Sample, ...]:
-    """One state of a cyclic test; any other sample as it is.
+    """Select one state of a cyclic test; return other samples unchanged.
 
     Parameters
     ----------
     sample
         Rows in the order of time.
     cycle
-        Cycle of each level, from 1, with the set removed: stretch and stress then refer to the specimen as it is at
-        the start of this cycle. `None` for first loading, the envelope of the virgin curve.
+        Cycle of each level, from 1, with the set removed: stretch and stress then refer to the specimen at the start
+        of this cycle. `None` for first loading, the envelope of the virgin curve.
 
     Raises
     ------
     PalpateError
-        If a cycle is asked for that the test does not have.
+        If the test does not have this cycle.
     """
     outward = -1.0 if abs(sample.stretch.min() - 1) > abs(sample.stretch.max() - 1) else 1.0
     away = outward * (sample.stretch - 1)

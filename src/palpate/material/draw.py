@@ -1,4 +1,4 @@
-"""Pictures of tests and fits: all samples, their mean and the model, one panel a test (the paper's Fig. 8)."""
+"""Figures of tests and fits: samples, mean and model, one panel a test (as in the paper's Fig. 8)."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def save_figure(path: Path, figure: Figure) -> None:
     Raises
     ------
     PalpateError
-        If the ending is another one or the file cannot be written.
+        If the ending is unknown or the file cannot be written.
     """
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PalpateError(

@@ -1,8 +1,8 @@
-"""Drucker's stability: an increment of strain must need work against the stress it raises.
+"""Drucker's stability: an increment of strain must need work against the stress that it causes.
 
 With the third direction free of stress, ``d tau_i = D_ij d eps_j`` for ``tau = (tau_1 - tau_3, tau_2 - tau_3)`` and
 the two free logarithmic strains; the law is stable while D is positive definite. In principal axes the spatial
-tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``, so D follows from what the elements ask of a law.
+tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``, so D follows from the tangent of the elements.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ LOW, HIGH = 0.05, 20.0
 _POINTS = 400
 """Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
 _WIDTH = 1e-11
-"""Width to which the stretch at which stability ends is halved."""
+"""Width at which the bisection of the stability limit ends."""
 _ROUNDING = 1e-12
-"""Share of the greatest eigenvalue that the smallest one of a large exponent of Ogden's may lose by cancellation."""
+"""Relative rounding of the smallest eigenvalue (Ogden's law with a large exponent), over the largest."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,9 @@ class StableRange:
     mode
         The mode.
     low, high
-        First unstable stretch in compression and in tension, or that at which the law locks; nan where there is none
-        in the scan.
+        First unstable stretch in compression and in tension, or the locking stretch; nan if not found.
     low_locks, high_locks
-        Whether the law locks there: it gives no stress beyond.
+        Whether the law locks there, so that it has no stress beyond.
     """
 
     mode: Mode
@@ -53,7 +52,7 @@ class StableRange:
 
     @property
     def stable(self) -> bool:
-        """Whether the law is stable as far as it gives a stress."""
+        """Whether the law is stable up to the stretch at which it locks."""
         return bool((np.isnan(self.low) or self.low_locks) and (np.isnan(self.high) or self.high_locks))
 
 
@@ -68,7 +67,7 @@ def drucker_matrix(law: Law, principal: FloatArray) -> FloatArray:
 
 
 def find_stable_ranges(law: Law, low: float = LOW, high: float = HIGH) -> tuple[StableRange, ...]:
-    """Find where a law loses Drucker's stability, or locks, in each mode.
+    """Find the stretch at which a law loses Drucker's stability, or locks, in each mode.
 
     Parameters
     ----------
@@ -97,7 +96,7 @@ def scan_ends(mode: Mode, low: float, high: float) -> tuple[float, float]:
 
 
 def _first_unstable(law: Law, mode: Mode, end: float) -> tuple[float, bool]:
-    """First stretch towards an end at which a law is unstable or locks, nan if it does not; and whether it locks."""
+    """Find the first unstable or locking stretch towards an end (nan if none), and whether it locks."""
     path = end ** np.linspace(0.0, 1.0, _POINTS)
     least = _least(law, mode, path)
     ended = np.flatnonzero(~(least > 0))

@@ -1,4 +1,4 @@
-"""A fit: the constants found, how well they are known, and how far they may be trusted."""
+"""Fitted constants of a law, with confidence intervals, quality and range of stability."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from palpate.material.spec import FitSpec
 
 @dataclass(frozen=True)
 class ModeQuality:
-    """How well a law describes the samples of one mode.
+    """Quality of a law for the samples of one mode.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class ModeQuality:
     rmse
         MPa.
     relative
-        RMSE over the greatest stress measured.
+        RMSE over the maximum measured stress.
     """
 
     mode: Mode
@@ -48,24 +48,24 @@ class ModeQuality:
 
 @dataclass(frozen=True)
 class Fit:
-    """What a fit found.
+    """Result of a fit.
 
     Attributes
     ----------
     spec
-        How it was made.
+        Settings of the fit.
     model
         The model.
     linear, shapes
         Its constants: (k,) MPa and (k,) or (0,).
     intervals
-        (p, 2) confidence intervals of all constants, linear ones first; nan where a bound or the stability holds the
-        fit, for then the theory of least squares gives none.
+        (p, 2) confidence intervals of all constants, linear ones first; nan if a bound or the stability constrains
+        the fit, which least-squares theory does not cover.
     objective
         Weighted sum of squared residuals; MPa² with uniform weights.
     condition
-        Condition number of the weighted sensitivities, each column scaled to length 1: above some 1e3 the data do
-        not tell the constants apart.
+        Condition number of the weighted sensitivities, each column scaled to length 1: above about 1e3 the data do
+        not separate the constants.
     count
         Rows fitted.
     aicc
@@ -75,7 +75,7 @@ class Fit:
     scanned
         Uniaxial stretches between which `stability` is scanned.
     held
-        Whether a bound or the stability holds the fit.
+        Whether a bound or the stability constrains the fit.
     from_samples
         Whether the intervals come from the differences between samples, not from those between rows.
     """
@@ -107,12 +107,12 @@ class Fit:
 
     @cached_property
     def stability(self) -> tuple[StableRange, ...]:
-        """Where each mode loses Drucker's stability or locks."""
+        """Stability limit or locking stretch of each mode."""
         return find_stable_ranges(self.law, *self.scanned)
 
     @property
     def stable(self) -> bool:
-        """Whether no mode loses Drucker's stability within the scan, as far as the law gives a stress."""
+        """Whether no mode loses Drucker's stability within the scan, up to locking."""
         return all(item.stable for item in self.stability)
 
     def nominal(self, mode: Mode, stretch: FloatArray) -> FloatArray:
@@ -120,7 +120,7 @@ class Fit:
         return np.asarray(self.model.terms(stretches(mode, stretch), self.shapes) @ self.linear)
 
     def nominal_of(self, sample: Sample) -> FloatArray:
-        """Nominal stress (n,) MPa where a sample was measured."""
+        """Nominal stress (n,) MPa at the stretches of a sample."""
         return self.nominal(sample.mode, sample.stretch)
 
     def material(self, name: str, source: str = "", licence: str = "") -> Material:
@@ -149,7 +149,7 @@ class Fit:
 
 
 def assess_fit(samples: Sequence[Sample], predicted: Sequence[FloatArray]) -> tuple[ModeQuality, ...]:
-    """Judge predicted nominal stresses, (n,) each, by mode of the samples."""
+    """Compute the quality of predicted nominal stresses, (n,) each, by mode of the samples."""
     found = []
     for mode in Mode:
         chosen = [at for at, sample in enumerate(samples) if sample.mode is mode]

@@ -26,16 +26,16 @@ from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec, Weighting
 
 _LEAST_SHARE = 0.01
-"""With relative weights, stresses below this share of a mode's greatest count as that."""
+"""Minimum stress of relative weights, over a mode's maximum stress."""
 _MARGIN = 1e-3
-"""Least stiffness of a fit held to stability, over that of the neo-Hookean fit in the same state."""
+"""Minimum stiffness of a stable fit, over that of the neo-Hookean fit in the same state."""
 _STATES = 400
-"""Stretches of each mode at which the stability is held."""
+"""Stretches of each mode at which stability is required."""
 _GOOD_STARTS = 3
-"""Best starts that are searched to the end."""
+"""Number of best starts that are searched to the end."""
 _AT_BOUND = 1e-6
 _FEWEST_SAMPLES = 3
-"""Samples of each test from which their differences tell the intervals."""
+"""Minimum number of samples per test for intervals from their differences."""
 
 
 class _Data(NamedTuple):
@@ -57,9 +57,9 @@ class _Solution:
 def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None) -> Fit:
     """Fit one model to all samples.
 
-    Where every test has three samples or more, the intervals come from the differences between samples (a jackknife
-    that leaves each out in turn, by test); with fewer they take every row for an observation of its own, which is
-    right for noise and too narrow where specimens differ.
+    If every test has at least three samples, the intervals come from the differences between samples (a jackknife
+    that leaves each out in turn, by test). Otherwise every row counts as an independent observation, which is right
+    for noise and too narrow if specimens differ.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None) -> Fit:
 
 
 def _intervals_between(samples: Sequence[Sample], fit: Fit) -> FloatArray:
-    """Confidence intervals (p, 2) by the stratified jackknife (Shao & Tu 1995, section 6.2), a stratum a test.
+    """Confidence intervals (p, 2) by the stratified jackknife (Shao & Tu 1995, section 6.2), by test.
 
-    Student's distribution has Satterthwaite's degrees of freedom, for one test may decide a constant alone.
+    Student's distribution has Satterthwaite's degrees of freedom, since one test alone may determine a constant.
     """
     left_out: dict[Loading, list[FloatArray]] = {}
     for at, sample in enumerate(samples):
@@ -101,7 +101,7 @@ def _intervals_between(samples: Sequence[Sample], fit: Fit) -> FloatArray:
 
 
 def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit | None = None) -> Fit:
-    """Fit one model to all rows of all samples, each row an observation of its own.
+    """Fit one model to all rows of all samples, each row an independent observation.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def _gather(samples: Sequence[Sample], spec: FitSpec) -> _Data:
 
 
 def _scanned(samples: Sequence[Sample], spec: FitSpec) -> tuple[float, float]:
-    """Uniaxial stretches between which stability is scanned: those of the spec, or of the data if they go further."""
+    """Uniaxial stretches of the stability scan: those of the spec, or of the data if they go further."""
     ends = [uniaxial_range(sample.mode, sample.stretch.min(), sample.stretch.max()) for sample in samples]
     return min(spec.stable_from, *(low for low, _ in ends)), max(spec.stable_to, *(high for _, high in ends))
 
@@ -214,7 +214,7 @@ def _drucker_terms(model: Model, data: _Data, ends: tuple[float, float]) -> Floa
 
 
 def _fit_shapes(model: Model, data: _Data, spec: FitSpec, near: Fit | None) -> _Solution:
-    """Search the shapes: every start is tried for a few steps, the best are followed to the end."""
+    """Search the shapes: a few steps from every start, then the best starts to the end."""
     starts = model.starts(data.principal, spec.max_exponent)
     if near is not None:
         boxes = [box for box, _ in starts if np.all((box[0] <= near.shapes) & (near.shapes <= box[1]))]
@@ -285,7 +285,7 @@ def _intervals(jacobian: FloatArray, solution: _Solution, confidence: float) -> 
 
 
 def _aicc(objective: float, rows: int, constants: int) -> float:
-    """Akaike's criterion of normal residuals, the variance counted among the constants (Burnham & Anderson 2002)."""
+    """Akaike's criterion of normal residuals, with the variance as a constant (Burnham & Anderson 2002)."""
     k = constants + 1
     if rows - k - 1 <= 0:
         return float("inf")

@@ -1,9 +1,9 @@
-"""Fit a Prony series to relaxation tests: as many terms as the data bear, through the strain as it came.
+"""Fit of a Prony series to relaxation tests, by the response to the measured strain.
 
-What is fitted is the answer to the measured strain, not to a step: each term's answer to a course of straight pieces
-is known in closed form. Rows are averaged over even stretches of log time, so that the hour of a slow decay does not
-outweigh the first second. Constants are held at zero or above, start from non-negative least squares on a dense grid
-of times, whose neighbours are merged, and the number of terms is the one of Akaike's criterion, one a decade at most.
+The response of each term to a piecewise linear strain history is known in closed form. Rows are averaged over equal
+intervals of log time, so that the first second has the weight of an hour. Constants are at least zero and start from
+non-negative least squares on a dense grid of times, whose neighbours are merged. Akaike's criterion selects the
+number of terms, at most one a decade.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from palpate.material.relaxation_test import RelaxationTest
 _BINS_PER_DECADE = 20
 _GRID_PER_DECADE = 10
 _KNOT = 0.01
-"""Share of the strain held by which its course of straight pieces may be off."""
+"""Maximum error of the piecewise linear strain history, over the held strain."""
 _LEAST_WEIGHED = 0.2
-"""Stresses below this share of a test's greatest weigh as that one."""
+"""Minimum stress of the weights, over a test's maximum stress."""
 _AT_BOUND = 1e-4
 _LEAST_END = 1e-3
-"""Share that must be left in the end for it to be told from a last, slow term."""
+"""Minimum long-term share that is distinguished from a slow term."""
 
 
 @dataclass(frozen=True)
 class RelaxationFit:
-    """What a fit to relaxation tests found.
+    """Result of a fit to relaxation tests.
 
     Attributes
     ----------
@@ -40,15 +40,16 @@ class RelaxationFit:
         The series.
     intervals
         (2 k, 2) confidence intervals of the shares and then of the times (s), from the differences between rows; nan
-        where a bound holds a term.
+        if a bound constrains a term.
     confidence
-        Of the intervals.
+        Level of the intervals.
     first, last
-        s since the strain began, between which the tests tell something.
+        Range of the tests, s since the strain began.
     greatest, rms
-        Difference between fit and rows averaged over log time, over their stress, while the strain was held.
+        Maximum and RMS difference between fit and rows averaged over log time, relative to their stress, during the
+        hold.
     tried
-        By number of terms: Akaike's criterion and the greatest difference of the fit.
+        By number of terms: Akaike's criterion and the maximum difference of the fit.
     count
         Averaged rows.
     """
@@ -66,7 +67,7 @@ class RelaxationFit:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Averaged rows of one test: stress over its greatest, weights, and the answers of a term to its strain."""
+    """Averaged rows of one test: normalised stress, weights, and the responses of a term to its strain."""
 
     stress: FloatArray
     weight: FloatArray
@@ -78,11 +79,11 @@ class _Rows:
     answers: dict[float, FloatArray] = field(default_factory=dict)
 
     def answer(self, times: FloatArray) -> FloatArray:
-        """Answers (n, 1 + k): of what does not relax, and of terms of these times (k,) s."""
+        """Responses (n, 1 + k): of the part that does not relax, and of terms of these times (k,) s."""
         return np.column_stack([self._term(float(time)) for time in [np.inf, *times]])
 
     def _term(self, time: float) -> FloatArray:
-        """Answer (n,) of one term, kept: a search by differences changes one time at once, and asks for all."""
+        """Cached response (n,) of one term."""
         if time not in self.answers:
             begun = np.maximum(self.passed, 0.0)  # (rows, pieces): since a piece began, and since it ended
             ended = np.maximum(self.passed - self.lengths, 0.0)
@@ -101,24 +102,24 @@ def fit_relaxation(
     moduli: Moduli = Moduli.LONG_TERM,
     terms: int | None = None,
 ) -> RelaxationFit:
-    """Fit one Prony series to all tests; each may have a strain of its own.
+    """Fit one Prony series to all tests; each may have its own strain.
 
     Parameters
     ----------
     tests
         At least one.
     confidence
-        Of the intervals.
+        Level of the intervals.
     moduli
-        When the constants of the law hold that it will stand beside.
+        Time at which the constants of the material's law hold.
     terms
         Number of terms; chosen by Akaike's criterion if left out.
 
     Raises
     ------
     PalpateError
-        If a test is no relaxation, there are fewer rows than constants, or the stress does not fall, or falls at the
-        end as if nothing would stay.
+        If a test shows no relaxation, there are fewer rows than constants, or the stress does not fall or does not
+        level off.
     """
     if not tests:
         raise PalpateError("There are no relaxation tests.", "Give the file of at least one.", code="fit-no-samples")
@@ -150,7 +151,7 @@ def fit_relaxation(
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Amplitudes of the tests, strengths over what stays and times (k,) of the terms, and how well that fits."""
+    """Amplitudes of the tests, strengths over the long-term part and times (k,) of the terms, and misfit."""
 
     amplitudes: FloatArray
     strengths: FloatArray
@@ -163,7 +164,7 @@ class _Found:
 
 
 def _average(test: RelaxationTest) -> _Rows:
-    """Rows averaged over even stretches of log time since the strain began, those before it was whole as they are."""
+    """Average rows over equal intervals of log time since the strain began; the ramp is unchanged."""
     begun, whole = test.ramp_times
     after = test.time >= begun
     time, stress = test.time[after] - begun, test.stress[after]
@@ -189,7 +190,7 @@ def _average(test: RelaxationTest) -> _Rows:
 
 
 def _knots(time: FloatArray, strain: FloatArray) -> list[int]:
-    """Rows between which the strain runs straight to within `_KNOT` (Douglas & Peucker 1973)."""
+    """Rows between which the strain is linear to within `_KNOT` (Douglas & Peucker 1973)."""
     kept, open_pieces = {0, len(time) - 1}, [(0, len(time) - 1)]
     while open_pieces:
         low, high = open_pieces.pop()
@@ -205,19 +206,19 @@ def _knots(time: FloatArray, strain: FloatArray) -> list[int]:
 
 
 def _fit(rows: Sequence[_Rows], number: int, ends: tuple[float, float]) -> _Found:
-    """The best series of so many terms."""
+    """Find the best series of this number of terms."""
     starts = [_even_start(number, ends), _merged_start(rows, number, ends)]
     found = [_search(rows, start, ends) for start in starts if start is not None]
     return min(found, key=lambda each: each.objective)
 
 
 def _even_start(number: int, ends: tuple[float, float]) -> FloatArray:
-    """Times (k,) s in the middle of even stretches of log time."""
+    """Times (k,) s at the centres of equal intervals of log time."""
     return np.asarray(np.geomspace(*ends, 2 * number + 1)[1::2])
 
 
 def _merged_start(rows: Sequence[_Rows], number: int, ends: tuple[float, float]) -> FloatArray | None:
-    """Times (k,) s of non-negative least squares on a dense grid, the nearest merged until so many are left."""
+    """Times (k,) s of non-negative least squares on a dense grid, with nearest times merged."""
     grid = np.geomspace(*ends, 2 + int(_GRID_PER_DECADE * np.log10(ends[1] / ends[0])))
     A = np.vstack([each.answer(grid) * each.weight[:, None] for each in rows])
     strength = nnls(A, np.concatenate([each.stress * each.weight for each in rows]), maxiter=50 * A.shape[1])[0][1:]
@@ -277,7 +278,7 @@ def _search(rows: Sequence[_Rows], start: FloatArray, ends: tuple[float, float])
 
 
 def _guess(rows: Sequence[_Rows], times: FloatArray) -> FloatArray:
-    """Amplitudes, strengths and log times from which the search begins, by non-negative least squares."""
+    """Initial amplitudes, strengths and log times, by non-negative least squares."""
     A = rows[0].answer(times) * rows[0].weight[:, None]
     parts = nnls(A, rows[0].stress * rows[0].weight, maxiter=50 * A.shape[1])[0]
     end = max(parts[0], 0.01 * parts.sum(), 1e-6)
@@ -295,8 +296,8 @@ def _conclude(
     whole = 1.0 + best.strengths.sum()
     if 1.0 / whole < _LEAST_END:
         raise PalpateError(
-            f"After {ends[1]:.3g} s the stress still falls as if nothing would stay.",
-            "Hold longer, until the stress levels off, or cut what comes after the strain is let go.",
+            f"After {ends[1]:.3g} s the stress still falls and does not level off.",
+            "Hold longer, until the stress levels off, or cut the rows after the strain is released.",
             code="relaxation-not-levelled",
         )
     kept = best.strengths / whole > _AT_BOUND
@@ -325,7 +326,7 @@ def _conclude(
 
 
 def _half_widths(best: _Found, tests: int, confidence: float, ends: tuple[float, float]) -> FloatArray:
-    """Half-widths (2 k,) of the intervals of log shares and log times; nan where a bound holds a term."""
+    """Half-widths (2 k,) of the intervals of log shares and log times; nan if a bound constrains a term."""
     k = len(best.strengths)
     bound = (best.strengths < _AT_BOUND) | (best.times < ends[0] * 1.001) | (best.times > ends[1] * 0.999)
     free = len(best.jacobian) - best.jacobian.shape[1]

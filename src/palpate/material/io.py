@@ -56,7 +56,7 @@ def read_material(path: Path) -> Material:
     Raises
     ------
     PalpateError
-        If the file cannot be read or is no material; the message names file and key.
+        If the file cannot be read or is not a material; the message names file and key.
     """
     try:
         text = path.read_text("utf-8")
@@ -83,17 +83,17 @@ def parse_material(text: str, name: str) -> Material:
     text
         YAML.
     name
-        Of the file, for errors.
+        Name of the file, for errors.
     """
     try:
         content = YAML(typ="safe", pure=True).load(text)
     except MarkedYAMLError as error:
         line = f":{error.problem_mark.line + 1}" if error.problem_mark is not None else ""
         raise PalpateError(
-            f"{name}{line}: this is not YAML: {error.problem}.", "Mend the line.", code="yaml-malformed"
+            f"{name}{line}: this is not YAML: {error.problem}.", "Correct the line.", code="yaml-malformed"
         ) from None
     except (YAMLError, RecursionError):
-        raise PalpateError(f"{name}: this is not YAML.", "Mend the file.", code="yaml-malformed") from None
+        raise PalpateError(f"{name}: this is not YAML.", "Correct the file.", code="yaml-malformed") from None
     if not isinstance(content, dict) or not {"name", "law", "constants"} <= set(content):
         raise PalpateError(
             f"{name} is no material file.",

@@ -1,9 +1,8 @@
-"""The contract of a hyperelastic law, and of the models by which a law is fitted.
+"""Interface of hyperelastic laws, and of the models by which a law is fitted.
 
 Every law is isotropic and gives the isochoric part of the strain energy, a function of ``F_bar = J**(-1/3) F``; the
-volumetric part is that of `palpate.material.Material`. Each law stands in a file of `palpate.material.laws` or in
-another package, which names it in its entry points (group ``palpate.laws``); `palpate.testing.LawSuite` holds it to
-this contract.
+volumetric part is that of `palpate.material.Material`. Each law has a file in `palpate.material.laws`, or a package
+that names it in its entry points (group ``palpate.laws``); `palpate.testing.LawSuite` tests this interface.
 
 Reference: Holzapfel, *Nonlinear Solid Mechanics* (2000), sections 6.4-6.6.
 """
@@ -26,11 +25,11 @@ class DeckLine(NamedTuple):
     Attributes
     ----------
     parameter
-        What follows ``*HYPERELASTIC,``.
+        Parameter of ``*HYPERELASTIC``.
     constants
         MPa and pure numbers, those of the volumetric part left out.
     volumetric
-        Number of the constants D1, D2, … that follow.
+        Number of the volumetric constants D1, D2, … after them.
     """
 
     parameter: str
@@ -42,15 +41,15 @@ class DeckLine(NamedTuple):
 class Law(ABC):
     """Isochoric strain energy of an isotropic hyperelastic material.
 
-    An implementer is a frozen dataclass whose fields are the constants, by the names of the literature, in MPa or as
-    pure numbers; a field with a default may be left out where a law is read, and is left out where it is written.
+    An implementation is a frozen dataclass whose fields are the constants, by the names of the literature, in MPa or
+    as pure numbers; a field with a default is optional.
 
     Attributes
     ----------
     name
-        As on the command line and in files, e.g. ``yeoh``; the name of its entry point.
+        Name on the command line and in files, e.g. ``yeoh``; the name of its entry point.
     forms
-        Constants in the order in which a person writes them, one form for each count; none: all fields.
+        Constants in the order in which the user writes them, one form for each count; empty: all fields.
     """
 
     name: ClassVar[str]
@@ -80,7 +79,7 @@ class Law(ABC):
 
     @abstractmethod
     def scaled(self, modulus: float, stiffening: float = 1.0) -> Self:
-        """The law with its stress times `modulus`, and that of its constants of higher order times `stiffening` too.
+        """Return the law with its stress times `modulus`, and higher-order constants times `stiffening` too.
 
         Raises
         ------
@@ -90,22 +89,22 @@ class Law(ABC):
 
     @abstractmethod
     def deck(self) -> DeckLine | None:
-        """The law in a deck; `None` where Abaqus and CalculiX have none like it."""
+        """Deck keywords of the law; `None` if Abaqus and CalculiX have no such law."""
 
     @classmethod
     @abstractmethod
     def models(cls) -> Sequence[Model]:
-        """Models by which it is fitted, in the order in which they are listed; none where it cannot be fitted."""
+        """Models by which the law is fitted, in the order of the list; empty if it cannot be fitted."""
 
     @property
     def constants(self) -> dict[str, float]:
-        """Constants by name, MPa or pure numbers; those that have their default are left out."""
+        """Constants by name, MPa or pure numbers; those at their default are omitted."""
         values = {item.name: (getattr(self, item.name), item.default) for item in fields(self)}
         return {name: float(value) for name, (value, default) in values.items() if value != default}
 
     @classmethod
     def constants_text(cls) -> str:
-        """How a person writes its constants, e.g. ``C10,C20,C30``."""
+        """Format of the constants, e.g. ``C10,C20,C30``."""
         return " or ".join(",".join(form) for form in cls._forms())
 
     @classmethod
@@ -152,7 +151,7 @@ class Law(ABC):
 
 
 def refuse_stiffening(law: Law, stiffening: float) -> None:
-    """Refuse to vary constants of higher order that a law does not have."""
+    """Reject a variation of higher-order constants that a law does not have."""
     if not np.isclose(stiffening, 1.0):
         raise PalpateError(
             f"The law {law.name} has no constants of higher order to vary.",
@@ -162,15 +161,14 @@ def refuse_stiffening(law: Law, stiffening: float) -> None:
 
 
 class Model(ABC):
-    """A family of laws with free constants, and how the stress of a test depends on them.
+    """A family of laws with free constants, and the dependence of a test's stress on them.
 
     The nominal stress of an incompressible test is a sum of terms linear in some constants `c`; each term may depend
     on one more constant, its *shape*:
 
         P_1(lambda) = sum_k c_k phi_k(lambda; theta_k),   phi from P_1 = (tau_1 - tau_3) / lambda_1.
 
-    So a law that is linear in its constants is fitted exactly, and the others by a search over the shapes alone
-    (variable projection, Golub & Pereyra 1973).
+    Linear constants are solved exactly, and only the shapes are searched (variable projection, Golub & Pereyra 1973).
     """
 
     @property
@@ -186,7 +184,7 @@ class Model(ABC):
     @property
     @abstractmethod
     def shapes(self) -> tuple[str, ...]:
-        """Names of the others, pure numbers: none, or one for each linear constant."""
+        """Names of the shapes, pure numbers: none, or one for each linear constant."""
 
     @abstractmethod
     def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
@@ -198,15 +196,15 @@ class Model(ABC):
 
     @abstractmethod
     def term_slopes(self, principal: FloatArray, shapes: FloatArray) -> FloatArray:
-        """Derivative (n, k) of each term by its shape; (n, 0) where there is none."""
+        """Derivative (n, k) of each term by its shape; (n, 0) without shapes."""
 
     @abstractmethod
     def starts(self, principal: FloatArray, largest_exponent: float) -> list[tuple[FloatArray, FloatArray]]:
-        """Boxes to search for shapes in, (2, k) each, and a start (k,) within it."""
+        """Bounds of the search for shapes, (2, k) each, and a start (k,) within them."""
 
     @abstractmethod
     def signs(self, shapes: FloatArray) -> FloatArray:
-        """Signs (k,) of the linear constants with which a law of these shapes is stable; not asked without shapes."""
+        """Signs (k,) of the linear constants for which a law of these shapes is stable; unused without shapes."""
 
     @property
     def constants(self) -> tuple[str, ...]:

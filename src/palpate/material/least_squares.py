@@ -1,6 +1,6 @@
 """Least squares with linear inequalities, solved exactly.
 
-``min |A c - b|²`` subject to ``G c >= h`` becomes a least-distance problem and that one a problem of non-negative
+``min |A c - b|²`` subject to ``G c >= h`` becomes a minimum-distance problem and that one a problem of non-negative
 least squares (Lawson & Hanson 1974, chapter 23).
 """
 
@@ -32,7 +32,7 @@ def solve_bounded(A: FloatArray, b: FloatArray, G: FloatArray, h: FloatArray) ->
     Returns
     -------
     (k,) array or None
-        None where no c meets the inequalities.
+        None if no c meets the inequalities.
     """
     scale = lengths(A)
     q, r = np.linalg.qr(A / scale)
@@ -63,8 +63,8 @@ def solve_positive_definite(
 ) -> tuple[FloatArray, FloatArray] | None:
     """Solve ``min |A c - b|`` so that ``sum_k c_k M_k`` has no eigenvalue below a margin, at every state.
 
-    The set is convex and each eigenvector gives a plane that bounds it: planes are added where the last solution
-    crosses it (Kelley 1960) until none does.
+    The set is convex and each eigenvector gives a plane that bounds it: planes violated by the last solution are
+    added (Kelley 1960) until none is violated.
 
     Parameters
     ----------
@@ -73,12 +73,12 @@ def solve_positive_definite(
     matrices
         (k, m, 2, 2) symmetric matrices of m states, scaled so that 1 is their usual size.
     margin
-        Least eigenvalue.
+        Minimum eigenvalue.
 
     Returns
     -------
     ((k,), (j, k)) arrays or None
-        The solution and the planes it lies on; None where no solution was found.
+        The solution and its active planes; None if no solution was found.
     """
     planes = np.empty((0, A.shape[1]))
     c = solve_linear(A, b)
@@ -107,7 +107,7 @@ def solve_signed(A: FloatArray, b: FloatArray, signs: FloatArray | None) -> Floa
 
 
 def lengths(A: FloatArray) -> FloatArray:
-    """Euclidean length (k,) of each column, 1 where it is zero; columns of any size, for exponents may be large."""
+    """Euclidean length (k,) of each column, 1 for a zero column; safe for very large entries."""
     size = np.abs(A).max(axis=0, initial=0.0)
     size = np.where(size > 0, size, 1.0)
     length: FloatArray = size * np.linalg.norm(A / size, axis=0)

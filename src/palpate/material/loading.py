@@ -1,8 +1,8 @@
-"""The loading branch of a curve, whatever the order of its rows.
+"""Loading branch of a curve, whatever the order of its rows.
 
-A file of one curve says the same in any order: its rows are sorted by stretch. Only where a specimen was unloaded, or
-broke and sprang back, has one stretch two stresses, and the order of the rows says which came first. That is so where
-the rows run through the range in few sweeps and each sweep alone is smoother than all rows sorted together.
+Rows of a single curve are sorted by stretch. If a specimen was unloaded, or broke and sprang back, a stretch has two
+stresses, and the order of the rows separates them. This case is recognised by rows that run through the range in few
+sweeps, each smoother than all rows sorted together.
 """
 
 from __future__ import annotations
@@ -13,31 +13,31 @@ from palpate.core import FloatArray, IntArray
 from palpate.material.sample import Loading, Sample
 
 _BROKEN = 0.8
-"""A stress below this share of the greatest one, after it, is that of a broken specimen."""
+"""A later stress below this share of the maximum is that of a broken specimen."""
 _TURN = 0.02
-"""Share of the range by which the stretch must go back for a sweep to end there: less is the bench's tremor."""
+"""Share of the range by which the stretch must reverse to end a sweep; less is noise of the machine."""
 _IN_SWEEPS = 0.6
-"""Share of the rows that must lie within sweeps, not at their ends: of shuffled rows a third does."""
+"""Minimum share of the rows within sweeps, not at their ends: of shuffled rows it is a third."""
 _ROUGHER = 2.0
-"""Sorted rows that are so many times as rough as the sweeps belong to several branches."""
+"""Ratio of the roughness of sorted rows to that of the sweeps from which there are several branches."""
 _FEWEST = 4
-"""Rows before the farthest one that a loading branch has at least."""
+"""Minimum number of rows before the one of maximum stretch in a loading branch."""
 _SMOOTH = 2e-3
-"""Roughness over the greatest stress below which there is one branch in any case."""
+"""Roughness over the maximum stress below which there is a single branch."""
 
 
 def loading_branch(sample: Sample) -> Sample:
-    """The rows of loading, sorted outward from rest, without those after break or unloading.
+    """Return the rows of loading, sorted outward from rest, without those after break or unloading.
 
     Parameters
     ----------
     sample
-        As read, in any order; where it holds several branches, in the order of time.
+        As read, in any order; with several branches, in the order of time.
 
     Returns
     -------
     Sample
-        Its rows up to the farthest stretch; all rows, sorted, where a file holds tension and compression.
+        Its rows up to the maximum stretch; all rows, sorted, if a file contains tension and compression.
     """
     if sample.loading is Loading.UNIAXIAL:
         return sample.where(np.argsort(sample.stretch, kind="stable"))
@@ -55,7 +55,7 @@ def loading_branch(sample: Sample) -> Sample:
 
 
 def _before_break(sample: Sample, outward: int) -> Sample:
-    """The rows up to the greatest stress, if a much smaller one follows."""
+    """The rows up to the maximum stress, if a much smaller one follows."""
     size = outward * sample.nominal
     peak = int(np.argmax(size))
     broken = np.any(size[peak:] < _BROKEN * size[peak])
@@ -80,9 +80,9 @@ def find_sweeps(stretch: FloatArray) -> list[IntArray]:
 
 
 def _is_two_valued(sample: Sample, sweeps: list[IntArray], sorted_rows: IntArray) -> bool:
-    """Whether the sweeps are branches of their own, not pieces or a disorder of one curve.
+    """Whether the sweeps are separate branches, not pieces of one curve in disorder.
 
-    Two sweeps, out and back, are always: disorder never looks like that.
+    Two sweeps, out and back, always are.
     """
     if len(sweeps) == 2 and min(map(len, sweeps)) > _FEWEST:
         return True
@@ -98,7 +98,7 @@ def _is_two_valued(sample: Sample, sweeps: list[IntArray], sorted_rows: IntArray
 
 
 def _write_misses(sample: Sample, rows: IntArray, misses: FloatArray) -> None:
-    """How far each inner row lies from the line through its neighbours, MPa, over what noise alone would give."""
+    """Distance of each inner row from the line through its neighbours, MPa, scaled to the noise."""
     stretch, nominal = sample.stretch[rows], sample.nominal[rows]
     span = stretch[2:] - stretch[:-2]
     share = np.where(span == 0, 0.5, (stretch[1:-1] - stretch[:-2]) / np.where(span == 0, 1.0, span))

@@ -1,4 +1,4 @@
-"""Laws and models by name: the package's own, and those of packages that name them in the group ``palpate.laws``."""
+"""Laws and models by name: those of palpate, and those of packages in the group ``palpate.laws``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LAWS: Registry[type[Law]] = Registry(
 """Laws by name."""
 
 SECOND_INVARIANT = LinearModel("yeoh-i2", Polynomial, ("C10", "C01", "C20", "C30"))
-"""Yeoh's law with a term in I2: no choice of a person's, but a witness of what I2 could do where it was not seen."""
+"""Yeoh's law with a term in I2: not selectable, shows the effect of I2 in unmeasured modes."""
 
 
 def list_models() -> tuple[str, ...]:
@@ -40,7 +40,7 @@ def get_model(name: str) -> Model:
     Raises
     ------
     PalpateError
-        If there is none of that name.
+        If there is no such model.
     """
     models = _models() | {SECOND_INVARIANT.name: SECOND_INVARIANT}
     if name not in models:

@@ -1,4 +1,4 @@
-"""A material: an isochoric law, the volumetric part, and where the numbers come from."""
+"""Material: isochoric law, volumetric part, and origin of the constants."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class Material:
     licence
         Licence of the numbers or of the data behind them.
     quality
-        How well the law fits its data.
+        Quality of the law for its data.
     caution
-        What a user must know.
+        Warning for the user.
     gel
-        What fills a skin of this material, tied to it and to its window; `None`: it is hollow.
+        Gel that fills a skin of this material, bonded to it and to its window; `None`: it is hollow.
     relaxation
-        How its stress fades under a strain that stays; `None`: not at all.
+        Relaxation of its stress at constant strain; `None`: it does not relax.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Material:
 
     @property
     def has_gel(self) -> bool:
-        """Whether a skin of it has a gel inside."""
+        """Whether a skin of this material is filled with a gel."""
         return self.gel is not None
 
     @property
@@ -90,12 +90,12 @@ class Material:
 
     @property
     def whole_relaxation(self) -> Relaxation | None:
-        """Relaxation of a whole skin of it, wall and gel.
+        """Relaxation of a whole skin, gel included.
 
         Raises
         ------
         PalpateError
-            If the gel relaxes otherwise than the wall: then no single function describes the skin.
+            If gel and skin have different relaxations: no single function describes the skin then.
         """
         if self.gel is not None and self.gel.relaxation != self.relaxation:
             raise PalpateError(
@@ -112,7 +112,7 @@ class Material:
     def key_data(self) -> dict[str, Any]:
         """Return the identity as plain values; the name does not matter.
 
-        Law, constants (MPa) and bulk ratio; relaxation and gel where there is one.
+        Law, constants (MPa) and bulk ratio; relaxation and gel if present.
         """
         own: dict[str, Any] = {
             "law": self.law.name,

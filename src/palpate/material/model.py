@@ -16,7 +16,7 @@ from palpate.material.laws.invariants import drive
 @final
 @dataclass(frozen=True)
 class LinearModel(Model):
-    """A law whose stress is linear in all its constants; its terms are the law itself, one constant at 1 MPa.
+    """A law whose stress is linear in its constants; its terms are the law with one constant at 1 MPa.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class LinearModel(Model):
     form
         The law.
     free
-        Names of the constants that are fitted; the others have their defaults.
+        Names of the fitted constants; the remaining ones have their defaults.
     """
 
     label: str

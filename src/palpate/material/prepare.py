@@ -1,4 +1,4 @@
-"""Preparing curves: cut at the break, compensate the toe, trim, thin; and the mean of several samples."""
+"""Preparation of curves: cut at break, toe compensation, trimming, thinning; mean of samples."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from palpate.material.spec import PrepareSpec
 
 _LEAST_ROWS = 5
 _TOE, _TOE_STRAIN = 0.15, 0.15
-"""Share of the strain within which a toe is looked for, and the strain beyond which it is none."""
+"""Share of the strain within which a toe is sought, and maximum strain of a toe."""
 _TOE_WINDOW = 5
 """Rows over which the slope of a toe is taken."""
 
 
 @dataclass(frozen=True)
 class AverageCurve:
-    """Mean of the samples of one test where all of them were measured.
+    """Mean of the samples of one test over their common range.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
 def toe_offset(sample: Sample) -> float:
     """Strain at which the steepest line of a curve's first part meets zero stress (ASTM D638, annex A1).
 
-    Zero where the curve is steepest at its very start: it has no toe.
+    Zero if the curve is steepest at its start: it has no toe.
     """
     strain, stress = np.abs(sample.stretch - 1), np.abs(sample.nominal)
     first = strain <= strain.min() + min(_TOE * np.ptp(strain), _TOE_STRAIN)

@@ -1,4 +1,4 @@
-"""Ranking models: which one describes the samples best, and what a fit may say about tests that were not made."""
+"""Ranking of models by their fit to samples, and their extrapolation to modes that were not measured."""
 
 from __future__ import annotations
 
@@ -17,32 +17,34 @@ from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec
 
 _AS_GOOD = 10.0
-"""A model is a peer if its error is at most so many times that of the best."""
+"""Maximum ratio of a peer model's error to that of the best model."""
 _SHARE, _BENCHES, _UPPER = 0.7, 0.05, 3.0
-"""Error to reckon with: share of the distance between models, and what differs between benches where models agree
-altogether; upper end over that. Fitted to five rubbers and checked by leaving each out (docs/results/materials)."""
+"""Error estimate: share of the distance of models, difference of machines, ratio of the upper end.
+
+Fitted to five rubbers and checked by leaving each out (docs/results/materials).
+"""
 _UNDETERMINED = 1e8
-"""Condition number beyond which the constants are any of many, and so is what they say of other modes."""
+"""Condition number beyond which the data do not determine the constants."""
 _POINTS = 60
 """Stretches at which models are compared."""
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """One model among the others.
+    """Rank of one model.
 
     Attributes
     ----------
     name
         Model.
     fit
-        Its fit; none where there is none.
+        Its fit; `None` if it failed.
     delta_aicc
-        Akaike's criterion above that of the best: beyond 10 the data speak against the model.
+        Akaike's criterion above that of the best: beyond 10 the data contradict the model.
     left_out
-        RMSE over the greatest stress of samples that were left out of the fit in turn; nan with one sample.
+        RMSE over the maximum stress of samples that were left out of the fit in turn; nan with one sample.
     failure
-        Why there is no fit.
+        Reason for a missing fit.
     """
 
     name: str
@@ -54,21 +56,21 @@ class Ranked:
 
 @dataclass(frozen=True)
 class ModeExtrapolation:
-    """What a fit may miss in a mode that was not measured.
+    """Error estimate of a fit in a mode that was not measured.
 
     Attributes
     ----------
     mode
         The mode.
     high
-        Stretch to which it is judged: that of the greatest I1 measured.
+        Maximum stretch of the estimate: that of the maximum measured I1.
     between
-        Median distance from the other models that fit about as well: RMS over their greatest stress; nan without
-        any, and where the data do not determine the constants.
+        Median distance from the peer models: RMS over their maximum stress; nan without peers, and if the data do not
+        determine the constants.
     relative
-        Error to reckon with, RMS over the greatest stress; nan where `between` is.
+        Error estimate, RMS over the maximum stress; nan with `between`.
     upper
-        Upper end of that error, met by nine fits in ten or more.
+        Upper end of that error, valid for at least 90 % of the fits.
     peers
         Their names.
     """
@@ -110,9 +112,10 @@ def rank_models(
 
 
 def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
-    """Error in predicting each sample by a fit to the others: RMS over samples, each over its greatest stress.
+    """Error in predicting each sample by a fit to the remaining ones: RMS over samples, each normalised.
 
-    nan with fewer than two samples or where the others are too few rows for the model.
+    Each error is divided by the sample's maximum stress. nan with fewer than two samples or too few rows for the
+    model.
     """
     if len(samples) < 2:
         return float("nan")
@@ -129,16 +132,16 @@ def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
 
 
 def extrapolate_modes(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[ModeExtrapolation, ...]:
-    """Predict how far a fit may be off in the modes that were not measured.
+    """Estimate the error of a fit in the modes that were not measured.
 
-    Models that describe the measured modes about as well and are stable differ where nothing was measured. Since most
-    models are functions of I1 alone and would agree by construction, a Yeoh with a term in I2 joins them. That models
-    agree is no evidence, and two tests of one rubber differ by some 15 %, so the error to reckon with is never less
-    than 5 %, its upper end never less than 15 %:
+    Models that describe the measured modes about equally well and are stable differ elsewhere. Since most models are
+    functions of I1 alone and would agree by construction, Yeoh's law with a term in I2 joins them. Agreement of
+    models is no evidence, and two tests of one rubber differ by some 15 %, so the estimate is at least 5 %, its upper
+    end at least 15 %:
 
         relative = sqrt((0.7 between)² + 0.05²),   upper = 3 relative
 
-    It is an order of magnitude, no bound: docs/results/materials says how it does on five rubbers.
+    It is an order of magnitude, not a bound; docs/results/materials compares it with five rubbers.
 
     Parameters
     ----------
@@ -176,7 +179,7 @@ def _distance(own: FloatArray, other: FloatArray) -> float:
 
 
 def _fit_second_invariant(samples: Sequence[Sample], spec: FitSpec) -> list[Fit]:
-    """The stable fit of Yeoh's law with a term in I2; empty where there is none."""
+    """The stable fit of Yeoh's law with a term in I2; empty if it does not exist."""
     chosen = spec.model_copy(update={"model": SECOND_INVARIANT.name, "stable": True})
     try:
         return [fit_rows(samples, chosen)]

@@ -1,4 +1,4 @@
-"""From the file of a test bench to a relaxation test: time, stress, and strain where it was measured."""
+"""Relaxation test from the file of a test machine: time, stress, and strain if measured."""
 
 from __future__ import annotations
 
@@ -37,15 +37,16 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
     Parameters
     ----------
     path
-        CSV or other text with columns of time and of stress, force or modulus; where there is one of strain or
-        travel, the stress is taken for the answer to that strain, else for that to a step.
+        CSV or other text with columns of time and of stress, force or modulus. With a column of strain or travel, the
+        stress is the response to that strain, otherwise to a step.
     spec
-        What the file does not say. Units of stress and strain do not matter, nor do section and gauge length.
+        Format that the file does not state. Units of stress and strain do not matter, nor do section and gauge
+        length.
 
     Raises
     ------
     PalpateError
-        If the file is wrong or ambiguous, or holds no relaxation; the message names row and column, and what to do.
+        If the file is wrong or ambiguous, or has no relaxation; the message names row, column and remedy.
     """
     path, spec = Path(path), spec or TestFileSpec()
     table = read_columns(path, spec)
@@ -70,7 +71,7 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
     test = RelaxationTest(path.name, time, stress, strain, tuple(notes))
     test.check()
     if strain is None and test.ramp_times[1] > test.ramp_times[0]:
-        notes.append("no strain: taken to have come evenly until the greatest stress")
+        notes.append("no strain: assumed to increase linearly up to the maximum stress")
     elif strain is None:
         notes.append("no strain: taken to have come as a step at time 0")
     return replace(test, notes=tuple(notes))
@@ -111,12 +112,12 @@ def _time_unit(table: Table, column: int, spec: TestFileSpec) -> TimeUnit:
 
 
 def _signed(stress: FloatArray) -> FloatArray:
-    """Stress with the sign that its greatest value has taken for positive."""
+    """Stress with the sign for which its extreme value is positive."""
     return np.asarray(stress * np.sign(stress[np.argmax(np.abs(stress))] or 1.0))
 
 
 def _strain(table: Table, strain: FloatArray, column: int, spec: TestFileSpec) -> FloatArray:
-    """Strain that grows from zero, in the file's unit."""
+    """Strain that increases from zero, in the file's unit."""
     name = table.header[column]
     if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and STRETCH.search(name)):
         strain = strain - 1.0

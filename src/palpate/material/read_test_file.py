@@ -1,4 +1,4 @@
-"""From the file of a test bench to samples: stretch and nominal stress of an incompressible specimen."""
+"""Samples from the file of a test machine: stretch and nominal stress of an incompressible specimen."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from palpate.material.sample import Loading, Sample
 from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
 
 LEAST_ROWS = 5
-"""Fewer rows are no curve."""
+"""Minimum number of rows of a curve."""
 _MOST_SAMPLES = 100
 _WORDS = {
     Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull|单轴拉伸|拉伸|引張",
@@ -64,17 +64,17 @@ def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[
     path
         CSV or other text with columns of strain (or stretch, or travel) and stress (or force).
     spec
-        What the file does not say.
+        Format that the file does not state.
 
     Returns
     -------
     tuple of Sample
-        In the order of the file. Compression comes out negative whichever sign the bench gives it.
+        In the order of the file. Compression is negative, whatever the sign in the file.
 
     Raises
     ------
     PalpateError
-        If the file is wrong or ambiguous; the message names row and column, and what to do.
+        If the file is wrong or ambiguous; the message names row, column and remedy.
     """
     path, spec = Path(path), spec or TestFileSpec()
     table = read_columns(path, spec)
@@ -104,7 +104,7 @@ def read_test_file(path: str | Path, spec: TestFileSpec | None = None) -> tuple[
 
 
 def _notes(table: Table, columns: Columns) -> Iterator[str]:
-    """Sentences on what the file holds in addition, and on assumptions."""
+    """Notes on further contents of the file, and on assumptions."""
     if table.skipped:
         yield f"{table.skipped} of {table.skipped + len(table)} rows thinned away"
     words = [name for at, name in enumerate(table.header) if name and not table.is_numeric(at)]
@@ -117,7 +117,7 @@ def _notes(table: Table, columns: Columns) -> Iterator[str]:
 
 
 def _blocks(table: Table, strain: FloatArray) -> FloatArray:
-    """(n,) number of the specimen, of those that stand below each other.
+    """(n,) number of the specimen, for specimens below each other.
 
     A specimen begins where the strain returns to its start: at a heading or blank line, or from one row to the next.
     """
@@ -160,7 +160,7 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
     if len(found) > _MOST_SAMPLES:
         raise PalpateError(
             f"{table.path}: column {columns.sample + 1} numbers {len(found)} samples.",
-            "Say by --sample which column numbers them.",
+            "Give the column that numbers them by --sample.",
             code="sample-count-wrong",
         )
     for label in found:
@@ -226,7 +226,7 @@ def _to_stress(stress: FloatArray, columns: Columns, spec: TestFileSpec, path: P
 
 
 def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Path) -> tuple[FloatArray, FloatArray]:
-    """Stretch and stress with the sign of mechanics: a bench may count compression as positive."""
+    """Stretch and stress with compression negative; a machine may write it as positive."""
     strain = stretch - 1
     far = strain[np.argmax(np.abs(strain))]
     if loading is Loading.COMPRESSION:
@@ -243,7 +243,7 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
 
 
 def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
-    """Test of a pair of columns: by the spec, the names of file and columns, or the preamble."""
+    """Test of a pair of columns, by the spec, the names of file and columns, or the preamble."""
     if spec.loading is not None:
         return spec.loading
     used = f"{table.header[pair.strain]} {table.header[pair.stress]}".lower()
@@ -259,7 +259,7 @@ def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
         if len(found) == 1:
             return found[0]
         several = several or found
-    said = f"may be {' or '.join(several)}" if several else "does not say which test it is"
+    said = f"may be {' or '.join(several)}" if several else "does not state which test it is"
     flags = ", ".join(f"--{loading}" for loading in Loading)
     raise PalpateError(
         f"{table.path} {said}.", f"Give it to one of {flags}, or name the file after its test.", code="test-unknown"
@@ -267,7 +267,7 @@ def _find_loading(table: Table, pair: Pair, spec: TestFileSpec) -> Loading:
 
 
 def _check(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> None:
-    """Refuse what cannot be a curve."""
+    """Reject a sample that cannot be a curve."""
     if np.ptp(sample.stretch) < 1e-3:
         raise PalpateError(
             f"{path}: the stretch stays at {sample.stretch[0]:.4g}.",
@@ -304,7 +304,7 @@ def _check(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> 
 
 
 def _question(sample: Sample, path: Path, columns: Columns, spec: TestFileSpec) -> None:
-    """Refuse a modulus that no elastomer has, unless the user states the units."""
+    """Reject a modulus outside the range of elastomers, unless the user states the units."""
     if spec.strain_unit is not None and spec.stress_unit is not None:
         return
     away = np.abs(sample.stretch - 1)

@@ -1,6 +1,6 @@
-"""Relaxation: what of the stress is left some time after a strain came, as a Prony series of one function for all.
+"""Relaxation: share of the stress that remains some time after a strain, as a Prony series.
 
-The law says the stress of a strain; time enters by one function ``g`` that multiplies all of it (linear
+The law gives the stress of a strain; time enters by one function ``g`` that multiplies all of it (linear
 viscoelasticity of a nonlinear law, Fung 1993, section 7.6; as a Prony series, Simo & Hughes 1998, section 10.3):
 
     tau(t) = ∫ g(t - s) d tau_e(s),   g(t) = 1 - sum_k g_k (1 - exp(-t / t_k))
@@ -21,11 +21,11 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 
 MOST_TERMS = 20
-"""More terms than these describe no measurement: two a decade over ten decades."""
+"""Maximum number of terms: two a decade over ten decades."""
 
 
 class Moduli(StrEnum):
-    """At which time the constants of a law hold."""
+    """Time at which the constants of a law hold."""
 
     LONG_TERM = "long-term"
     INSTANTANEOUS = "instantaneous"
@@ -38,12 +38,12 @@ class Relaxation:
     Attributes
     ----------
     shares
-        (k,) of the instantaneous stress that are lost; each at least 0, their sum below 1.
+        (k,) lost shares of the instantaneous stress; each at least 0, their sum below 1.
     times
-        (k,) s, rising.
+        (k,) s, ascending.
     moduli
-        Whether the law's constants are those after all relaxation, as a slow bench measures them, or those of the
-        first instant.
+        Whether the law's constants are those after complete relaxation, as from a slow test, or the instantaneous
+        ones.
 
     Examples
     --------
@@ -86,13 +86,13 @@ class Relaxation:
         if any(later <= sooner for sooner, later in zip(self.times, self.times[1:], strict=False)):
             raise PalpateError(
                 f"The times of the relaxation are {', '.join(f'{time:g}' for time in self.times)} s.",
-                "Write the terms by rising time, each time once.",
+                "Write the terms by ascending time, each time once.",
                 code="relaxation-times-not-rising",
             )
 
     @property
     def long_term_share(self) -> float:
-        """Share of the instantaneous stress that is left in the end."""
+        """Share of the instantaneous stress that remains after complete relaxation."""
         return 1.0 - sum(self.shares)
 
     @property
@@ -101,7 +101,7 @@ class Relaxation:
         return 1.0 if self.moduli is Moduli.INSTANTANEOUS else 1.0 / self.long_term_share
 
     def relaxation_function(self, time: FloatArray | Sequence[float] | float) -> FloatArray:
-        """Share ``g`` (n,) of the instantaneous stress that is left at times (n,) s since a step of strain."""
+        """Remaining share ``g`` (n,) of the instantaneous stress at times (n,) s after a step of strain."""
         passed = np.asarray(time, float)[..., None] / np.array(self.times)
         return np.asarray(1.0 + np.expm1(-passed) @ np.array(self.shares))
 
@@ -115,5 +115,5 @@ class Relaxation:
 
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> Relaxation:
-        """Make a relaxation again from its `key_data`."""
+        """Build a relaxation from its `key_data`."""
         return cls(tuple(data["shares"]), tuple(data["times"]), Moduli(data["moduli"]))

@@ -1,4 +1,4 @@
-"""What is there of a stress or force that the law alone would give, followed through time."""
+"""Relaxed stress or force through time, from its elastic value."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from palpate.material.relaxation import Relaxation
 
 
 class StressHistory:
-    """Follows a stress or force through time: from what the law alone would give to what is there.
+    """Relaxed stress or force through time, computed from the elastic value of the law.
 
-    Between two times the elastic value runs straight, for which the update is exact (Taylor, Pister & Goudreau 1970):
+    Between two times the elastic value is linear, for which the update is exact (Taylor, Pister & Goudreau 1970):
     each term keeps one number, ``h' = exp(-x) h + (1 - exp(-x)) / x Δ`` with ``x`` the time passed over the term's.
 
     Parameters
     ----------
     relaxation
-        Of the material.
+        Relaxation of the material.
 
     Examples
     --------
@@ -36,29 +36,28 @@ class StressHistory:
 
     @property
     def time(self) -> float | None:
-        """Time in s to which it was followed; `None` before the first."""
+        """Time of the last update, s; `None` before the first."""
         return self._time
 
     def update(self, time: float, elastic: FloatArray | float) -> FloatArray:
-        """Go on to a time.
+        """Advance to a time.
 
         Parameters
         ----------
         time
-            s, not before the last one. The first value comes as a step at its own time, and so does one at the time
-            of the last.
+            s, not before the last one. The first value is a step at its time, and so is a value at the last time.
         elastic
-            What the law alone gives: a number, or an array (...) of the same shape at every time.
+            Elastic value of the law: a number, or an array (...) of the same shape at every time.
 
         Returns
         -------
         (...) array
-            What is there, in the unit of `elastic`.
+            Relaxed value, in the unit of `elastic`.
 
         Raises
         ------
         PalpateError
-            If time goes back.
+            If time decreases.
         """
         elastic = np.asarray(elastic, float)
         if self._time is None:
@@ -69,20 +68,20 @@ class StressHistory:
         return self._sum(elastic, self._parts)
 
     def affine(self, time: float) -> tuple[FloatArray, float]:
-        """Foresee the value at a time as ``a + b · elastic``: a (...) in its unit, b a number."""
+        """Predict the value at a time as ``a + b · elastic``: a (...) in its unit, b a number."""
         kept, whole = self._carry(time)
         carried = kept - np.multiply.outer(whole, self._elastic)
         a = self.relaxation.scale * np.tensordot(self._shares, carried, axes=1)
         return a, float(self.relaxation.scale * (self.relaxation.long_term_share + self._shares @ whole))
 
     def _carry(self, time: float) -> tuple[FloatArray, FloatArray]:
-        """What the terms keep until a time (k, ...), and what each takes up of a change until then (k,)."""
+        """State of the terms at a time (k, ...), and their response to a change until then (k,)."""
         if self._time is None:
             return self._parts, np.ones(len(self._times))
         if time < self._time:
             raise PalpateError(
                 f"Time goes back from {self._time:g} s to {time:g} s.",
-                "Begin a new history where a clock starts anew.",
+                "Begin a new history if the clock is reset.",
                 code="time-goes-back",
             )
         passed = (time - self._time) / self._times
@@ -100,16 +99,16 @@ def relax_history(relaxation: Relaxation, time: FloatArray, elastic: FloatArray)
     Parameters
     ----------
     relaxation
-        Of the material.
+        Relaxation of the material.
     time
-        (n,) s, not falling.
+        (n,) s, non-decreasing.
     elastic
-        (n, ...) what the law alone gives, straight between the times; the first row comes as a step.
+        (n, ...) elastic value of the law, linear between the times; the first row is a step.
 
     Returns
     -------
     (n, ...) array
-        What is there, in the unit of `elastic`.
+        Relaxed value, in the unit of `elastic`.
     """
     history = StressHistory(relaxation)
     return np.array([history.update(float(at), value) for at, value in zip(time, elastic, strict=True)])

@@ -1,4 +1,4 @@
-"""A relaxation test: stress through time under a strain that came and stayed."""
+"""Relaxation test: stress through time under a strain that is applied and held."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 
 LEAST_ROWS = 8
-"""Fewer rows than these are no curve of relaxation."""
+"""Minimum number of rows of a relaxation curve."""
 _DECADE = 10.0
 _RISES = 0.02
-"""Share of the greatest stress by which a held one may rise: less is the bench's tremor."""
+"""Share of the maximum stress by which a held stress may increase, by noise of the machine."""
 _RAMP = 0.5
-"""Share of the greatest stress below which a first one shows that the strain was still coming."""
+"""Share of the maximum stress below which the first value shows that the strain was still increasing."""
 _WHOLE, _NOTHING = 0.99, 0.01
-"""Shares of the strain held, or of the greatest stress, from which it is whole, and up to which it has not begun."""
+"""Shares of the held strain, or of the maximum stress, at which the ramp ends and begins."""
 _BINS = 8
-"""Stretches of log time over whose means a rise is looked for."""
+"""Intervals of log time whose means are tested for an increase."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,14 +30,14 @@ class RelaxationTest:
     name
         File.
     time
-        (n,) s, rising; without `strain`, since the strain came.
+        (n,) s, ascending; without `strain`, since the strain was applied.
     stress
         (n,) positive, in any unit of stress or force: its size does not matter.
     strain
-        (n,) in any unit, positive, as far as it was measured; `None`: it came at time 0 and stayed, or where the
-        stress rises first, came evenly until its peak.
+        (n,) in any unit, positive, if measured; `None`: a step at time 0, or, if the stress increases first, a linear
+        ramp up to its peak.
     notes
-        What was assumed, for the report.
+        Assumptions, for the report.
     """
 
     name: str
@@ -48,7 +48,7 @@ class RelaxationTest:
 
     @property
     def ramp_times(self) -> tuple[float, float]:
-        """Times in s at which the strain began and was whole; without `strain`, both 0 of a step."""
+        """Times in s of the begin and end of the ramp; without `strain`, both 0 for a step."""
         if self.strain is not None:
             rises, held = self.strain, self._strain_held
             whole = int(np.argmax(rises >= _WHOLE * held))
@@ -62,9 +62,9 @@ class RelaxationTest:
 
     @property
     def strain_history(self) -> tuple[FloatArray, FloatArray]:
-        """Strain as it came: times (n,) s since it began, the first 0, and the strain then, over the one held.
+        """Strain history: times (n,) s since it began, the first 0, and the strain over the held one.
 
-        What is there at time 0 came as a step.
+        A value at time 0 is a step.
         """
         begun, whole = self.ramp_times
         after = self.time >= begun
@@ -85,7 +85,7 @@ class RelaxationTest:
 
     @property
     def first(self) -> float:
-        """Shortest time in s after the strain began that the test tells something of."""
+        """Shortest time in s after the strain began that the test resolves."""
         begun, whole = self.ramp_times
         return whole - begun if whole > begun else float(self.time[self.time > begun][0] - begun)
 
@@ -95,7 +95,7 @@ class RelaxationTest:
         return float(self.time[-1] - self.ramp_times[0])
 
     def check(self) -> None:
-        """Refuse what cannot be a relaxation, with a `PalpateError`."""
+        """Reject a test that shows no relaxation, with a `PalpateError`."""
         if len(self.time) < LEAST_ROWS:
             raise PalpateError(
                 f"{self.name} has {len(self.time)} row{'s' if len(self.time) != 1 else ''} of numbers.",
@@ -112,7 +112,7 @@ class RelaxationTest:
         if self.strain is not None and self._strain_held <= 0:
             raise PalpateError(
                 f"{self.name}: in the second half of its rows the strain is gone.",
-                "Cut what comes after the strain is let go, and check the column of strain.",
+                "Cut the rows after the strain is released, and check the column of strain.",
                 code="strain-released",
             )
         begun, whole = self.ramp_times
@@ -131,7 +131,7 @@ class RelaxationTest:
         self._check_held(begun, whole)
 
     def _check_held(self, begun: float, whole: float) -> None:
-        """Refuse a held stress that rises, or that changes its sign."""
+        """Reject a held stress that increases or changes its sign."""
         held = self.time >= whole
         time, stress = self.time[held] - begun, self.stress[held]
         least = float(time[time > 0][0])
@@ -146,7 +146,7 @@ class RelaxationTest:
             raise PalpateError(
                 f"{self.name}: the held stress rises from {mean[low]:.4g} at {when[low]:.3g} s to {mean[high]:.4g} "
                 f"at {when[high]:.3g} s.",
-                "Give a test whose strain stays, without drift of the cell, and cut what comes after it.",
+                "Give a test whose strain stays, without drift of the cell, and cut the rows after it.",
                 code="held-stress-rises",
             )
         if mean.min() <= 0:

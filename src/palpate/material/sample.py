@@ -10,9 +10,9 @@ from palpate.material.curve import Mode, stretches
 
 
 class Loading(StrEnum):
-    """What a bench does to a specimen.
+    """Loading of a specimen.
 
-    Tension and compression are the two halves of the uniaxial mode; `UNIAXIAL` is a file that holds both, signed.
+    Tension and compression are the two halves of the uniaxial mode; `UNIAXIAL` is a file with both, signed.
     """
 
     TENSION = "tension"
@@ -34,7 +34,7 @@ class Sample:
     Attributes
     ----------
     name
-        File, and which specimen of it.
+        File, and number of the specimen in it.
     loading
         The test.
     stretch
@@ -42,7 +42,7 @@ class Sample:
     nominal
         (n,) nominal stress, MPa; compression is negative.
     notes
-        What the reader did to it, for the report.
+        Changes by the reader, for the report.
     """
 
     name: str
@@ -62,5 +62,5 @@ class Sample:
         return stretches(self.mode, self.stretch)
 
     def where(self, selected: BoolArray | IntArray) -> Sample:
-        """The sample with the rows that are kept: a mask (n,), or their numbers in the order wanted."""
+        """Return the sample with the selected rows: a mask (n,), or their numbers in the order wanted."""
         return replace(self, stretch=self.stretch[selected], nominal=self.nominal[selected])

@@ -1,7 +1,7 @@
-"""The stiffness at small strain: that of the data against that of a fit.
+"""Stiffness at small strain: comparison of the data with a fit.
 
-A fit over the whole range of a soft elastomer may have R² 0.999 and twice the true modulus at small strain, for the
-squares of great stresses outweigh it; and the small strains are what a sensor feels.
+A fit over the whole range of a soft elastomer may have R² 0.999 and twice the true modulus at small strain, since the
+squares of large stresses dominate; but a sensor works at small strains.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from palpate.material.sample import Loading, Sample
 STRAIN = 0.1
 """Strain to which the secant is drawn."""
 _NEAR = 0.5
-"""Share of that strain within which rows count beside it."""
+"""Share of that strain within which rows count for the secant."""
 _FEWEST = 3
 SECANT_TOLERANCE = 0.15
-"""Share by which a fit's secant may differ from that of the data: two benches differ by as much."""
+"""Maximum relative difference between the secants of fit and data: that between two test machines."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,12 @@ class Secant:
 
     @property
     def excess(self) -> float:
-        """How much stiffer the fit is than the data, over the data's modulus."""
+        """Relative excess of the fit's stiffness over the data's."""
         return self.fitted / self.measured - 1
 
 
 def compare_secants(samples: Sequence[Sample], fit: Fit) -> tuple[Secant, ...]:
-    """Compare the secant at 10 % of every test that was measured there; tension and compression apart.
+    """Compare the secants at 10 % of every test measured there; tension and compression separately.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def compare_secants(samples: Sequence[Sample], fit: Fit) -> tuple[Secant, ...]:
     Returns
     -------
     tuple of Secant
-        None where a test has too few rows about that strain, or its rows give no positive modulus.
+        None for a test with too few rows about that strain, or without a positive modulus.
     """
     found = []
     for loading in dict.fromkeys(sample.loading for sample in samples):

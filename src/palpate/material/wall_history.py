@@ -1,8 +1,8 @@
-"""Force and depth through time of an obstacle that comes down and stays, from the force of one press.
+"""Force and depth through time of a held obstacle, from the force of one press.
 
-A press knows the force at every depth of an elastic skin. Where the depth follows a course, the shape of the skin at
-every time is that of the press, since one function relaxes all stresses alike, and its force is the elastic one
-relaxed. Where the robot gives way, or holds its force, the depth is part of what is sought: one equation a time.
+A press gives the force at every depth of an elastic skin. If the depth is prescribed, the shape of the skin at every
+time is that of the press, since one function relaxes all stresses alike, and the force is the relaxed elastic one. If
+the robot is compliant, or holds a force, the depth is unknown as well: one equation a time.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from palpate.material.relaxation_history import StressHistory, relax_history
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
-    """Force over depth of an elastic press, straight between its increments.
+    """Force by depth of an elastic press, linear between its increments.
 
     Attributes
     ----------
     depth
-        (n,) mm, rising from 0.
+        (n,) mm, ascending from 0.
     force
         (n,) N along the wall's normal, or (n, 3) N.
 
     Raises
     ------
     PalpateError
-        If the depths do not rise, as those of a press that is drawn back, or there are not as many forces.
+        If the depths do not ascend, as those of a retracted press, or depths and forces differ in number.
     """
 
     depth: FloatArray
@@ -42,8 +42,8 @@ class ForceCurve:
     def __post_init__(self) -> None:
         if len(self.depth) != len(self.force) or not (np.diff(self.depth) > 0).all():
             raise PalpateError(
-                f"{len(self.depth)} depths and {len(self.force)} forces are no curve of a press on its way down.",
-                "Give rising depths and a force for each; of a press that was drawn back, the way down.",
+                f"{len(self.depth)} depths and {len(self.force)} forces do not form the curve of a loading press.",
+                "Give ascending depths and a force for each; of a retracted press, the loading part.",
                 code="press-curve-malformed",
             )
 
@@ -88,18 +88,18 @@ class WallHistory(NamedTuple):
 def simulate_depth_hold(
     relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth: FloatArray
 ) -> WallHistory:
-    """Follow a wall whose depth is known, as on a stiff robot.
+    """Compute the force on a wall of prescribed depth, as on a stiff robot.
 
     Parameters
     ----------
     relaxation
-        Of the skin.
+        Relaxation of the skin.
     curve
-        Of the elastic press.
+        Force of the elastic press.
     time
-        (n,) s, not falling.
+        (n,) s, non-decreasing.
     depth
-        (n,) mm, straight between the times; the first is reached at once.
+        (n,) mm, linear between the times; the first is reached at once.
 
     Returns
     -------
@@ -119,22 +119,22 @@ def simulate_depth_hold(
 def simulate_compliant_hold(
     relaxation: Relaxation, curve: ForceCurve, time: FloatArray, travel: FloatArray, stiffness: float
 ) -> WallHistory:
-    """Follow a wall on a robot that gives way: it sinks in as the force fades.
+    """Compute force and depth of a wall on a compliant robot, which sinks in as the force relaxes.
 
     At every time, ``stiffness · (travel - depth)`` is the force.
 
     Parameters
     ----------
     relaxation
-        Of the skin.
+        Relaxation of the skin.
     curve
-        Of the elastic press, force along the wall's normal.
+        Force of the elastic press along the wall's normal.
     time
-        (n,) s, rising; between them the elastic force is taken to run straight, so give them densely.
+        (n,) s, ascending; the elastic force is linear between them, so give them densely.
     travel
-        (n,) mm that the robot is commanded, as if it were stiff.
+        (n,) mm commanded to the robot, as if it were stiff.
     stiffness
-        Of the robot along its travel, N/mm.
+        Stiffness of the robot along its travel, N/mm.
 
     Returns
     -------
@@ -157,7 +157,7 @@ def simulate_compliant_hold(
 def simulate_force_hold(
     relaxation: Relaxation, curve: ForceCurve, time: FloatArray, force: FloatArray
 ) -> WallHistory:
-    """Follow a wall on which a robot keeps a force: it creeps in.
+    """Compute the depth of a wall on which a robot holds a force.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def simulate_force_hold(
 
 
 def _course(time: FloatArray, given: FloatArray) -> FloatArray:
-    """Times and what is given at each, (n, 2)."""
+    """Times and the prescribed values, (n, 2)."""
     time, given = np.asarray(time, float), np.asarray(given, float)
     if time.ndim != 1 or time.shape != given.shape:
         raise PalpateError(
@@ -192,7 +192,7 @@ def _course(time: FloatArray, given: FloatArray) -> FloatArray:
 
 
 def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stiffness: float) -> WallHistory:
-    """Wall whose relaxed force is ``given - stiffness · depth`` (N), over a course (n, 2) of s and N given."""
+    """Wall with the relaxed force ``given - stiffness · depth`` (N), over a history (n, 2) of s and N."""
     if curve.force.ndim > 1:
         raise PalpateError(
             "A robot that gives way, or keeps a force, needs one number for the force at a depth.",
@@ -222,7 +222,7 @@ def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stif
 
 
 def _passed(curve: ForceCurve, before: float, after: float) -> FloatArray:
-    """Shares of the way from one depth to another at which the curve has a corner, rising."""
+    """Shares of the way between two depths at which the curve has a corner, ascending."""
     if before == after:
         return np.empty(0)
     share = (curve.depth - before) / (after - before)

@@ -1,4 +1,4 @@
-"""Design search: requirements in, the best sensors that a workshop can build out."""
+"""Design search: from requirements to the most accurate sensors that a workshop can build."""
 
 from palpate.core import lazy_front
 

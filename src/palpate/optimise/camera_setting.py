@@ -1,7 +1,6 @@
-"""The setting of a layout: a camera's distance and a diameter of dots, measured once for every number of rings.
+"""Camera distances and marker diameters of a layout, measured once for every number of rings.
 
-Which of them suits a number of rings is decided by rings that are even, a millisecond each; rings are exchanged only
-in the settings that are best by these.
+Settings are ranked by evenly spaced rings (about a millisecond each); rings are exchanged in the best settings only.
 """
 
 from __future__ import annotations
@@ -25,21 +24,21 @@ from palpate.optimise.spec import CameraChoice, RequirementsSpec
 from palpate.surrogate import Twin
 
 _DISTANCES, _DIAMETERS, _POSES = 4, 4, 24
-"""Distances of a camera and diameters of dots that are tried, and poses by which rings are chosen."""
+"""Numbers of camera distances and marker diameters tried, and of poses by which rings are chosen."""
 _GRAIN_MM = 0.05
-"""Steps of a diameter that a drawing has."""
+"""Step of a marker diameter, mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class CameraSetting:
-    """A distance of a camera with dots of one diameter.
+    """Camera distance and marker diameter.
 
     Attributes
     ----------
     camera
-        The camera where it is.
+        The camera at this distance.
     places
-        Every ring that might be printed, and what it tells.
+        All printable rings and their information.
     """
 
     camera: Camera
@@ -49,12 +48,12 @@ class CameraSetting:
 def measure_settings(
     twin: Twin, spec: RequirementsSpec, choice: CameraChoice, predicted: AccuracySpec
 ) -> Iterator[CameraSetting]:
-    """Measure all rings that might be printed, at every distance of a camera, with dots of every diameter.
+    """Measure all printable rings at every camera distance and marker diameter.
 
     Raises
     ------
     PalpateError
-        If there is no room for a ring of the smallest dots.
+        If no ring of the smallest markers fits.
     """
     smallest, *larger = dot_diameters(spec)
     limits = PrintLimits(
@@ -74,7 +73,7 @@ def measure_settings(
 
 
 def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:
-    """Diameters of dots that are tried, mm, the smallest first."""
+    """Marker diameters that are tried, mm, ascending."""
     greatest = spec.max_marker_diameter or spec.min_marker_diameter
     between = np.geomspace(spec.min_marker_diameter, greatest, _DIAMETERS)[1:-1]
     rounded = (round(round(float(step) / _GRAIN_MM) * _GRAIN_MM, 2) for step in between)
@@ -90,7 +89,7 @@ def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:
 
 
 def rank_settings(settings: Sequence[CameraSetting], markers: int) -> list[CameraSetting]:
-    """Settings in which so many markers can be printed and told apart, best first, by rings that are even."""
+    """Settings in which this many markers can be printed and assigned, best first, by evenly spaced rings."""
     found = []
     for number, setting in enumerate(settings):
         try:

@@ -1,14 +1,14 @@
-"""The rings of markers that read best on a skin: chosen by exchange, with a bound on what any choice could reach.
+"""Marker rings of minimum error on a skin, chosen by exchange, with a lower bound for every choice.
 
-A ring is one of many that might be printed: so many dots, so far along the meridian.
-`palpate.calibration.RingInformation` gives the expected error of any set of them in half a millisecond, so that rings
-are moved, one at a time, to the place where the error is least, until none can be moved.
+A ring is one of many candidates, given by its number of markers and its place along the meridian.
+`palpate.calibration.RingInformation` computes the expected error of a set of rings in half a millisecond. Rings are
+moved one at a time to the place of minimum error, until no move lowers it.
 
-The expected square is a convex function of how much of each ring is printed, where parts of rings are allowed (the
-trace of an inverse of a sum; see Boyd and Vandenberghe, Convex Optimization, section 7.5). Its least over mixtures of
-all sets of rings that can be printed bounds every one of them from below. It is found by the method of Frank and
-Wolfe, whose steps are shortest paths outward and whose own gap is subtracted, so that the bound holds wherever it was
-stopped. Known presses add terms that are not convex: the bound is of a unit whose dots at rest are known.
+The expected square error is a convex function of the share of each ring that is printed, if fractional rings are
+allowed (trace of the inverse of a sum; see Boyd and Vandenberghe, Convex Optimization, section 7.5). Its minimum over
+mixtures of all printable sets of rings bounds each of them from below. It is found by the Frank-Wolfe method, whose
+steps are shortest paths outward. Its duality gap is subtracted, so the bound holds at any number of steps. Terms of
+calibration presses are not convex: the bound is that of a unit whose marker positions at rest are known.
 """
 
 from __future__ import annotations
@@ -24,39 +24,40 @@ from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
 from palpate.surrogate import Twin
 
 _SWEEPS = 12
-"""Most rounds of exchanges."""
+"""Maximum number of exchange rounds."""
 _DIFFERENCE = 1e-4
-"""Step of a difference by the share of a ring."""
+"""Finite-difference step of a ring's share."""
 _CLOSE = 2e-3
-"""Share of the expected square within which the bound is left."""
+"""Relative gap of the expected square error at which the bound is accepted."""
 _MARK_ROOM = 1.4
-"""Room for the orientation mark beyond the outermost ring, over the diameter of a dot."""
+"""Space for the orientation mark beyond the outermost ring, over the marker diameter."""
 _SLACK_MM = 0.01
-"""By how much a ring may be beyond a place that is known to the tenth of a millimetre."""
+"""Tolerance of a place that is known to 0.1 mm."""
 _SPREADS = (1.0, 0.7)
-"""Shares of the meridian over which the rings are spread where exchanges begin."""
+"""Shares of the meridian over which the initial rings are spread."""
 
 
 @dataclass(frozen=True)
 class PrintLimits:
-    """What can be printed and named.
+    """Limits of printing and of marker assignment.
 
     Attributes
     ----------
     max_markers
-        Markers at most.
+        Maximum number of markers.
     dot, gap
-        Diameter of a dot, and smallest gap between two, mm.
+        Marker diameter, and minimum gap between two markers, mm.
     min_marker_diameter
-        Diameter of the smallest dots that are tried, mm; empty: `dot`.
+        Diameter of the smallest markers that are tried, mm; `None`: `dot`.
     apart_px
-        Least distance of two of the smallest dots in the image at rest; larger ones have as much between their edges.
+        Minimum distance of two of the smallest markers in the rest image; larger ones keep the same gap between their
+        edges.
     max_slope_deg
-        Slope of the skin up to which it can be printed.
+        Maximum slope of the skin for printing.
     on_arc
-        Whether the pad carries dots along the meridian; else along the axis, where steep rings come close on it.
+        Whether the pad carries markers along the meridian; else along the axis, where steep rings are close together.
     places
-        Places along the meridian that a ring may take.
+        Number of candidate places along the meridian.
     """
 
     max_markers: int = 169
@@ -70,7 +71,7 @@ class PrintLimits:
 
     @property
     def rings(self) -> int:
-        """Most rings."""
+        """Maximum number of rings."""
         count = 0
         while markers_in_rings(count + 1) <= self.max_markers:
             count += 1
@@ -79,7 +80,7 @@ class PrintLimits:
 
 @dataclass(frozen=True, eq=False)
 class RingSelection:
-    """Rings that were chosen.
+    """Chosen rings.
 
     Attributes
     ----------
@@ -95,7 +96,7 @@ class RingSelection:
 
 @dataclass(frozen=True, eq=False)
 class RingCandidates:
-    """All rings that might be printed on a skin, and what they tell.
+    """All printable rings of a skin and their information.
 
     Attributes
     ----------
@@ -108,7 +109,7 @@ class RingCandidates:
     steps
         (J, J) whether neighbouring rings may be at these two places.
     limits
-        What can be printed.
+        Limits of printing and assignment.
     """
 
     information: RingInformation
@@ -118,14 +119,14 @@ class RingCandidates:
     limits: PrintLimits
 
     def share(self, places: IntArray) -> FloatArray:
-        """(g,) groups of the apex and of rings 1, 2, … at these places (n,)."""
+        """Indicator (g,) of the groups of the apex and of rings 1, 2, … at these places (n,)."""
         found = np.zeros(1 + self.allowed.size)
         found[0] = 1.0
         found[1 + np.arange(len(places)) * len(self.radii) + places] = 1.0
         return found
 
     def is_compatible(self, places: IntArray) -> bool:
-        """Whether rings can be at these places together."""
+        """Whether the rings at these places can be printed together."""
         fit = bool(self.allowed[np.arange(len(places)), places].all())
         return fit and bool(self.steps[places[:-1], places[1:]].all())
 
@@ -133,7 +134,7 @@ class RingCandidates:
 def measure_ring_candidates(
     twin: Twin, camera: Camera, tolerance: ToleranceSpec, spec: AccuracySpec, limits: PrintLimits
 ) -> RingCandidates:
-    """Measure every ring that might be printed on the skin of a twin."""
+    """Measure every printable ring on the skin of a twin."""
     skin, count = twin.skin, limits.rings
     radii = _radii(skin, limits)
     positions, group = [skin.inner_point(np.zeros(1), np.zeros(1))], [np.zeros(1, dtype=int)]
@@ -148,10 +149,10 @@ def measure_ring_candidates(
 
 
 def resize_dots(places: RingCandidates, skin: Skin, camera: Camera, dot: float, noise_px: float) -> RingCandidates:
-    """The same rings with dots of another diameter (mm), as large as the first or larger.
+    """Return the same rings with markers of another diameter (mm), at least that of the first.
 
-    Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of 4.4 px in
-    the image, and where they may be by their size.
+    The poses are not evaluated again: the information changes by the marker noise, which is `noise_px` for a marker
+    of 4.4 px in the image, and the permitted places by the marker size.
     """
     limits = replace(
         places.limits, dot=dot, min_marker_diameter=places.limits.min_marker_diameter or places.limits.dot
@@ -166,7 +167,7 @@ def resize_dots(places: RingCandidates, skin: Skin, camera: Camera, dot: float, 
 def _allow(
     skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray, inside: BoolArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Where every ring may be by itself (K, J), and neighbouring rings together (J, J)."""
+    """Permitted places of every ring by itself (K, J), and of neighbouring rings (J, J)."""
     apart = _apart(skin, camera, limits, radii)
     numbers = np.arange(1, limits.rings + 1)[:, None]
     within = 2.0 * radii * np.sin(np.pi / (6 * numbers)) >= apart
@@ -189,7 +190,7 @@ def choose_rings(places: RingCandidates, markers: int) -> RingSelection:
     Raises
     ------
     PalpateError
-        If so many cannot be printed on this skin.
+        If this number cannot be printed on the skin.
     """
     starts = [_spread(places, markers, share) for share in _SPREADS]
     best, least = min((_exchange(places, start) for start in starts), key=lambda found: found[1])
@@ -197,19 +198,19 @@ def choose_rings(places: RingCandidates, markers: int) -> RingSelection:
 
 
 def space_rings_evenly(places: RingCandidates, markers: int) -> RingSelection:
-    """Rings of one number of markers as even along the meridian as they can be printed.
+    """Return the rings of one number of markers that are spaced most evenly along the meridian.
 
     Raises
     ------
     PalpateError
-        If so many cannot be printed on this skin.
+        If this number cannot be printed on the skin.
     """
     even = _spread(places, markers, 1.0)
     return RingSelection(_markers(places, even), float(np.sqrt(places.information.variance(places.share(even)))))
 
 
 def _spread(places: RingCandidates, markers: int, share: float) -> IntArray:
-    """Places of rings that are even over a share of the meridian."""
+    """Places of evenly spaced rings over a share of the meridian."""
     count = next((n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers), None)
     if count is None:
         raise PalpateError(
@@ -224,7 +225,7 @@ def _counts(limits: PrintLimits) -> str:
 
 
 def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
-    """Distances from the axis, even along the meridian, where a ring may be printed."""
+    """Printable distances of a ring from the axis, evenly spaced along the meridian."""
     rho = _printable(skin, limits)
     reach = float(skin.arc_length(skin.inner_point(rho, np.zeros(len(rho))))[-1]) if len(rho) else 0.0
     least = limits.dot + limits.gap
@@ -238,9 +239,9 @@ def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
 
 
 def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
-    """Distances from the axis, close together, as far as a pad reaches and the clamp leaves a dot whole.
+    """Finely spaced printable distances from the axis, limited by the pad and the clamp.
 
-    Beyond the outermost ring there is room for the orientation mark.
+    Space for the orientation mark is left beyond the outermost ring.
     """
     rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
     points = skin.inner_point(rho, np.zeros(len(rho)))
@@ -249,14 +250,14 @@ def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
     if not fine.any():
         raise PalpateError(
             "No ring can be printed on this skin.",
-            "Take a flatter or wider skin, or smaller dots.",
+            "Take a flatter or wider skin, or smaller markers.",
             code="rings-not-printable",
         )
     return np.asarray(rho[fine & (rho <= rho[fine].max() - _MARK_ROOM * limits.dot)], float)
 
 
 def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -> FloatArray:
-    """Least distance (J,) mm of dots about each place: by the pad, and by the image at rest."""
+    """Minimum distance (J,) mm of neighbouring markers at each place, by the pad and by the rest image."""
     points = skin.inner_point(radii, np.zeros(len(radii)))
     near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
     seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
@@ -266,7 +267,7 @@ def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -
 
 
 def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]:
-    """Move single rings, and pairs of neighbours together, as long as that helps."""
+    """Move single rings and groups of rings as long as the error falls."""
     now, known = start.copy(), dict[tuple[int, ...], float]()
 
     def evaluate(chosen: IntArray) -> float:
@@ -292,7 +293,7 @@ def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]
 
 
 def _moves(rings: int, places: int) -> list[IntArray]:
-    """Sets of rings that are moved together: each, and all from one on outward or inward."""
+    """Sets of rings that are moved together: each ring, and all rings outward or inward of one."""
     every = np.arange(rings)
     single = [every[k : k + 1] for k in range(rings)]
     runs = [every[k:] for k in range(rings - 1)] + [every[: k + 1] for k in range(1, rings - 1)]
@@ -305,9 +306,9 @@ def _markers(places: RingCandidates, chosen: IntArray) -> MarkerSpec:
 
 
 def bound_rings(places: RingCandidates, markers: int, steps: int = 40) -> float:
-    """Expected error of rx and ry, degrees, that no rings of so many markers go below.
+    """Lower bound on the expected error of rx and ry, degrees, over all rings of this number of markers.
 
-    Parts of rings may be mixed here, of every set of rings that can be printed.
+    The bound is the minimum over mixtures of all printable sets of rings.
     """
     information = places.information.lower_bound()
     count = next(n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers)
@@ -330,7 +331,7 @@ def bound_rings(places: RingCandidates, markers: int, steps: int = 40) -> float:
 
 
 def _best_chain(places: RingCandidates, cost: FloatArray) -> IntArray:
-    """Places of as many rings as `cost` (n, J) has rows, of least cost in all: the shortest path outward."""
+    """Places of minimum total `cost` (n, J) for n rings: the shortest path outward."""
     least = np.where(places.allowed[0], cost[0], np.inf)
     came = np.zeros(cost.shape, dtype=int)
     for k in range(1, len(cost)):
@@ -339,8 +340,8 @@ def _best_chain(places: RingCandidates, cost: FloatArray) -> IntArray:
         least = ways.min(axis=0) + np.where(places.allowed[k], cost[k], np.inf)
     if not np.isfinite(least.min()):
         raise PalpateError(
-            f"{markers_in_rings(len(cost))} markers cannot be printed on this skin and be seen apart.",
-            "Take fewer markers, smaller dots, or a larger skin.",
+            f"{markers_in_rings(len(cost))} markers cannot be printed on this skin and be resolved in the image.",
+            "Take fewer markers, smaller markers, or a larger skin.",
             code="markers-not-printable",
         )
     found = [int(least.argmin())]

@@ -1,4 +1,4 @@
-"""A design that was found, as what the other commands take: a study, and a pack for the workshop."""
+"""Study, fabrication pack and camera of a design that the search found."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from palpate.optimise.spec import RequirementsSpec
 from palpate.study import Study
 
 PACKS = "packs"
-"""Folder of the packs in that of a search."""
+"""Folder of the packs inside that of a search."""
 
 
 def camera_of(spec: RequirementsSpec, entry: DesignCandidate) -> CameraSpec:
-    """The camera of a design, at its distance."""
+    """Return the camera of a design at its distance."""
     camera = next(choice.camera for choice in spec.cameras if choice.name == entry.option.camera)
     return camera.model_copy(update={"distance": entry.option.distance})
 
@@ -34,15 +34,15 @@ def design_of(spec: RequirementsSpec, entry: DesignCandidate) -> Design:
 
 
 def design_study(spec: RequirementsSpec, name: str, design: Design, material: str) -> Study:
-    """The study of one design alone, over the working range of the requirements.
+    """Return the study of a single design over the working range of the requirements.
 
-    `material` is the elastomer's name as a study has it.
+    `material` is the elastomer's name in a study.
     """
     return Study.model_validate(_study_data(spec, name, design, material))
 
 
 def winner_study(front: Front, winner: DesignCandidate) -> str:
-    """Study of the winner alone as YAML, from which `palpate run` and `palpate design make` go on."""
+    """Return the winner's study as YAML, the input of `palpate run` and `palpate design make`."""
     spec = front.spec
     study = _study_data(spec, f"{spec.name}-winner", design_of(spec, winner), winner.trial.finest.material)
     text = io.StringIO()
@@ -51,17 +51,17 @@ def winner_study(front: Front, winner: DesignCandidate) -> str:
 
 
 def pack_name(entry: DesignCandidate) -> str:
-    """Name of a design's pack."""
+    """Return the name of a design's pack."""
     return f"skin{entry.trial.number}_{entry.option.markers.count}"
 
 
 def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
-    """Write the fabrication pack of every design of the front, as far as it is not there.
+    """Write the missing fabrication packs of the designs on the front.
 
     Raises
     ------
     PalpateError
-        If one cannot be made, or the folder cannot be written.
+        If a pack cannot be made, or the folder cannot be written.
     """
     found = []
     for entry in front.pareto:

@@ -1,4 +1,4 @@
-"""Pictures of a search: how it went, its front, and the design that won."""
+"""Figures of a search: progress, front, and winning design."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _SILICONE, _CAMERA = "#e8c9a8", "#343a40"
 
 
 def draw_search(front: Front) -> Figure:
-    """Least error found so far over the skins tried, beside chance and the best of a grid where there are such."""
+    """Draw the minimum error so far over the skins tried, with random search and grid as baselines."""
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     axis, most, control = figure.add_subplot(), front.spec.markers, front.search_baselines
     for meets, colour, words in ((True, _BLUE, "meets the limits"), (False, _GREY, "does not")):
         if found := coarse_errors(front.trials, most, meets=meets):
             axis.plot(*np.array(found).T, "o", ms=4, color=colour, label=words)
-    _step(axis, front.trials, most, _BLUE, "least so far")
-    _step(axis, control.random, most, _ORANGE, "least by chance")
+    _step(axis, front.trials, most, _BLUE, "minimum so far")
+    _step(axis, control.random, most, _ORANGE, "minimum of random search")
     rival = find_best(control.grid, most)
     if rival is not None:
-        words = f"best of the grid: {rival.trial.coarse.skin.build().name}, {rival.option.markers.count} dots"
+        words = f"best of the grid: {rival.trial.coarse.skin.build().name}, {rival.option.markers.count} markers"
         axis.axhline(rival.value("error"), color=_GREEN, lw=1.0, ls="-.", label=words)
-    axis.set(xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
+    axis.set(xlabel="skins tried", ylabel="95th-percentile error over units, deg")
     _plain_logarithm(axis)
     shown = axis.get_ylim()  # by what was found: what is wanted can be far above all of it
     axis.axhline(front.spec.error_deg, color=_RED, lw=0.8, ls="--", label=f"wanted: {front.spec.error_deg:g}°")
@@ -42,14 +42,14 @@ def draw_search(front: Front) -> Figure:
 
 
 def _step(axis: Axes, skins: Sequence[SkinTrial], markers: int, colour: str, words: str) -> None:
-    """Draw the least error so far of skins that meet the limits, to the last of all."""
+    """Draw the minimum error so far of feasible skins, up to the last skin."""
     if found := coarse_errors(skins, markers, meets=True):
         numbers, errors = np.array([*found, (skins[-1].number, np.inf)]).T
         axis.step(numbers, np.minimum.accumulate(errors), where="post", color=colour, label=words)
 
 
 def draw_front(front: Front) -> Figure:
-    """The front over its first two objectives, with the number of dots; over that number where one is asked."""
+    """Draw the front over its first two objectives, or over the number of markers for one objective."""
     names = front.spec.objectives if len(front.spec.objectives) > 1 else (*front.spec.objectives, "markers")
     first, second = (name if name != names[0] or k == 0 else "error" for k, name in enumerate(names[:2]))
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
@@ -64,7 +64,7 @@ def draw_front(front: Front) -> Figure:
     if second != "markers":
         _write_dots(axis, front.pareto, second, first)
     if front.baseline is not None and first == "error":
-        words = f"the rival, foreseen: {front.baseline.p95_deg:.3f}°"
+        words = f"baseline, predicted: {front.baseline.p95_deg:.3f}°"
         axis.axhline(front.baseline.p95_deg, color=_GREEN, lw=1.0, ls="-.", label=words)
     axis.set(xlabel=_label(second), ylabel=_label(first))
     axis.margins(x=0.12)
@@ -75,11 +75,11 @@ def draw_front(front: Front) -> Figure:
 
 
 def _write_dots(axis: Axes, entries: Sequence[DesignCandidate], second: str, first: str) -> None:
-    """The number of dots beside each design, left and right by turns."""
+    """Label designs with their number of markers, alternately left and right."""
     for turn, entry in enumerate(sorted(entries, key=lambda entry: entry.value(first))):
         right = turn % 2 == 0
         axis.annotate(
-            f"{entry.option.markers.count} dots",
+            f"{entry.option.markers.count} markers",
             (entry.value(second), entry.value(first)),
             (6 if right else -6, 0),
             textcoords="offset points",
@@ -90,19 +90,19 @@ def _write_dots(axis: Axes, entries: Sequence[DesignCandidate], second: str, fir
 
 
 def _plain_logarithm(axis: Axes) -> None:
-    """A logarithmic scale with plain numbers."""
+    """Set a logarithmic scale with plain numbers."""
     axis.set_yscale("log")
     axis.yaxis.set_major_formatter("{x:g}")
     axis.yaxis.set_minor_formatter("{x:g}")
 
 
 def _label(objective: str) -> str:
-    words = "error of 19 of 20 units" if objective == "error" else objective
+    words = "95th-percentile error over units" if objective == "error" else objective
     return f"{words}, {UNITS[objective]}".removesuffix(", ")
 
 
 def draw_design(entry: DesignCandidate, camera: CameraSpec) -> Figure:
-    """A design in section before its camera, to scale, and what the camera sees at rest."""
+    """Draw a design in section with its camera, to scale, and the rest image."""
     skin, eye = entry.trial.finest.skin.build(), build_camera(camera)
     layout = place_markers(skin, entry.option.markers)
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
@@ -111,7 +111,7 @@ def draw_design(entry: DesignCandidate, camera: CameraSpec) -> Figure:
     printed = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
     edges = marker_outlines(skin, printed, layout.diameter)
     image.imshow(render(eye, edges), cmap="gray", vmin=0, vmax=255)
-    image.set(title=f"what the camera sees at rest, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
+    image.set(title=f"rest image, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
     return figure
 
 

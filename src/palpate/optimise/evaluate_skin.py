@@ -1,4 +1,4 @@
-"""Judge one skin: press it a little coarsely, make its twin, choose its rings and camera, foresee its units."""
+"""Evaluation of one skin: coarse presses, twin, rings and camera, predicted accuracy."""
 
 from __future__ import annotations
 
@@ -52,8 +52,11 @@ from palpate.study import (
 from palpate.surrogate import Twin, read_twin
 
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
-"""Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
-of a twin at full fidelity, whose figures they meet within some per cent (docs/design_notes/optimise.md)."""
+"""Tilts, contact laws and cells along a meridian of the coarse presses of the search.
+
+They cost a seventh of the presses of a twin at full fidelity; the figures agree within a few per cent
+(docs/design_notes/optimise.md).
+"""
 _EVALUATED_BY = (
     "seed",
     "calibration_presses",
@@ -67,33 +70,33 @@ _EVALUATED_BY = (
     "tolerance",
     "process",
 )
-"""Requirements that decide what is found of a skin; the others decide what is made of that."""
+"""Requirements that change the evaluation of a skin; the remaining ones only select among evaluations."""
 _LOOKED_AT, _LOOKED_AT_FULLY = 3, 20
-"""Units whose images at rest are drawn and read, before a layout is offered, and at full fidelity."""
+"""Units whose rest images are read before a layout is offered: coarse, and at full fidelity."""
 _FIRST_UNIT = 1001
-"""The first of them: none that a proof plays."""
+"""First of these units; no validation simulates it."""
 _SETTINGS = 3
-"""Settings of camera and dots, the best by even rings, in which rings are exchanged until a layout can be read."""
+"""Number of best settings in which rings are exchanged until a layout is readable."""
 
 
 @dataclass(frozen=True)
 class SkinEvaluationTask(Task):
-    """Choose rings and camera on one skin, and foresee its units."""
+    """Choose rings and camera of one skin, and predict the accuracy of its units."""
 
     twin: TwinTask
     inverted: PressTask | None
     spec: RequirementsSpec
     material: str
     grid: BaselineGridSpec | None = None
-    """Whose layouts and camera are foreseen, where none are to be chosen."""
+    """Grid whose layouts and camera are evaluated; without it, rings and camera are chosen."""
     checks: tuple[ValidationPressTasks, ...] = ()
-    """Presses that tell what the twin is off; without them it is taken as off as the bench found of one design."""
+    """Presses that measure the twin error; without them, that of one design on the test bench is assumed."""
 
     suffix = ".json"
 
     @property
     def skin(self) -> SkinSpec:
-        """The skin that is judged."""
+        """The skin that is evaluated."""
         return self.twin.presses[0].design.skin_spec
 
     @property
@@ -136,7 +139,7 @@ class SkinEvaluationTask(Task):
 def plan_skin_evaluation(
     spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False, grid: BaselineGridSpec | None = None
 ) -> SkinEvaluationTask:
-    """The tasks that judge a skin.
+    """Plan the tasks that evaluate a skin.
 
     Parameters
     ----------
@@ -145,9 +148,9 @@ def plan_skin_evaluation(
     skin, material
         The skin.
     full
-        With the presses of a study's twin instead of fewer, coarser ones, and others that tell what it is off.
+        Whether the presses are those of a study's twin, with validation presses, instead of fewer and coarser ones.
     grid
-        Whose layouts and camera are foreseen; without it, rings and camera are chosen.
+        Grid whose layouts and camera are evaluated; without it, rings and camera are chosen.
     """
     tilts = 7 if full else _COARSE_TILTS
     step = spec.depth / (10.0 if full else 5.0)
@@ -178,22 +181,22 @@ def evaluate_skin(
     grid: BaselineGridSpec | None = None,
     checks: Sequence[ValidationPresses] = (),
 ) -> SkinEvaluation:
-    """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
+    """Choose markers and camera on a twin's skin for every number of rings, and predict their accuracy.
 
-    A skin on which nothing can be printed, or that cannot be made, gets that problem instead.
+    If nothing can be printed on the skin, or the skin cannot be made, the result contains this problem instead.
 
     Parameters
     ----------
     twin
-        Of the skin.
+        Twin of the skin.
     known
-        What its presses say of it.
+        Evaluation of its presses.
     spec
         The requirements.
     grid
-        Whose layouts and camera are taken as they are.
+        Grid whose layouts and camera are used unchanged.
     checks
-        Presses that tell what the twin is off.
+        Presses that measure the twin error.
     """
     try:
         options = _choose(twin, known.material, spec, checks) if grid is None else _as_given(twin, spec, grid)
@@ -207,7 +210,7 @@ def evaluate_skin(
 def _choose(
     twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[ValidationPresses]
 ) -> Iterator[LayoutOption]:
-    """The best option of each camera and number of rings that can be read."""
+    """Yield the best readable option of each camera and number of rings."""
     problems, found = [], False
     for choice in spec.cameras:
         settings = tuple(measure_settings(twin, spec, choice, accuracy_spec(spec)))
@@ -215,7 +218,7 @@ def _choose(
             problem = PalpateError(
                 f"{markers_in_rings(rings)} markers cannot be printed on this skin and be seen apart by the camera "
                 f"{choice.name}.",
-                "Allow a greater distance, smaller dots, or a larger skin.",
+                "Allow a greater distance, smaller markers, or a larger skin.",
                 code="markers-not-printable",
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
@@ -232,7 +235,7 @@ def _choose(
 
 
 def _as_given(twin: Twin, spec: RequirementsSpec, grid: BaselineGridSpec) -> Iterator[LayoutOption]:
-    """The layouts of a grid before its camera, as far as they have no more markers than allowed."""
+    """Yield the layouts of a grid with its camera, up to the permitted number of markers."""
     choice = spec.cameras[0]
     camera = build_camera(choice.camera.model_copy(update={"distance": grid.distance}))
     for given in grid.designs.markers:
@@ -245,9 +248,9 @@ def _as_given(twin: Twin, spec: RequirementsSpec, grid: BaselineGridSpec) -> Ite
 
 
 def _offers(settings: Sequence[CameraSetting], markers: int) -> Iterator[tuple[Camera, MarkerSpec]]:
-    """Layouts of so many markers with their camera, best first; rings that are even follow where others are not read.
+    """Yield layouts of this many markers with their camera, best first, then evenly spaced rings.
 
-    Distances and diameters of dots are compared by even rings, and rings exchanged in the best few.
+    Settings are ranked by evenly spaced rings, and rings are exchanged in the best few.
     """
     for setting in rank_settings(settings, markers)[:_SETTINGS]:
         for choose in (choose_rings, space_rings_evenly):
@@ -257,7 +260,7 @@ def _offers(settings: Sequence[CameraSetting], markers: int) -> Iterator[tuple[C
 def _refuse(
     twin: Twin, markers: MarkerSpec, material: str, camera: Camera, spec: RequirementsSpec, units: int
 ) -> PalpateError | None:
-    """Why a layout is not offered: it cannot be made, or one of so many units cannot be read at rest."""
+    """Return the reason to reject a layout: it cannot be made, or a unit cannot be read at rest."""
     design = Design.of_skin(twin.skin, markers, camera.spec, get_material(material))
     for finding in check_process(design, spec.process):
         if finding.severity is Severity.ERROR:
@@ -276,13 +279,13 @@ def _refuse(
 
 
 def find_bistable_from(press: Press) -> float | None:
-    """Depth in mm from which a press shows the inverted state; `None` where it shows none."""
+    """Depth in mm from which a press has the inverted state; `None` if it stays flat."""
     inverted = press.depth[press.branch == Branch.INVERTED]
     return float(inverted.min()) if len(inverted) else None
 
 
 def accuracy_spec(spec: RequirementsSpec) -> AccuracySpec:
-    """What is foreseen under requirements; the noise of dots follows from their size in the image."""
+    """Settings of the accuracy prediction; marker noise follows from the marker size in the image."""
     return AccuracySpec(
         calibration_presses=spec.calibration_presses,
         min_depth=spec.min_depth,
@@ -295,7 +298,7 @@ def accuracy_spec(spec: RequirementsSpec) -> AccuracySpec:
 def _predict(
     twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: Sequence[ValidationPresses]
 ) -> PredictedAccuracy | PalpateError:
-    """What is foreseen of a layout, or why known presses tell nothing of its units: they contradict its twin."""
+    """Return the predicted accuracy, or the error if the calibration presses contradict the twin."""
     layout = place_markers(twin.skin, markers)
     try:
         return predict_accuracy(twin, layout, camera, spec.tolerance, accuracy_spec(spec), checks)

@@ -1,4 +1,4 @@
-"""The front: what was tried, which designs nothing else beats, and whether the requirements are met."""
+"""The front of a search: trials, Pareto-optimal designs, and whether the requirements are met."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ WORDS = {
     "state": "the skin has a second, inverted state",
     "made": "it cannot be made",
 }
-"""Constraints, and what is said where one is not met."""
+"""Constraints, and the clause that reports a violation."""
 ENDS = {"force": "least force", "markers": "fewest markers", "price": "least price", "size": "smallest"}
-"""Objectives beside the error, and the title of the design that is least in one."""
+"""Objectives other than the error, and the title of the design that is best in each."""
 
 
 @dataclass(frozen=True)
 class SkinTrial:
-    """One skin that was tried.
+    """One trial of the search.
 
     Attributes
     ----------
     number
-        In the order of the search.
+        Order in the search.
     coarse
-        What was found of it.
+        Evaluation by coarse presses.
     violations
-        By how much each constraint is not met, over what is allowed; 0 or below where it is met.
+        Relative excess of each constraint over its limit; 0 or below if it is met.
     fine
-        What was found of it at full fidelity; `None` where it is no finalist.
+        Evaluation at full fidelity; `None` if the skin is no finalist.
     """
 
     number: int
@@ -50,7 +50,7 @@ class SkinTrial:
 
     @property
     def finest(self) -> SkinEvaluation:
-        """The best that is known of it."""
+        """Evaluation of the highest available fidelity."""
         return self.fine or self.coarse
 
 
@@ -62,7 +62,7 @@ class DesignCandidate:
     option: LayoutOption
 
     def value(self, objective: str) -> float:
-        """What is made least by an objective: degrees, N, number, price, or mm."""
+        """Value of an objective: degrees, N, number, price, or mm."""
         proposal = self.trial.finest
         return {
             "error": self.option.accuracy.p95_deg,
@@ -74,13 +74,13 @@ class DesignCandidate:
 
 
 def coarse_errors(skins: Sequence[SkinTrial], markers: int, *, meets: bool) -> list[tuple[int, float]]:
-    """Number and least error (degrees) by coarse presses of the skins that meet the constraints, or of the others."""
+    """Number and minimum coarse error (degrees) of the feasible skins, or of the infeasible ones."""
     chosen = ((one, one.coarse.best(markers)) for one in skins if one.feasible is meets)
     return [(one.number, best.accuracy.p95_deg) for one, best in chosen if best is not None]
 
 
 def find_best(skins: Sequence[SkinTrial], markers: int) -> DesignCandidate | None:
-    """The design of least error by coarse presses, of those that meet the constraints; `None` where none does."""
+    """Feasible design of minimum error by coarse presses; `None` without a feasible skin."""
     fine = ((one, one.coarse.best(markers)) for one in skins if one.feasible)
     entries = (DesignCandidate(replace(one, fine=None), option) for one, option in fine if option is not None)
     return min(entries, key=lambda entry: entry.value("error"), default=None)
@@ -88,12 +88,12 @@ def find_best(skins: Sequence[SkinTrial], markers: int) -> DesignCandidate | Non
 
 @dataclass(frozen=True)
 class SearchBaselines:
-    """What a search is held against, judged by the same presses as its skins.
+    """Baselines of a search, evaluated by the same coarse presses.
 
     Attributes
     ----------
     random
-        Skins drawn by chance, in their order.
+        Skins of a random search, in their order.
     grid
         Skins of a grid, with its layouts.
     """
@@ -104,20 +104,20 @@ class SearchBaselines:
 
 @dataclass(frozen=True)
 class Front:
-    """What a search found.
+    """Result of a search.
 
     Attributes
     ----------
     spec
         The requirements.
     trials
-        Every skin, in the order of the search.
+        All skins, in the order of the search.
     validation
-        What winner and rivals gave on the bench; `None` where they were not played.
+        Simulation of winner, finalists and baseline on the test bench; `None` without one.
     baseline
-        What is foreseen of the rival; `None` where it was not asked.
+        Predicted accuracy of the baseline design; `None` without one.
     search_baselines
-        What the search is held against.
+        Random search and grid.
     """
 
     spec: RequirementsSpec
@@ -128,14 +128,14 @@ class Front:
 
     @cached_property
     def candidates(self) -> tuple[DesignCandidate, ...]:
-        """Every option of every skin that meets the constraints; of finalists alone where there are any."""
+        """All options of the feasible skins; of the feasible finalists only, if there are any."""
         final = [one for one in self.trials if one.fine is not None and one.feasible]
         skins = final or [one for one in self.trials if one.feasible]
         return tuple(DesignCandidate(one, option) for one in skins for option in one.finest.options)
 
     @cached_property
     def pareto(self) -> tuple[DesignCandidate, ...]:
-        """Entries that no other beats in every objective, by the first; one only where there is one objective."""
+        """Non-dominated designs, sorted by the first objective; only the best for a single objective."""
         found = [
             entry for entry in self.candidates if not any(self._beats(other, entry) for other in self.candidates)
         ]
@@ -145,19 +145,18 @@ class Front:
 
     @property
     def winner(self) -> DesignCandidate | None:
-        """Of the front the first that meets the error wanted, or else the one of least error."""
+        """First design of the front that meets the required error, else the design of minimum error."""
         fine = [entry for entry in self.pareto if entry.value("error") <= self.spec.error_deg]
         return next(iter(fine), min(self.pareto, key=lambda entry: entry.value("error"), default=None))
 
     @property
     def error_threshold_deg(self) -> float:
-        """Error that the ends of the front may have: what is foreseen of the rival, or what is wanted."""
+        """Maximum error of the extremes: the predicted error of the baseline, else the required error."""
         return self.baseline.p95_deg if self.baseline else self.spec.error_deg
 
     @property
     def extremes(self) -> tuple[tuple[str, DesignCandidate], ...]:
-        """For each objective beside the error the design that is least in it, of those no worse than
-        `error_threshold_deg`."""
+        """Best design in each objective other than the error, among errors up to `error_threshold_deg`."""
         fine = [entry for entry in self.candidates if entry.value("error") <= self.error_threshold_deg]
         names = [name for name in self.spec.objectives if name in ENDS] if len(self.spec.objectives) > 1 else []
         return tuple(
@@ -168,7 +167,7 @@ class Front:
 
     @property
     def shortfall(self) -> str:
-        """What stands in the way, in a sentence; empty where the requirements are met."""
+        """Reason why the requirements are not met, as a sentence; empty if they are met."""
         if self.winner is None:
             reasons = [name for one in self.trials for name, by in one.violations.items() if by > 0]
             if not reasons:
@@ -181,7 +180,7 @@ class Front:
             )
         error = self.winner.value("error")
         if error > self.spec.error_deg:
-            return f"The least error found is {error:.3f}°, and {self.spec.error_deg:g}° is wanted."
+            return f"The minimum error found is {error:.3f}°; the requirement is {self.spec.error_deg:g}°."
         return ""
 
     def _beats(self, one: DesignCandidate, other: DesignCandidate) -> bool:

@@ -1,4 +1,4 @@
-"""From requirements to a front of designs: skins by a Gaussian process, rings and cameras by exchange."""
+"""Design search: skins by a Gaussian process, rings and cameras by exchange."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from palpate.optimise.validate_designs import predict_baseline, validate_designs
 from palpate.study import Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"
-"""File of the search in its folder."""
+"""Journal of the search in its folder."""
 CONTROL = "control.journal"
-"""File of the skins drawn by chance in it."""
+"""Journal of the random search in it."""
 ASKED = "requirements.json"
 """File of the requirements in it."""
 _SEARCHED = ("error", "force", "size")
-"""Objectives that depend on the skin; for the others every skin offers all that it can."""
+"""Objectives that depend on the skin; each skin offers options over the remaining ones."""
 _SLACK = 0.005
-"""Share of the depth by which a skin may fall short of it."""
+"""Relative tolerance of the required depth."""
 _ROUNDS = 3
-"""Rounds of finalists: the next ones are pressed in place of those that break a limit at full fidelity."""
+"""Rounds of finalists: skins that break a limit at full fidelity are replaced by the next ones."""
 
 
 def optimise_design(
@@ -51,25 +51,25 @@ def optimise_design(
     sampler: Sampler = "gp",
     cluster: str = "",
 ) -> Front:
-    """Search for the designs that meet requirements best; `validate_front` plays what was found.
+    """Search for the designs that best meet the requirements; `validate_front` simulates the result.
 
     Parameters
     ----------
     spec
         The requirements.
     out
-        Result folder; the same call goes on where an earlier one was stopped, and presses nothing twice.
+        Result folder; the same call resumes an interrupted search, and no press is solved twice.
     workers, progress
-        As for `palpate.study.run_study`; what is found does not depend on them.
+        As for `palpate.study.run_study`; the result does not depend on them.
     sampler
-        ``"random"`` draws skins at random, as a control.
+        ``"random"`` draws skins at random, as a baseline.
     cluster
         A Dask cluster instead of workers, as for `palpate.study.run_study`.
 
     Raises
     ------
     PalpateError
-        If the folder is of other requirements, or cannot be written.
+        If the folder belongs to other requirements, or cannot be written.
     MissingExtraError
         If optuna, torch or OpenCV is not installed.
     """
@@ -95,9 +95,9 @@ def optimise_design(
 def validate_front(
     front: Front, out: Path, workers: int | None = None, progress: Progress | None = None, cluster: str = ""
 ) -> Front:
-    """Play the winner of a front and its rivals, as its requirements ask; the same front where they ask for none.
+    """Simulate the winner, finalists and baseline if the requirements ask for it; else return the front.
 
-    Parameters are those of `optimise_design`, which found the front; `out` is where it did.
+    The parameters are those of `optimise_design`, which found the front in `out`.
     """
     if front.spec.validation == "none" or front.winner is None:
         return front
@@ -107,7 +107,7 @@ def validate_front(
 
 
 def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[float, ...]:
-    """What the search makes least; infinite where it is not known of a skin, for which the worst known stands in."""
+    """Objective values of a skin; infinite if unknown (the sampler then uses the worst known value)."""
     best = proposal.best(spec.markers)
     known = {
         "error": math.log10(best.accuracy.p95_deg) if best else math.inf,
@@ -118,7 +118,7 @@ def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[
 
 
 def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> dict[str, float]:
-    """By how much a skin misses each constraint, over what is allowed."""
+    """Relative excess of a skin over the limit of each constraint."""
     found = {"reach": 1.0 - _SLACK - proposal.max_depth_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
     if spec.force_n is not None:
         found["force"] = proposal.force_n / spec.force_n - 1.0 if proposal.force_n else 0.0
@@ -130,7 +130,7 @@ def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> d
 
 @dataclass(frozen=True)
 class _Evaluator:
-    """Judges skins by tasks in the search's folder."""
+    """Evaluation of skins by tasks in the folder of the search."""
 
     spec: RequirementsSpec
     out: Path
@@ -146,7 +146,7 @@ class _Evaluator:
         journal: Path,
         watch: Callable[[Sequence[SearchTrial]], None] | None = None,
     ) -> tuple[SearchTrial, ...]:
-        """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
+        """Search, and return the trials; a resumed search uses re-evaluated earlier trials."""
         before = read_trials(journal, plan.n_objectives)
         now = self.reevaluate(before)
         if now != before:
@@ -155,7 +155,7 @@ class _Evaluator:
         return search_skins(space, self.evaluate, plan, journal, watch)
 
     def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
-        """Values, violations and proposals at places."""
+        """Evaluate the skins at several places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
         self.skins.begin("batch", len(tasks))
@@ -164,7 +164,7 @@ class _Evaluator:
         return found
 
     def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
-        """The same skins as this version judges them; presses are kept."""
+        """Evaluate the same skins by the present version; presses are reused."""
         old = [one for one in tried if one.evaluation.record.get("version") != _evaluation_version()]
         anew = dict(zip((one.number for one in old), self.evaluate([one.place for one in old]), strict=True))
         return tuple(
@@ -176,7 +176,7 @@ class _Evaluator:
         return Evaluation(objective_values(self.spec, proposal), constraint_violations(self.spec, proposal), note)
 
     def report_best(self, tried: Sequence[SearchTrial]) -> None:
-        """Say how many skins were tried, and the least error of those that meet the constraints."""
+        """Report the number of trials and the minimum error of feasible skins."""
         if self.progress is None:
             return
         best = min(
@@ -192,25 +192,25 @@ class _Evaluator:
 
     @staticmethod
     def skin(tried: SearchTrial) -> SkinTrial:
-        """What was found of a skin, as the journal has it."""
+        """Return the trial of a skin from its journal entry."""
         judged = tried.evaluation
         return SkinTrial(tried.number, SkinEvaluation.from_data(judged.record["proposal"]), judged.violations)
 
     def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[SkinTrial]:
-        """What is known of the skins of the control, drawn by chance and else as those of the search."""
+        """Yield the trials of the random search, evaluated like those of the search."""
         if self.spec.random_skins:
             chance = replace(plan, trials=self.spec.random_skins, sampler="random")
             yield from map(self.skin, self.search(space, chance, self.out / CONTROL))
 
     def grid(self) -> Iterator[SkinTrial]:
-        """What is known of the designs of the grid."""
+        """Yield the evaluated designs of the grid."""
         grid, material = self.spec.baseline_grid, self.spec.materials[0]
         skins = grid.designs.skins() if grid else ()
         found = self._do([plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins])
         return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
 
     def finish(self, front: Front) -> tuple[SkinTrial, ...]:
-        """The same skins, the best pressed at full fidelity; the next in place of those that break a limit there."""
+        """Press the best skins at full fidelity; replace those that break a limit there by the next ones."""
         by_number = {one.number: one for one in front.trials}
         candidates, wanted = _candidates(front), self.spec.finalists
         for _ in range(_ROUNDS):
@@ -225,7 +225,7 @@ class _Evaluator:
         return tuple(by_number.values())
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
-        """Do tasks; why some failed, by their keys."""
+        """Run tasks; return the reasons of failure by task key."""
         return run_tasks(self.out, tasks, self.workers, self.progress, self.cluster) if tasks else {}
 
     def _do(self, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
@@ -245,7 +245,7 @@ def _evaluation_version() -> str:
 
 
 def _candidates(front: Front) -> list[int]:
-    """Numbers of skins that meet the limits, each skin once: winner, ends and front before others by their error."""
+    """Numbers of distinct feasible skins: winner, extremes, front, then the remaining ones by error."""
     first, best = front.spec.objectives[0], dict[int, float]()
     for entry in front.candidates:
         value = entry.value(first)
@@ -259,7 +259,7 @@ def _candidates(front: Front) -> list[int]:
 
 
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
-    """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
+    """Store the requirements; reject a folder of different ones, except for a longer search."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
     free = {
         "skins",

@@ -1,7 +1,6 @@
-"""The folder of a search as others look at it: what was tried, the front, and each design's parts.
+"""Read-only view of the folder of a search: trials, front, and parts of each design.
 
-A search that runs has a journal and no front yet; what was tried so far is read from the journal alone, line by line,
-without Optuna, and nothing is written.
+A running search has a journal and no front yet: its trials are read from the journal line by line, without Optuna.
 """
 
 from __future__ import annotations
@@ -26,28 +25,28 @@ from palpate.optimise.write_front import FRONT, describe_entry
 
 Row = Mapping[str, Any]
 _COMPLETE = 1
-"""State of a trial in the journal that was told what it gave."""
-_AGAIN = "Run `palpate search` again with this folder: it goes on where it was."
+"""State of a completed trial in the journal."""
+_AGAIN = "Run `palpate search` again with this folder: it resumes the search."
 
 
 @dataclass(frozen=True, eq=False)
 class SearchFolder:
-    """What a search's folder holds.
+    """Contents of the folder of a search.
 
     Attributes
     ----------
     folder, spec
-        Where it is, and what was asked for.
+        The folder and the requirements.
     rows
-        Figures of designs: the front first, then the best design of every skin that was tried.
+        Figures of designs: the front first, then the best design of every trial.
     front
-        How many of them are the front.
+        Number of designs on the front.
     winner
-        Number of the winner, -1 where there is none.
+        Index of the winner; -1 without one.
     skins
-        Skins that were tried.
+        Number of trials.
     finished
-        Whether the front is that of a finished search; else it is the best so far, of coarse presses.
+        Whether the search has finished; else the front is the best so far, by coarse presses.
     """
 
     folder: Path
@@ -64,7 +63,7 @@ class SearchFolder:
         Raises
         ------
         PalpateError
-            If there is no such row, or it is no design.
+            If the row does not exist, or has no complete design.
         """
         if not 0 <= number < len(self.rows):
             raise PalpateError(
@@ -94,12 +93,12 @@ def is_search(folder: Path) -> bool:
 
 
 def read_search(folder: Path) -> SearchFolder:
-    """Read what a search has found so far.
+    """Read the present state of a search.
 
     Raises
     ------
     PalpateError
-        If the folder holds no search, or one that cannot be read.
+        If the folder contains no search, or an unreadable one.
     """
     if not is_search(folder):
         raise PalpateError(
@@ -138,7 +137,7 @@ def read_search(folder: Path) -> SearchFolder:
 
 
 def _read_journal(path: Path) -> Iterator[SkinTrial]:
-    """Skins that were judged, by their number; a line that is being written is left for the next time."""
+    """Yield the evaluated skins by number; an incomplete last line is skipped."""
     notes: dict[int, dict[str, Any]] = {}
     done = []
     for line in path.read_text("utf-8").splitlines():

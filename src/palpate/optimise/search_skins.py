@@ -1,7 +1,7 @@
-"""Search by a Gaussian process: which skins to try next, given what was found of those tried.
+"""Bayesian optimisation over skins, by a Gaussian process on the trials so far.
 
-Skins are proposed in batches whose size and seeds do not depend on how many workers there are, and everything is in a
-journal: a search that was stopped proposes what it would have proposed, and what was begun is finished first.
+Places are proposed in batches of fixed size and seed, whatever the number of workers. All trials are in a journal: a
+resumed search completes the trials it had begun, then makes the proposals of an uninterrupted one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import optuna
 
 BATCH = 4
-"""Places that are proposed together."""
+"""Places per batch."""
 _STARTUP = 8
 """Places drawn at random before the process is fitted."""
 Sampler = Literal["gp", "random"]
@@ -28,16 +28,16 @@ Sampler = Literal["gp", "random"]
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What was found of one place.
+    """Evaluation of one place.
 
     Attributes
     ----------
     values
-        What is made least; infinite where it is not known, for which the process takes the worst that is.
+        Values to minimise; infinite if unknown (the process then uses the worst known value).
     violations
-        Constraints by name: above 0 where one is not met.
+        Constraints by name; above 0 if violated.
     record
-        Anything that is to be kept with it.
+        Data that are stored with the trial.
     """
 
     values: tuple[float, ...]
@@ -47,7 +47,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class SearchTrial:
-    """A place that was tried, and what was found; `number` in the order in which they were proposed."""
+    """Evaluated place; `number` is its order of proposal."""
 
     number: int
     place: Place
@@ -56,18 +56,18 @@ class SearchTrial:
 
 @dataclass(frozen=True)
 class SearchPlan:
-    """How a search goes.
+    """Settings of a search.
 
     Attributes
     ----------
     trials
-        How many places are tried, those of earlier runs with the same journal counted.
+        Number of places, including those of earlier runs with the same journal.
     seed, sampler
-        Of the proposals; ``"random"`` is the control.
+        Seed and kind of the proposals; ``"random"`` is the baseline.
     initial
-        Places to begin with.
+        Initial places.
     n_objectives
-        How many values there are.
+        Number of objective values.
     max_hours
         Time after which no further batch is begun.
     """
@@ -87,20 +87,20 @@ def search_skins(
     journal: Path,
     on_batch: Callable[[Sequence[SearchTrial]], None] | None = None,
 ) -> tuple[SearchTrial, ...]:
-    """Try places of a space and return all that were tried, in their order.
+    """Evaluate places of a search space and return all trials in the order of their proposal.
 
     Parameters
     ----------
     space
         Ranges of the variables.
     evaluate
-        Finds values and violations of several places at once.
+        Returns objective values and constraint violations of several places.
     plan
-        How many, by whom they are proposed, and where to begin.
+        Number of trials, sampler, seed and initial places.
     journal
-        File of the search; what it holds is not judged again.
+        File of the search; trials it contains are not evaluated again.
     on_batch
-        Told of all that were tried after every batch.
+        Called with all trials after every batch.
 
     Raises
     ------
@@ -127,12 +127,12 @@ def search_skins(
 
 
 def read_trials(journal: Path, objectives: int = 1) -> tuple[SearchTrial, ...]:
-    """Every place that a journal says was judged; none where there is no journal."""
+    """Read the completed trials of a journal; empty if the file does not exist."""
     return _tried(_open(journal, objectives)) if journal.exists() else ()
 
 
 def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[SearchTrial]) -> None:
-    """Put a journal of the same places in the place of one, as they are judged now: what is proposed goes by it."""
+    """Replace a journal by one with the same places and new evaluations, the basis of later proposals."""
     new = journal.with_name(f"{journal.name}.new")
     new.unlink(missing_ok=True)
     study, told = _open(new, plan.n_objectives), replace(plan, sampler="random")  # which need not fit what is given
@@ -145,7 +145,7 @@ def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Se
 
 
 def _tried(study: optuna.Study) -> tuple[SearchTrial, ...]:
-    """Every place that was judged, in the order in which they were proposed."""
+    """Evaluated places in the order of their proposal."""
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
     return tuple(SearchTrial(trial.number, trial.params, _evaluation(trial)) for trial in done)
 
@@ -168,9 +168,9 @@ def _open(journal: Path, objectives: int) -> optuna.Study:
 
 
 def _ask(study: optuna.Study, space: SkinSpace, number: int, plan: SearchPlan) -> optuna.Trial | None:
-    """The trial of a number, new or interrupted; `None` where it has ended.
+    """The new or interrupted trial of a number; `None` if it is complete.
 
-    Each has a seed of its own, so that a search that goes on proposes the same.
+    Each trial has its own seed, so that a resumed search proposes the same places.
     """
     import optuna
 
@@ -198,7 +198,7 @@ def _sampler(kind: Sampler, seed: int) -> optuna.samplers.BaseSampler:
 
 
 def _report(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
-    """Leave what was found in the journal."""
+    """Store an evaluation in the journal."""
     for name, value in found.violations.items():
         trial.set_constraint(name, value)
     trial.set_user_attr("violations", dict(found.violations))

@@ -1,4 +1,4 @@
-"""The proposal: a skin with its markers and camera, and what units of it will be."""
+"""Evaluation of a skin: its layouts with camera, and the predicted accuracy of its units."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 
 @dataclass(frozen=True)
 class LayoutOption:
-    """Markers and camera on one skin, and what units of it will be.
+    """Markers and camera on one skin, with the predicted accuracy.
 
     Attributes
     ----------
     markers
-        The rings that were chosen.
+        The chosen rings.
     camera, distance, price
         Name of the camera, its distance below the base plane (mm), and its price.
     accuracy
-        What is foreseen of built units, at the requirements' number of known presses.
+        Predicted accuracy of units, after the required number of calibration presses.
     """
 
     markers: MarkerSpec
@@ -33,22 +33,22 @@ class LayoutOption:
 
 @dataclass(frozen=True)
 class SkinEvaluation:
-    """What is known of one skin.
+    """Evaluation of one skin.
 
     Attributes
     ----------
     skin, material
         The skin.
     max_depth_mm
-        Depth to which it can be pressed on its flat branch under every tilt and friction.
+        Maximum depth on the flat branch under every tilt and friction.
     force_n
-        Greatest force in any press, N.
+        Maximum force of any press, N.
     bistable_from_mm
-        Depth from which it has a second, inverted state when pressed straight; `None`: none found, or not asked.
+        Depth from which a straight press has an inverted state; `None` if none was found or it was not examined.
     options
-        Markers and cameras, best of their number; empty where there is a problem.
+        Best layout and camera of each number of markers; empty if there is a problem.
     problem
-        Why the skin cannot be used.
+        Reason why the skin cannot be used.
     """
 
     skin: SkinSpec
@@ -61,17 +61,17 @@ class SkinEvaluation:
 
     @property
     def size_mm(self) -> float:
-        """Outer diameter at the base or where it is widest."""
+        """Maximum outer diameter."""
         skin = self.skin.build()
         return 2.0 * (skin.widest[0] + skin.thickness)
 
     def best(self, most: int) -> LayoutOption | None:
-        """The option of least error among those of at most so many markers."""
+        """Return the option of minimum error with at most `most` markers."""
         fit = [option for option in self.options if option.markers.count <= most]
         return min(fit, key=lambda option: option.accuracy.p95_deg, default=None)
 
     def to_data(self) -> dict[str, Any]:
-        """As JSON holds it."""
+        """Return the evaluation as JSON data."""
         return {
             "skin": dict(self.skin.build().spec_data),
             "material": self.material,
@@ -84,7 +84,7 @@ class SkinEvaluation:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> SkinEvaluation:
-        """From what `to_data` gave."""
+        """Build an evaluation from the data of `to_data`."""
         return cls(**{**data, "skin": skin_from_data(data["skin"]), "options": tuple(_options_from(data["options"]))})
 
 

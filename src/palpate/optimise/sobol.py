@@ -1,7 +1,7 @@
-"""What matters about a skin: shares of the error's variance over the searched space that each variable explains.
+"""Sobol indices of a search: share of the error's variance that each variable explains.
 
-Sobol's indices (Sobol 2001, doi 10.1016/S0378-4754(00)00270-6) of a smooth surface through what was tried: as good as
-that surface is, whose error at skins left out is stated beside.
+Indices (Sobol 2001, doi 10.1016/S0378-4754(00)00270-6) of a smooth surface fitted to the trials. The cross-validated
+error of the surface is reported with them.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from palpate.optimise.front import SkinTrial
 from palpate.optimise.space import SkinSpace
 
 _FEWEST = 4
-"""Skins for each variable below which nothing is said."""
+"""Minimum number of skins per variable for a result."""
 _LEAST_EXPLAINED = 0.5
-"""Share of the variance of skins left out below which a surface says nothing of what matters."""
+"""Minimum explained share of the cross-validated variance for a statement on importance."""
 _SMOOTHING = 1e-3
 _SAMPLES = 1024
 
 
 @dataclass(frozen=True)
 class SobolIndex:
-    """How much of the error's spread a variable explains.
+    """Sobol indices of one variable.
 
     Attributes
     ----------
     name
-        Of the variable.
+        Name of the variable.
     first_order, total
-        Sobol's first and total index: by itself, and with all that it does together with others.
+        First-order index (the variable by itself) and total index (with all its interactions).
     """
 
     name: str
@@ -45,14 +45,14 @@ class SobolIndex:
 
 @dataclass(frozen=True)
 class SobolIndices:
-    """What matters in a search.
+    """Sobol indices of a search.
 
     Attributes
     ----------
     variables
-        The most important first; empty where too few skins were tried.
+        In descending order of importance; empty if there are too few trials.
     explained
-        Share of the variance of skins left out, a tenth at a time, that the surface explains; 1 is all.
+        Share of the variance that the surface explains in ten-fold cross-validation; 1 is all.
     """
 
     variables: tuple[SobolIndex, ...]
@@ -60,21 +60,21 @@ class SobolIndices:
 
     @property
     def summary(self) -> str:
-        """What matters and what does not, in plain words."""
+        """Important and unimportant variables, as a sentence."""
         if not self.variables:
-            return "Too few skins were tried to say what matters."
+            return "Too few skins were tried to rank the variables."
         if self.explained < _LEAST_EXPLAINED:
-            return "What matters cannot be told: no smooth surface goes through the skins tried."
+            return "The variables cannot be ranked: no smooth surface fits the skins that were tried."
         matter = [one.name for one in self.variables if one.total >= 0.15]
         idle = [one.name for one in self.variables if one.total < 0.05]
-        words = f"What matters most: {', '.join(matter) or 'nothing by itself'}."
-        return words + (f" What hardly matters: {', '.join(idle)}." if idle else "")
+        words = f"Most important: {', '.join(matter) or 'no single variable'}."
+        return words + (f" Unimportant: {', '.join(idle)}." if idle else "")
 
 
 def compute_sobol_indices(tried: Sequence[SkinTrial], space: SkinSpace, markers: int, seed: int = 0) -> SobolIndices:
-    """Sobol's indices of the log of the least error over the ranges of a space, by skins that reach the depth.
+    """Compute Sobol indices of the log of the minimum error, by the skins that reach the required depth.
 
-    The error of a skin that does not reach it is that of other poses, up to some times as large.
+    The error of a skin that does not reach the depth refers to other poses and may be several times as large.
     """
     names, rows, values = list(space.ranges), [], []
     for one in tried:
@@ -108,7 +108,7 @@ def _surface(x: FloatArray, y: FloatArray) -> RBFInterpolator:
 
 
 def _explained(x: FloatArray, y: FloatArray) -> float:
-    """Share of the variance explained where each tenth is left out in turn."""
+    """Share of the variance explained in ten-fold cross-validation."""
     left = np.empty_like(y)
     for part in range(10):
         out = np.arange(len(y)) % 10 == part

@@ -21,7 +21,7 @@ Range = tuple[float, float]
 _CAMERA = "davis346"
 """Name of the default camera."""
 PRESET = "paper_task"
-"""Requirements included in the package."""
+"""Name of the requirements that the package contains."""
 _HINT = f"Give a YAML file, or {PRESET}; see the page on requirements in the documentation."
 Objective = Literal["error", "force", "markers", "price", "size"]
 Proof = Literal["none", "simulated", "trained"]
@@ -32,11 +32,11 @@ FIELDS = {
     "aspects": "aspect",
     "tapers": "taper",
 }
-"""Ranges of the search → field of a skin."""
+"""Ranges of the search, and the skin field of each."""
 
 
 class CameraChoice(Spec):
-    """Camera that the search may choose."""
+    """Camera that the search can select."""
 
     name: str = parameter(_CAMERA, unit="", meaning="name of the camera; any other name requires `camera`")
     price: float = parameter(0.0, unit="1", meaning="price of the camera, in one currency for all cameras", ge=0)

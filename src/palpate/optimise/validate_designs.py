@@ -1,7 +1,7 @@
-"""Prove a search: play the winner and its rivals on the bench, and let a second solver press the winner.
+"""Validation of a search: winner and baseline on the test bench, and the winner by CalculiX.
 
-Every unit that is played, every press of it, every network and every press of CalculiX is an artefact of the search's
-store: a proof that was stopped goes on where it was.
+Each simulated unit, press and network is an artefact of the search's store, so that an interrupted validation
+resumes.
 """
 
 from __future__ import annotations
@@ -39,19 +39,19 @@ from palpate.study import PressTask, Task, TwinTask, find_artefact, plan_study, 
 from palpate.surrogate import read_twin
 
 UNITS = 20
-"""Units of each design that are played."""
+"""Simulated units of each design."""
 _MOST_KNOWN = 5
-"""Most known presses that a bench makes."""
+"""Maximum number of calibration presses on the bench."""
 _FINALISTS = 2
-"""Finalists that are played beside the winner where there is one objective."""
+"""Finalists that are simulated with the winner if there is one objective."""
 
 
 @dataclass(frozen=True)
 class UnitTrialTask(Task):
-    """Play one built unit of a design on the bench."""
+    """Simulate one built unit of a design on the test bench."""
 
     reader: Task
-    """Makes what reads: the design's twin, or a trained network."""
+    """Task that makes the estimator: the design's twin, or a trained network."""
     design: Design
     spec: VirtualBenchSpec
     unit: int
@@ -81,7 +81,7 @@ class UnitTrialTask(Task):
         run_unit_trial(bench, self._deviation)
 
     def read(self, store: ArtefactStore) -> dict[str, Any]:
-        """Sums over the unit's images, once it was made."""
+        """Return the sums over the unit's images."""
         played = read_trial(find_artefact(store, self), self._deviation)
         errors = played.corrected() - played.truth
         seen = np.isfinite(errors).all(axis=1)
@@ -98,13 +98,13 @@ class UnitTrialTask(Task):
         return sample_deviation(self.spec.tolerance, self.spec.seed, self.unit)
 
     def _bench(self, model: Path, store: ArtefactStore) -> VirtualBench:
-        """The bench of this design, whose results are known by what makes the model, before that is made."""
+        """Return the bench of this design, named by the recipe of its model."""
         return VirtualBench(self.spec, self.design, model, store, self.reader.recipe.key)
 
 
 @dataclass(frozen=True)
 class CalculixTask(Task):
-    """Let CalculiX do a press."""
+    """Solve a press by CalculiX."""
 
     press: PressTask
 
@@ -131,16 +131,16 @@ class CalculixTask(Task):
 
 
 def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> ValidationResult:
-    """Play the winner of a front and its rivals.
+    """Simulate the winner of a front, finalists and baseline.
 
     Parameters
     ----------
     front
-        With a winner.
+        A front with a winner.
     out
         Folder of the search.
     do
-        Does tasks, and says why some failed, by their keys.
+        Runs tasks, and returns the reasons of failure by task key.
     """
     assert front.winner is not None
     spec, store = front.spec, ArtefactStore(out / "store")
@@ -162,9 +162,9 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
 def predict_baseline(
     spec: RequirementsSpec, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]
 ) -> PredictedAccuracy | None:
-    """What is foreseen of the rival, from the twin that it is read by where it is played; `None` without one.
+    """Predict the accuracy of the baseline from its validation twin; `None` without a baseline.
 
-    The parameters are those of `prove`.
+    The parameters are those of `validate_designs`.
     """
     if spec.baseline is None:
         return None
@@ -174,7 +174,7 @@ def predict_baseline(
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A design that is played."""
+    """Design to simulate."""
 
     spec: RequirementsSpec
     title: str
@@ -184,12 +184,12 @@ class _Candidate:
 
     @classmethod
     def of(cls, front: Front, title: str, entry: DesignCandidate) -> _Candidate:
-        """A design of a front."""
+        """Return the candidate of a design of the front."""
         return cls(front.spec, title, design_of(front.spec, entry), entry.trial.finest.material)
 
     @classmethod
     def rival(cls, spec: RequirementsSpec) -> _Candidate:
-        """The rival of the requirements, in the first of the cameras and elastomers."""
+        """Return the baseline of the requirements, with the first of the cameras and elastomers."""
         assert spec.baseline is not None
         camera = spec.cameras[0].camera.model_copy(update={"distance": spec.baseline.distance})
         material = spec.materials[0]
@@ -219,7 +219,7 @@ class _Candidate:
 
     @property
     def predicted_by(self) -> tuple[Task, ...]:
-        """The twin, and the presses that tell what it is off."""
+        """Tasks of the twin and of the presses that measure its error."""
         return (self.twin, *(press for checks in self._proposal.checks for press in checks.presses))
 
     @cached_property
@@ -238,7 +238,7 @@ class _Candidate:
         return tuple(UnitTrialTask(reader, self.design, bench, unit) for unit in range(1, UNITS + 1))
 
     def second_solver(self) -> tuple[tuple[Task, ...], str]:
-        """A press by palpate and by CalculiX, and why there is none by the latter."""
+        """Return the tasks of a press by palpate and by CalculiX, and the reason if CalculiX cannot solve it."""
         wall = WallSpec(tilt_deg=self.spec.max_tilt_deg, contact="frictionless", depth=self.spec.depth)
         straight = self.twin.presses[0]
         plain = straight.solver.model_copy(update={"derivatives": ()})
@@ -250,7 +250,7 @@ class _Candidate:
         return (own, CalculixTask(own)), ""
 
     def predict(self, store: ArtefactStore) -> PredictedAccuracy | None:
-        """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
+        """Predict the accuracy from the twin and its validation presses; `None` if these contradict the twin."""
         twin, spec = (
             read_twin(find_artefact(store, self.twin)),
             replace(accuracy_spec(self.spec), calibration_presses=self.bench.calibration_presses),
@@ -263,7 +263,7 @@ class _Candidate:
             return None
 
     def evaluate(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
-        """What was foreseen and what was played."""
+        """Return predicted and simulated accuracy."""
         empty = ValidatedDesign(
             self.title,
             self.design.skin.name,
@@ -289,7 +289,7 @@ class _Candidate:
 
 
 def _finalists(front: Front, winner: DesignCandidate) -> Iterator[tuple[str, DesignCandidate]]:
-    """The winner, and the ends of a front of several objectives; of one, the best designs of other finalists."""
+    """Yield the winner, and the extremes of the front; for one objective, the best other finalists."""
     if front.extremes:
         yield from _together([("winner", winner), *front.extremes])
         return
@@ -308,7 +308,7 @@ def _finalists(front: Front, winner: DesignCandidate) -> Iterator[tuple[str, Des
 
 
 def _together(titled: Sequence[tuple[str, DesignCandidate]]) -> Iterator[tuple[str, DesignCandidate]]:
-    """Every design once, with all of its titles."""
+    """Yield every design once, with all of its titles."""
     entries: list[DesignCandidate] = []
     for _, entry in titled:
         if entry not in entries:
@@ -320,7 +320,7 @@ def _together(titled: Sequence[tuple[str, DesignCandidate]]) -> Iterator[tuple[s
 def _gather(
     store: ArtefactStore, tasks: Sequence[UnitTrialTask], reasons: Mapping[str, str]
 ) -> tuple[SimulatedAccuracy | None, list[str]]:
-    """The figures of all units of a design that could be played, and why others could not."""
+    """Combine the results of all simulated units of a design, and the reasons of failed ones."""
     failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
     made = (task for task in tasks if task.recipe.key not in reasons)
     found = {task.recipe.key: task.read(store) for task in made}
@@ -344,14 +344,14 @@ def _gather(
 
 
 def _by_unit(unit: Mapping[str, Any] | None) -> tuple[float, float] | None:
-    """RMSE of rx and ry, and greatest error, of a unit; `None` where it could not be played or gave no pose."""
+    """RMSE of rx and ry, and maximum error, of a unit; `None` if it failed or gave no pose."""
     if unit is None or not unit["seen"]:
         return None
     return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["p95_deg"])
 
 
 def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SolverComparison:
-    """CalculiX beside palpate at the greatest depth that both reached in the same state."""
+    """Compare CalculiX and palpate at the maximum depth that both reached in the same state."""
     own, other = (read_press(find_artefact(store, task)) for task in tasks)
     reached = other.depth[other.depth <= own.depth[-1] + 1e-6]
     nearest = np.abs(own.depth - reached[:, None]).argmin(axis=1)
@@ -366,6 +366,6 @@ def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> S
 
 
 def _at_depth(press: Press, depth: float, dots: FloatArray) -> tuple[float, FloatArray]:
-    """Force in N on the wall, and dots (m, 3), of the increment nearest to a depth."""
+    """Return the contact force, N, and marker positions (m, 3) of the increment nearest to a depth."""
     nearest = int(np.abs(press.depth - depth).argmin())
     return float(np.linalg.norm(press.force[nearest])), press.positions(dots)[nearest]

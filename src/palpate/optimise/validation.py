@@ -1,4 +1,4 @@
-"""The proof of a search: what was foreseen of the winner and its rivals, beside what they gave on the bench."""
+"""Validation of a search: predicted and simulated accuracy of winner, finalists and baseline."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from palpate.core import FloatArray, generator
 from palpate.core.report import Report
 
 _DRAWS = 4000
-"""Sets of units that are drawn from those that were played, to tell what others would have given."""
+"""Bootstrap samples of the simulated units."""
 _SURE = 0.95
-"""Share of these sets that must say the same before units are said to tell."""
+"""Share of the bootstrap samples that must agree on the order of two designs."""
 
 
 @dataclass(frozen=True)
 class SimulatedAccuracy:
-    """What built units of one design gave on the bench.
+    """Accuracy of the built units of one design on the test bench.
 
     Attributes
     ----------
     units
-        Units that were played.
+        Number of simulated units.
     images, without_pose
-        Images that counted, and those of them that gave no pose.
+        Numbers of evaluated images, and of those without a pose.
     rmse_deg
-        Over rx and ry of all images of all units.
+        RMSE of rx and ry over all images of all units.
     p95_deg
-        Greatest error of rx or ry that 19 of 20 units stay below.
+        95th percentile over units of each unit's maximum error of rx or ry.
     depth_rmse
-        Of the depth, mm.
+        RMSE of the depth, mm.
     failures
-        Why units could not be played.
+        Reasons of failed units.
     by_unit
-        RMSE and greatest error (degrees) of every unit; `None` of one that gave no pose.
+        RMSE and maximum error (degrees) of every unit; `None` for a unit that gave no pose.
     """
 
     units: int
@@ -52,14 +52,14 @@ class SimulatedAccuracy:
 
     @property
     def bootstrap_intervals(self) -> FloatArray:
-        """Between what RMSE and 19 of 20 (2, 2), degrees, lie nine times in ten for units drawn from those played."""
+        """90 % bootstrap intervals (2, 2), degrees, of RMSE and 95th percentile."""
         return np.quantile(_draw_figures([self])[0], [0.05, 0.95], axis=0).T
 
 
 def _draw_figures(simulated: Sequence[SimulatedAccuracy]) -> FloatArray:
-    """RMSE and error of 19 of 20 (d, draws, 2), degrees, of d designs by units drawn, alike for all of them.
+    """Draw RMSE and 95th percentile (d, draws, 2), degrees, of d designs from common bootstrap samples.
 
-    Drawn with replacement (the bootstrap) from the units that gave a pose with every design; nan without any.
+    Samples are taken from the units that gave a pose with every design; nan without any.
     """
     together = zip(*(figure.by_unit for figure in simulated), strict=True)
     units = np.array([unit for unit in together if None not in unit])
@@ -72,24 +72,24 @@ def _draw_figures(simulated: Sequence[SimulatedAccuracy]) -> FloatArray:
 
 @dataclass(frozen=True)
 class ValidatedDesign:
-    """One design of the proof.
+    """One design of the validation.
 
     Attributes
     ----------
     title
-        What it is: winner, finalist or rival.
+        Role of the design: winner, finalist or baseline.
     name, markers, distance
-        Its skin, number of dots, and the camera's distance in mm.
+        Its skin, number of markers, and the camera's distance in mm.
     force_n
-        Greatest force in any press of its twin, N.
+        Maximum force of any press of its twin, N.
     predicted
-        From its twin.
+        Accuracy predicted by its twin.
     simulated
-        By its twin on the bench; `None` where it could not be.
+        Accuracy of its twin on the test bench; `None` if the simulation failed.
     trained
-        By a trained network, which no known press tells about a unit; `None` where none was asked for.
+        Accuracy of a trained network, which uses no calibration presses; `None` without one.
     problem
-        Why it could not be played.
+        Reason why the simulation failed.
     """
 
     title: str
@@ -104,7 +104,7 @@ class ValidatedDesign:
 
     @property
     def relative_error(self) -> float:
-        """Share by which what was played is farthest from what was foreseen: of RMSE and of 19 of 20 units."""
+        """Maximum relative difference of simulated and predicted accuracy, over RMSE and 95th percentile."""
         if self.simulated is None or self.predicted is None:
             return float("nan")
         told, found = self.predicted, self.simulated
@@ -113,18 +113,18 @@ class ValidatedDesign:
 
 @dataclass(frozen=True)
 class SolverComparison:
-    """The winner pressed by CalculiX, without friction at the greatest tilt, beside palpate's press.
+    """Comparison of CalculiX and palpate: the winner, without friction, at the maximum tilt.
 
     Attributes
     ----------
     depth
-        Greatest depth that both reached in the same state, mm.
+        Maximum depth that both reached in the same state, mm.
     force_n, own_force_n
-        Force on the wall there by CalculiX and by palpate, N.
+        Contact force at this depth by CalculiX and by palpate, N.
     markers_mm
-        Root of the mean square distance of the dots of one from those of the other there.
+        RMS distance between the two programs' marker positions at this depth.
     branches_differ_from_mm
-        Depth from which one shows the inverted state and the other does not; `None` where they agree.
+        Depth from which only one program shows the inverted state; `None` if they agree.
     """
 
     depth: float
@@ -136,7 +136,7 @@ class SolverComparison:
 
 @dataclass(frozen=True)
 class ValidationResult:
-    """What the bench and a second solver say of a search.
+    """Results of the test bench and of a second solver.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class ValidationResult:
     calibration_presses
         Calibration presses of each unit before it is read by its twin.
     second, second_problem
-        What CalculiX found; why it did not press.
+        Comparison with CalculiX; the reason why it did not solve the press.
     """
 
     designs: tuple[ValidatedDesign, ...]
@@ -155,17 +155,17 @@ class ValidationResult:
 
     @property
     def order_preserved(self) -> bool:
-        """Whether designs that were played stand in the order that was foreseen, by RMSE and by 19 of 20 units."""
+        """Whether simulated and predicted order of the designs agree, in RMSE and 95th percentile."""
         return all((told * found >= 0.0).all() for _, told, found in self._pairs())
 
     @property
     def reversed_pairs(self) -> tuple[str, ...]:
-        """Pairs of designs that stand the other way round in a figure, and would by other units as well."""
+        """Pairs of designs in reversed order of a figure that other units would confirm."""
         pairs = self._pairs(draw=True)
         return tuple(title for title, told, found in pairs if (np.mean(told * found < 0.0, axis=0) > _SURE).any())
 
     def _pairs(self, *, draw: bool = False) -> Iterator[tuple[str, FloatArray, FloatArray]]:
-        """Of every two designs what is foreseen (2,) and was played (n, 2) of one less that of the other."""
+        """Pairwise differences between designs, predicted (2,) and simulated (n, 2), degrees."""
         both = [(one.title, one.predicted, one.simulated) for one in self.designs if one.predicted and one.simulated]
         for (title, told, found), (other_title, other_told, other_found) in combinations(both, 2):
             pair = [found, other_found]
@@ -173,15 +173,15 @@ class ValidationResult:
             yield f"{title} and {other_title}", _figures(told) - _figures(other_told), first - second
 
     def as_dict(self) -> dict[str, Any]:
-        """As JSON data."""
+        """Return the validation as JSON data."""
         return {**asdict(self), "order_preserved": self.order_preserved, "contradicted": self.reversed_pairs}
 
 
 def validation_page(proof: ValidationResult | None) -> Iterator[str | Report]:
-    """Paragraphs and table of the proof."""
-    yield "## Proof"
+    """Yield paragraphs and table of the validation."""
+    yield "## Validation"
     if proof is None:
-        yield "Nothing was played: `--validate simulated` plays the winner and its rivals on the bench."
+        yield "No design was simulated: `--validate simulated` runs winner and baseline on the test bench."
     else:
         yield _table(proof.designs)
         yield " ".join(_sentences(proof))
@@ -192,11 +192,11 @@ def _figures(found: PredictedAccuracy | SimulatedAccuracy) -> FloatArray:
 
 
 def _table(designs: Sequence[ValidatedDesign]) -> Report:
-    head = ["design", "skin", "dots", "camera, mm", "force, N"]
-    for figure in ("RMSE", "19 of 20"):
-        head += [f"{figure} foreseen", "played", "by other units"]
+    head = ["design", "skin", "markers", "camera, mm", "force, N"]
+    for figure in ("RMSE", "95th percentile"):
+        head += [f"{figure} predicted", "simulated", "90 % interval"]
     trained = any(one.trained for one in designs)
-    head += ["network: RMSE", "19 of 20"] if trained else []
+    head += ["network: RMSE", "95th percentile"] if trained else []
     rows = []
     for one in designs:
         spans = one.simulated.bootstrap_intervals if one.simulated else np.full((2, 2), np.nan)
@@ -217,8 +217,8 @@ def _order(proof: ValidationResult) -> str:
     if proof.order_preserved:
         return "their order is the same"
     if not proof.reversed_pairs:
-        return "their order is the same but for designs that so few units do not tell apart"
-    return f"their order is not the same: of {', of '.join(proof.reversed_pairs)} the other one is better"
+        return "their order is the same except for designs that so few units do not separate"
+    return f"their order differs: of {', of '.join(proof.reversed_pairs)} the second is better"
 
 
 def _sentences(proof: ValidationResult) -> Iterator[str]:
@@ -229,9 +229,9 @@ def _sentences(proof: ValidationResult) -> Iterator[str]:
             f"{counts} of each design, pressed by finite elements on another mesh, read from rendered images after "
             f"{proof.calibration_presses} calibration presses."
         )
-        yield f"Foreseen and played are within {100 * max(one.relative_error for one in played):.0f} % of each other"
-        yield f"and {_order(proof)}." if len(played) > 1 else "in both figures."
-        yield "Nine in ten sets of units drawn again from those that were played give figures *by other units*."
+        yield f"Both figures differ by {100 * max(one.relative_error for one in played):.0f} %"
+        yield f"and {_order(proof)}." if len(played) > 1 else "in RMSE and 95th percentile."
+        yield "The 90 % intervals are bootstrap intervals over the simulated units."
     for one in proof.designs:
         lost = [one.problem] if one.problem else list(one.simulated.failures if one.simulated else ())
         yield from (f"{one.title} ({one.name}): {problem}" for problem in lost)
@@ -239,7 +239,7 @@ def _sentences(proof: ValidationResult) -> Iterator[str]:
         two = proof.second
         yield (
             f"CalculiX presses the winner without friction to {two.depth:.1f} mm by {two.force_n:.3f} N, palpate by "
-            f"{two.own_force_n:.3f} N ({100 * (two.own_force_n / two.force_n - 1):+.1f} %); dots are "
+            f"{two.own_force_n:.3f} N ({100 * (two.own_force_n / two.force_n - 1):+.1f} %); markers are "
             f"{two.markers_mm:.3f} mm apart (rms)."
         )
         if two.branches_differ_from_mm is not None:

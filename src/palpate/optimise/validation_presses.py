@@ -1,4 +1,4 @@
-"""Presses that tell what the twin of a design is off: on another mesh, between its tilts and contact laws."""
+"""Validation presses of a twin: on another mesh, between its tilts and contact laws."""
 
 from __future__ import annotations
 
@@ -14,29 +14,34 @@ from palpate.simulation import FINER
 from palpate.study import PressTask, TwinTask, find_artefact
 
 _READ = ((1, 0.7887), (4, 0.2113), (6, 0.2113))
-"""Tilts that are read: number of a gap between two of the twin's, and share of it. They lie about where Gauss's rule
-of three has them over all tilts, and in gaps where that of two has them: half way a twin would be off most."""
+"""Tilts that are evaluated: index of a gap between two of the twin's tilts, and share of it.
+
+They are near the nodes of the three-point Gauss rule over all tilts, and at nodes of the two-point rule in their
+gaps: at mid-gap the error of the twin is largest.
+"""
 _STEP_SHARE = 0.8
-"""Step from image to image over the twin's, so that depths lie between its own as well."""
+"""Depth step over the twin's, so that depths between its increments are covered."""
 _FRICTIONS = (0.2113, 0.7887)
-"""Quantiles of the tolerance's frictions under which is pressed, those of Gauss's rule: some twins are further off on
-slippery walls, others on those that hold."""
+"""Quantiles of the tolerance's frictions: nodes of the two-point Gauss rule.
+
+The error of some twins is larger at low friction, that of others at high friction.
+"""
 
 
 @dataclass(frozen=True)
 class ValidationPressTasks:
-    """The presses of `ValidationPresses`, not done yet."""
+    """Tasks of `ValidationPresses`."""
 
     known: tuple[PressTask, ...]
     read: tuple[PressTask, ...]
 
     @property
     def presses(self) -> tuple[PressTask, ...]:
-        """All of them."""
+        """All presses."""
         return (*self.known, *self.read)
 
     def find(self, store: ArtefactStore) -> ValidationPresses:
-        """The presses, done."""
+        """Return the solved presses from the store."""
         known, read = (
             [read_press(find_artefact(store, task)) for task in tasks] for tasks in (self.known, self.read)
         )
@@ -44,7 +49,7 @@ class ValidationPressTasks:
 
 
 def plan_validation_presses(twin: TwinTask, spec: RequirementsSpec) -> tuple[ValidationPressTasks, ...]:
-    """The presses that a twin is held against, one `ValidationPressTasks` for each friction."""
+    """Plan the presses that measure the error of a twin, one `ValidationPressTasks` per friction."""
     tilts = sorted({press.obstacle.radial for press in twin.presses})
     known = [share * spec.max_tilt_deg for share in CALIBRATION_TILTS]
     between = [tilts[k - 1] + share * (tilts[k] - tilts[k - 1]) for k, share in _READ if k < len(tilts)]

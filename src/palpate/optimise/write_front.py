@@ -1,4 +1,4 @@
-"""The report of a search: one folder with the front, how the search went, and the winner's study."""
+"""Report of a search: one folder with front, progress, and the winner's study."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ FRONT_COLUMNS = (
 
 
 def write_front(folder: Path, front: Front, command: str) -> None:
-    """Write ``report.md``, tables, ``front.json``, pictures, and ``winner.yaml``, a study.
+    """Write ``report.md``, tables, ``front.json``, figures, and ``winner.yaml``, a study.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
 
 
 def describe_entry(entry: DesignCandidate) -> dict[str, Any]:
-    """One design by the columns of the tables."""
+    """Return one design by the columns of the tables."""
     proposal, option = entry.trial.finest, entry.option
     coarse = next((each for each in entry.trial.coarse.options if each.markers.count == option.markers.count), option)
     skin = proposal.skin
@@ -114,7 +114,7 @@ def describe_entry(entry: DesignCandidate) -> dict[str, Any]:
 
 
 def describe_front(front: Front) -> dict[str, Any]:
-    """The front as JSON data, with how it was made."""
+    """Return the front as JSON data, with its settings and versions."""
     return {
         "requirements": front.spec.model_dump(mode="json"),
         "made_with": provenance(),
@@ -131,7 +131,7 @@ def describe_front(front: Front) -> dict[str, Any]:
 
 
 def report(front: Front, influences: SobolIndices, command: str) -> str:
-    """The page that a person reads."""
+    """Return the report as a Markdown page."""
     spec, winner = front.spec, front.winner
     shares = [(one.name, f"{one.first_order:.2f}", f"{one.total:.2f}") for one in influences.variables]
     parts: list[str | Report] = [
@@ -150,7 +150,7 @@ def report(front: Front, influences: SobolIndices, command: str) -> str:
         "![front](front.svg)",
         "![search](search.svg)",
         *_control_lines(front),
-        "## What matters",
+        "## Importance of the variables",
         f"{influences.summary} Over the whole of the searched space, by Sobol's indices of a surface through "
         "the skins that reach the depth, which explains "
         f"{100 * max(influences.explained, 0.0):.0f} % of the variance of skins left out.",
@@ -166,15 +166,15 @@ def _winner_line(winner: DesignCandidate) -> str:
     skin = proposal.skin
     return (
         f"The winner is skin {winner.trial.number}: {skin.build().shape}, {skin.height:g} mm high over a radius of "
-        f"{skin.base_radius:g} mm, {skin.thickness:g} mm thick, {option.markers.count} dots of "
-        f"{option.markers.diameter:g} mm, camera {option.camera} {option.distance:g} mm below the base. 19 of 20 "
-        f"units stay below {option.accuracy.p95_deg:.3f}° (RMSE {option.accuracy.rmse_deg:.3f}°); at most "
+        f"{skin.base_radius:g} mm, {skin.thickness:g} mm thick, {option.markers.count} markers of "
+        f"{option.markers.diameter:g} mm, camera {option.camera} {option.distance:g} mm below the base. The error's "
+        f"95th percentile is {option.accuracy.p95_deg:.3f}° (RMSE {option.accuracy.rmse_deg:.3f}°); at most "
         f"{proposal.force_n:.2f} N. `winner.yaml` is its study."
     )
 
 
 def _dropped_lines(front: Front) -> Iterator[str]:
-    """Finalists that broke a limit when they were pressed finely; nothing where none did."""
+    """Yield the finalists that broke a limit at full fidelity."""
     for one in front.trials:
         if one.fine is not None and not one.feasible:
             broken = " and ".join(WORDS[name] for name, by in one.violations.items() if by > 0)
@@ -182,17 +182,17 @@ def _dropped_lines(front: Front) -> Iterator[str]:
 
 
 def _end_lines(front: Front) -> list[str]:
-    """The ends of a front of several objectives; nothing where there is one."""
+    """Return lines on the extremes of a front; empty for a single objective."""
     if not front.extremes:
         return []
     bar = f"{front.error_threshold_deg:.3f}°, " + (
-        "as is foreseen of the rival" if front.baseline else "as is wanted"
+        "the predicted error of the baseline" if front.baseline else "the required error"
     )
     lines = []
     for title, entry in front.extremes:
         proposal, option = entry.trial.finest, entry.option
         lines.append(
-            f"* {title}: skin {entry.trial.number}, {proposal.skin.build().name}, {option.markers.count} dots of "
+            f"* {title}: skin {entry.trial.number}, {proposal.skin.build().name}, {option.markers.count} markers of "
             f"{option.markers.diameter:g} mm, camera {option.camera} at {option.distance:g} mm, "
             f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.accuracy.p95_deg:.3f}°"
         )
@@ -200,7 +200,7 @@ def _end_lines(front: Front) -> list[str]:
 
 
 def _least(front: Front) -> Iterator[tuple[str, int, str, DesignCandidate | None]]:
-    """Search, chance and grid: how many of what were judged, and the best by coarse presses that meets the limits."""
+    """Number of evaluations and best feasible design by coarse presses, of search, random search and grid."""
     control = front.search_baselines
     parts = (
         ("search", front.trials, len(front.trials), "skins"),
@@ -211,15 +211,15 @@ def _least(front: Front) -> Iterator[tuple[str, int, str, DesignCandidate | None
 
 
 def _control_lines(front: Front) -> Iterator[str]:
-    """The search beside chance and a grid; nothing where it is held against neither."""
+    """Yield the comparison of the search with random search and grid; nothing without a baseline."""
     found = list(_least(front))
     if len(found) < 2:
         return
-    yield "Least error of 19 of 20 units within the limits, all by the same coarse presses:"
+    yield "Minimum 95th-percentile error of feasible designs, all by the same coarse presses:"
     lines = []
     for name, count, noun, best in found:
         skin = best.trial.coarse.skin.build().name if best else ""
-        figures = f"{skin}, {best.option.markers.count} dots: {best.value('error'):.4f}°" if best else "none"
+        figures = f"{skin}, {best.option.markers.count} markers: {best.value('error'):.4f}°" if best else "none"
         lines.append(f"* {name}, {count} {noun}: {figures}")
     yield "\n".join(lines)
 

@@ -1,7 +1,8 @@
-"""Virtual units on a simulated robot: identified at a jig, mounted askew, their offset told, and squared to walls.
+"""Trials of the alignment of simulated units on a simulated robot to walls.
 
-A unit is drawn within the workshop's tolerances, as on the bench; its images are rendered and spoiled as there, and
-go through detection, naming and fit. Walls differ in tilt, distance and friction.
+A unit is identified at a jig, mounted with an angular error, its tool offset is measured, and it is aligned to walls.
+Units are drawn within the manufacturing tolerances; their images are rendered with the test bench's errors and pass
+detection, assignment and fit. Walls differ in tilt, distance and friction.
 """
 
 from __future__ import annotations
@@ -41,37 +42,37 @@ from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec
 from palpate.surrogate import Twin
 
 WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
-"""Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
+"""Tolerances of units, with friction of walls from 0.2 and lateral robot errors during a touch."""
 _LENGTH_MM = 120.0
-"""From the flange to the middle of the dome's base."""
+"""Distance from the flange to the centre of the skin's base."""
 _STANDOFF_MM = 5.0
-"""From where the wall is believed, at the start of an alignment."""
+"""Distance from the assumed wall at the start of an alignment."""
 _JIG = RobotUncertainty(0.02, 0.02)
 _REFERENCE_DEG = 2.0
-"""Tilt of the wall by which the tool's offset is told."""
+"""Tilt of the wall by which the tool offset is measured."""
 _DEPTHS = (2.5, 4.0, 5.5)
 
 
 @dataclass(frozen=True, eq=False)
 class AlignmentScenario:
-    """What is played.
+    """Settings of an alignment trial.
 
     Attributes
     ----------
     twin
-        The design's twin, which reads.
+        The design's twin, the estimator.
     design
         Its markers and camera; skin and material for presses that are solved for each touch.
     align, robot, tolerance
-        How walls are touched, how well the robot does, and how far units and walls may be from the design.
+        Alignment, errors of the robot, and tolerances of units and walls.
     max_tilt_deg
-        Greatest tilt of a wall.
+        Maximum tilt of a wall.
     calibration_presses
         Presses at a jig by which each unit is identified; 0: none.
     by_solver
-        Whether touches are solved anew, in place of the twin.
+        Whether touches are solved by finite elements instead of the twin.
     seed
-        Of units, walls and the robot's errors.
+        Seed of units, walls and the robot's errors.
     """
 
     twin: Twin
@@ -86,18 +87,18 @@ class AlignmentScenario:
 
 
 class AlignmentTrial(NamedTuple):
-    """One wall, squared to.
+    """Alignment to one wall.
 
     Attributes
     ----------
     tilt_deg, friction
-        Of the wall, against where the drill was at the start.
+        Tilt of the wall relative to the drill at the start, and its friction.
     alignment
-        What the aligner said.
+        Result of the aligner.
     final_deg
         True angle between drill and wall's normal at the end.
     max_force_n
-        Greatest true force on the way.
+        Maximum true force.
     """
 
     tilt_deg: float
@@ -108,30 +109,30 @@ class AlignmentTrial(NamedTuple):
 
 
 class VirtualUnit:
-    """A virtual unit, opened, identified if asked for, mounted, and its tool's offset told.
+    """Simulated unit, opened, identified if requested, mounted, with a measured tool offset.
 
     Parameters
     ----------
     scenario
-        What is played.
+        Settings.
     number
-        Of the unit, from 1.
+        Number of the unit, from 1.
 
     Attributes
     ----------
     deviation
-        What is not as designed about it.
+        Manufacturing errors.
     tool
-        As it was told.
+        Tool with the measured offset.
     offset_error_deg
-        Angle between the drill's axis as told and as the sensor would have to say it, deg.
+        Angle between the measured and the true axis of the drill in the sensor's frame, degrees.
     offset_touches
-        Touches that it took.
+        Number of touches of this measurement.
 
     Raises
     ------
     PalpateError
-        If the sensor cannot be opened or identified, or the offset not be told.
+        If the sensor cannot be opened or identified, or the offset cannot be measured.
     """
 
     def __init__(self, scenario: AlignmentScenario, number: int) -> None:
@@ -151,7 +152,7 @@ class VirtualUnit:
         return TwinBackend(unit, twin)
 
     def _identify(self) -> None:
-        """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
+        """Identify the unit from calibration presses at a jig; it then reads in the skin's frame."""
         rng, deepest = generator(self.play.seed, "jig", self.number), float(self.play.twin.depths_mm[-1])
         still = SimulatedRobotSpec(
             position_sd_mm=0.0, rotation_sd_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, dropout=0.0
@@ -179,7 +180,7 @@ class VirtualUnit:
         return SimulatedCell(self._backend, wall, mounted, unreadable, rng)
 
     def _mount(self) -> None:
-        """Put the unit on the robot askew, and tell its offset by touching a reference wall."""
+        """Mount the unit on the robot with an angular error, and measure its offset at a reference wall."""
         play, rng = self.play, generator(self.play.seed, "mount", self.number)
         askew = rotation_from_vector(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
         along = np.array([0.0, 0.0, _LENGTH_MM])
@@ -196,7 +197,7 @@ class VirtualUnit:
     def _before(
         self, tilt_deg: FloatArray, inverse_friction: float, rng: np.random.Generator
     ) -> tuple[SimulatedCell, SimulatedRobot]:
-        """A cell whose wall is tilted against the drill, and a robot in front of it."""
+        """Return a cell whose wall is tilted relative to the drill, and a robot in front of it."""
         spec = self.play.robot
         start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
@@ -209,7 +210,7 @@ class VirtualUnit:
         return cell, cell.robot
 
     def square(self, wall: int) -> AlignmentTrial:
-        """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
+        """Align the drill to the wall of a number, which seeds its tilt, friction, distance and all errors."""
         play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
         tilt = float(PoseDensity.UNIFORM_DISC.radius(rng.uniform(), play.max_tilt_deg))
         tilts = rotation_vector(tilt, rng.uniform(0.0, 2.0 * np.pi))
@@ -221,7 +222,7 @@ class VirtualUnit:
 
 
 def _seating(deviation: Deviation) -> FloatArray:
-    """Rotation (3, 3) of the dome on its mount."""
+    """Rotation (3, 3) of the skin on its mount."""
     return rotation_from_vector(
         np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])
     ) @ rotation_from_vector(np.array([0.0, 0.0, deviation.seating_turn_deg]))
@@ -232,12 +233,12 @@ def _angle(first: FloatArray, second: FloatArray) -> float:
 
 
 def list_wall_touches(walls: Sequence[AlignmentTrial]) -> list[dict[str, Any]]:
-    """A row a touch of every wall, by ``wall`` (from 1) and `palpate.sensor.TOUCH_COLUMNS`."""
+    """Return one row per touch of every wall: ``wall`` (from 1) and `palpate.sensor.TOUCH_COLUMNS`."""
     return [{"wall": number, **row} for number, wall in enumerate(walls, 1) for row in list_touches(wall.alignment)]
 
 
 def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
-    """A wall that was played, with the truth, as plain data."""
+    """Return a simulated wall with its ground truth as plain data."""
     said = wall.alignment
     return {
         "tilt_deg": wall.tilt_deg,

@@ -1,7 +1,7 @@
-"""Mechanics of a simulated unit, by the twin of its design or by presses that are solved for it.
+"""Mechanics of a simulated unit, by the twin of its design or by presses solved for it.
 
-The twin takes a millisecond, so that whole studies can be simulated; it shares the idea of the estimator that reads.
-Solved presses do not.
+The twin takes a millisecond, so that whole studies can be simulated, but it is also the model of the estimator.
+Solved presses are independent of it.
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.surrogate import LATERAL, MarkerState, MarkerTwin, Twin, interpolate_depths
 
 _CARRIED = 8
-"""Points of an edge that the twin moves; the edge is the trigonometric polynomial through them. On the dome of
-tests/small_chain.py edges are off by 0.011 mm with 4 points, 0.001 mm with 8 and 0.0007 mm with 16."""
+"""Number of edge points that the twin moves; the edge is their trigonometric polynomial.
+
+On the dome of tests/small_chain.py the edge error is 0.011 mm with 4 points, 0.001 mm with 8 and 0.0007 mm with 16.
+"""
 _STEP_MM = 0.25
 """Depth step of solved presses, mm."""
 _ABOUT = 4
-"""Increments about a depth through which a cubic is laid."""
+"""Number of increments of a cubic interpolation by depth."""
 
 
 class UnitBackend(ABC):
@@ -45,7 +47,7 @@ class UnitBackend(ABC):
 
     @abstractmethod
     def edges(self, contact: State, inverted: bool = False) -> FloatArray:
-        """Edges (m, k, 3) mm of the dots at a contact (`palpate.calibration.CONTACT_STATE`)."""
+        """Edges (m, k, 3) mm of the markers at a contact (`palpate.calibration.CONTACT_STATE`)."""
 
     @abstractmethod
     def force(self, contact: State, inverted: bool = False) -> FloatArray:
@@ -74,7 +76,7 @@ class TwinBackend(UnitBackend):
 
     @cached_property
     def rest_edges(self) -> FloatArray:
-        """Edges (m, k, 3) mm of the untouched dots through the points that the twin moves."""
+        """Edges (m, k, 3) mm of the markers at rest, through the points that the twin moves."""
         return resample_edges(self._carried, self.unit.edges.shape[1])
 
     @cached_property
@@ -83,7 +85,7 @@ class TwinBackend(UnitBackend):
 
     @cached_property
     def _points(self) -> tuple[MarkerTwin, ...]:
-        """One point, for the force."""
+        """Single point, for the force."""
         return tuple(twin.with_markers(self._carried[0, :1]) for twin in self._twins)
 
     def edges(self, contact: State, inverted: bool = False) -> FloatArray:
@@ -106,16 +108,16 @@ class TwinBackend(UnitBackend):
 
 @final
 class SolverBackend(UnitBackend):
-    """A unit by presses that are solved for every tilt and friction.
+    """A unit by presses solved for every tilt and friction.
 
     Parameters
     ----------
     unit
         The unit.
     depth
-        Greatest depth of a press, mm.
+        Maximum depth of a press, mm.
     cells
-        Cells of the mesh along a meridian; `None`: as many as the skin has by itself.
+        Cells of the mesh along a meridian; `None`: the skin's default.
     """
 
     def __init__(self, unit: SimulatedUnit, depth: float, cells: int | None = None) -> None:

@@ -1,8 +1,7 @@
-"""The error budget: every imperfection alone, at its tolerance, and the degrees that it costs.
+"""Error budget: the change of the readings by each imperfection alone, at its tolerance.
 
-The cost of an imperfection is paired: the same poses are read by the nominal unit and by one with this imperfection
-alone, and what counts is how much the two readings' errors differ. So the model's own errors, common to both, do not
-hide a small cost.
+The same poses are read by the nominal unit and by one with a single imperfection; the cost is the difference of the
+two errors. Errors of the model, common to both, thus do not hide a small cost.
 """
 
 from __future__ import annotations
@@ -20,29 +19,29 @@ from palpate.simulation.run_trial import VirtualBench, run_unit_trial
 from palpate.simulation.trial import UnitTrial
 
 DRAWS = 2
-"""Units of opposite signs and other dots off, for an imperfection that needs no press of its own."""
+"""Units of opposite signs and different marker errors, for an imperfection without its own presses."""
 
 
 @dataclass(frozen=True)
 class BudgetLine:
-    """What one imperfection costs.
+    """Cost of one imperfection.
 
     Attributes
     ----------
     name
         Field of `ToleranceSpec`, or ``images``, ``model`` and ``touch_unknown``.
     label
-        What a person reads.
+        Its description.
     tolerance
-        How large it was, with its unit.
+        Its size, with unit.
     angle_deg, angle_max_deg
-        Root mean square and greatest change of rx and ry.
+        RMS and maximum change of rx and ry.
     depth
-        Root mean square change of the depth, mm.
+        RMS change of the depth, mm.
     units
-        Units played.
+        Number of simulated units.
     failures
-        Why some could not be played.
+        Reasons of failed units.
     """
 
     name: str
@@ -60,19 +59,19 @@ class BudgetLine:
 
 
 def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
-    """Measure line by line; units that are in the store are not played again.
+    """Measure line by line; units that are in the store are not simulated again.
 
     Raises
     ------
     PalpateError
-        If the nominal unit cannot be played.
+        If the nominal unit cannot be simulated.
     """
     bench.check()
     nominal = run_unit_trial(bench, Deviation())
     clean = run_unit_trial(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
     for played in (nominal, clean):
         if played.failure:
-            raise PalpateError(f"The nominal unit cannot be played: {played.failure}", code="unit-not-played")
+            raise PalpateError(f"The nominal unit cannot be simulated: {played.failure}", code="unit-not-played")
     yield _line("model", "the model itself, nominal unit, clean images", "", clean.with_exact_poses(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:
@@ -135,11 +134,14 @@ _TRAINED = (
     "camera_tilt_deg",
     "focal",
 )
-"""Imperfections that `palpate.datasets.RandomisationSpec` varies; others look like a pose, or are gone after rest."""
+"""Imperfections that `palpate.datasets.RandomisationSpec` varies.
+
+Others look like a pose, or cancel at rest.
+"""
 
 
 def recommend_randomisation(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
-    """What the training should vary, and how far: all that costs at least a tenth of the total's square.
+    """Select the imperfections to randomise in training: those with a tenth of the total's square.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What a bench found: the nominal unit, the sampled ones, and whether they are as good as the paper's sensor."""
+"""Result of a test bench: nominal unit, sampled units, and comparison with the paper's sensor."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from palpate.simulation.spec import VirtualBenchSpec
 from palpate.simulation.trial import MEASURANDS, POSE, ParameterEstimate, UnitTrial, collect_estimates, covered_share
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
-"""Roll and pitch of a unit that is as good as the paper's sensor."""
+"""RMSE and maximum error of roll and pitch of the paper's sensor."""
 COLUMNS = ("unit", "component", "images", "presses", "RMSE", "MAE", "max", "SD", "bias", "without pose", "flagged")
 
 
 @dataclass(frozen=True, eq=False)
 class UnitResult:
-    """One unit's errors.
+    """Errors of one unit.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class UnitResult:
     trial
         Its readings.
     scores
-        Roll, pitch and depth; empty where the unit could not be played or never gave a pose.
+        Roll, pitch and depth; empty if the simulation failed or gave no pose.
     """
 
     number: int
@@ -43,7 +43,7 @@ class UnitResult:
 
     @property
     def without_pose(self) -> int:
-        """Images that gave no pose."""
+        """Number of images without a pose."""
         return int((~np.isfinite(self.trial.estimates).all(axis=1)).sum())
 
     @property
@@ -56,7 +56,7 @@ class UnitResult:
 
 
 def run_bench(bench: VirtualBench) -> Iterator[UnitResult]:
-    """Play the nominal unit and then the sampled ones, as far as they are not in the store.
+    """Simulate the nominal and the sampled units; results in the store are reused.
 
     Raises
     ------
@@ -70,16 +70,16 @@ def run_bench(bench: VirtualBench) -> Iterator[UnitResult]:
 
 
 def score_unit(number: int, trial: UnitTrial) -> UnitResult:
-    """Score what a unit's images gave."""
+    """Score the images of a unit."""
     if not np.isfinite(trial.estimates).all(axis=1).any():
         return UnitResult(number, trial, ())
     return UnitResult(number, trial, score_readings(trial.truth, trial.corrected(), trial.press))
 
 
 def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple[Score, ...]:
-    """Score the images of all sampled units together, each unit's presses by themselves; empty without any.
+    """Score the images of all sampled units together, each unit's presses separately; empty without any.
 
-    With `trusted`, only those that the sensor did not flag.
+    With `trusted`, only images without a flag count.
     """
     units = [result for result in results if result.number and result.scores]
     if not units:
@@ -92,7 +92,7 @@ def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple
 
 
 def describe_bench(bench: VirtualBench, results: Sequence[UnitResult]) -> dict[str, Any]:
-    """The bench as JSON data: what was chosen, versions, and every unit."""
+    """Return the bench as JSON data: settings, versions, and every unit."""
     sampled = [result for result in results if result.number]
     return {
         **bench.facts(),
@@ -117,7 +117,7 @@ def write_bench(folder: Path, bench: VirtualBench, results: Sequence[UnitResult]
 
 
 def unit_rows(result: UnitResult) -> list[list[str]]:
-    """Rows of a table by `COLUMNS`, one a component."""
+    """Return rows of a table by `COLUMNS`, one a component."""
     name = unit_name(result.number)
     flagged = int(result.trial.flagged.sum())
     return [
@@ -127,19 +127,19 @@ def unit_rows(result: UnitResult) -> list[list[str]]:
 
 
 def score_cells(score: Score) -> list[str]:
-    """Images, presses and the five figures as text."""
+    """Return numbers of images and presses and the five figures as text."""
     errors = score.errors
     figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
     return [str(score.images), str(score.presses), *(f"{value:.3f}" for value in figures)]
 
 
 def unit_name(number: int) -> str:
-    """``nominal`` or the number."""
+    """Return ``nominal`` or the number."""
     return str(number) if number else "nominal"
 
 
 def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str | Report]:
-    """Paragraphs and tables of the bench: all units together, then each."""
+    """Return paragraphs and tables of the bench: all units together, then each."""
     return [
         *bench_summary(bench, results),
         "## Every unit",
@@ -152,7 +152,7 @@ def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str |
 
 
 def bench_summary(bench: VirtualBench, results: Sequence[UnitResult]) -> list[str | Report]:
-    """Paragraphs and tables of all units together."""
+    """Return paragraphs and tables of all units together."""
     spec, sampled = bench.spec, [result for result in results if result.number]
     return [
         f"# Virtual bench: {bench.name}",
@@ -168,7 +168,7 @@ def bench_summary(bench: VirtualBench, results: Sequence[UnitResult]) -> list[st
 
 
 def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
-    """What is tolerated, how much, and in what unit."""
+    """Return name, value and unit of every tolerance."""
     return [
         [note.meaning, f"{getattr(tolerance, note.name):g}", "" if note.unit == "1" else note.unit]
         for note in parameters(ToleranceSpec)
@@ -193,7 +193,7 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
 
 
 def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str | Report]:
-    """What known presses told of the units, against what they are."""
+    """Unit parameters estimated by calibration presses, compared with the truth."""
     estimates: dict[str, list[ParameterEstimate]] = {}
     for learnt in (each for result in sampled for each in result.trial.parameters):
         estimates.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
@@ -206,12 +206,16 @@ def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str | Report]:
         figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())
         share = covered_share(error, NormalDist().inv_cdf(0.95) * sd)
         rows.append([name, str(len(each)), *(f"{value:.4f}" for value in figures), f"{share:.0%}"])
-    head = ("parameter", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
-    return ["## What known presses told", "In mm, degrees, px, shares and 1/µ.", Report.of("", head, rows)]
+    head = ("parameter", "of", "rms error", "max", "posterior sd", "prior sd", "in the 90 % interval")
+    return [
+        "## Unit parameters from calibration presses",
+        "In mm, degrees, px, ratios and 1/µ.",
+        Report.of("", head, rows),
+    ]
 
 
 def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | Report]:
-    """How well single images tell force and friction, and how often intervals hold."""
+    """Errors of force and friction from single images, and coverage of their intervals."""
     played = [result.trial for result in sampled if result.scores]
     if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
@@ -229,14 +233,14 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | R
             [name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{covered_share(error, half):.0%}"]
         )
     head = ("measurand", "images", "rms", "max", "rms share", "max share", small_force, "in the 90 % interval")
-    return ["## What single images tell", Report.of("", head, rows, details=[small_force])]
+    return ["## Force and friction from single images", Report.of("", head, rows, details=[small_force])]
 
 
 def _beforehand(spec: VirtualBenchSpec) -> str:
-    """What is done with each unit before the presses that count, and how its robot moves."""
-    told = "The depth's zero is " + ("found by one press beforehand." if spec.zero else "not corrected.")
+    """Describe the preparation of each unit, and the motion of its robot."""
+    told = "The depth's zero is " + ("measured by one press in advance." if spec.zero else "not corrected.")
     if spec.calibration_presses:
-        told = f"Each unit is told by {spec.calibration_presses} known presses and one reading of a load cell."
+        told = f"Each unit is identified by {spec.calibration_presses} calibration presses and one load-cell reading."
     tolerance = spec.tolerance
     if tolerance.lateral or tolerance.twist_deg:
         told += (
@@ -244,9 +248,9 @@ def _beforehand(spec: VirtualBenchSpec) -> str:
             "press."
         )
     if tolerance.curvature:
-        told += f" Walls have curvatures of up to {tolerance.curvature:g} /m, known presses are on a flat one."
+        told += f" Walls have curvatures of up to {tolerance.curvature:g} /m, calibration presses use a flat one."
     if spec.inverted:
-        told += f" The last {spec.inverted} units stand inverted; known presses are made before."
+        told += f" The last {spec.inverted} units are inverted after their calibration presses."
     if tolerance.friction_max:
         told += f" Friction is {tolerance.friction_min:g} to {tolerance.friction_max:g}, even in 1/µ."
     return told

@@ -1,13 +1,13 @@
-"""The virtual bench: built units pressed, photographed and read by the real chain, with the truth known.
+"""Simulated test bench: built units are pressed, imaged and read by the real processing chain.
 
-A unit deviates from its design within a workshop's tolerances. Its presses are solved anew, on another mesh than
-those of the training (or by CalculiX), at tilts, directions and depths that no image of the training had. Rendered
-images go through detection, naming, registration and the model, which know the design and nothing else.
+A unit deviates from its design within the manufacturing tolerances. Its presses are solved on another mesh than those
+of the training (or by CalculiX), at tilts, directions and depths that no training image has. Rendered images go
+through detection, assignment, registration and the model, which use the design only.
 
-The robot's frame is the frame of the truth: it does not know how the dome is seated, nor where the first touch is.
-The latter is found, if wished, by one press beforehand (`palpate.sensor.depth_zero`), as one would on a real bench.
+The robot's frame is the frame of the ground truth. The seating of the skin and the depth of first contact are unknown
+to the robot; the latter is measured, if requested, by one press in advance (`palpate.sensor.depth_zero`).
 
-Every press and every played unit is an artefact of a store: a bench that was stopped goes on where it was.
+Every press and every simulated unit is an artefact of a store, so that an interrupted bench resumes.
 """
 
 from __future__ import annotations
@@ -69,27 +69,27 @@ from palpate.simulation.trial import (
 from palpate.surrogate import Twin
 
 FINER = 9.0 / 8.0
-"""Cells along a meridian of a built unit's presses over those of the training's."""
+"""Cells along a meridian of a built unit's presses, over those of the training."""
 _INVERTED_CORE = 2
 """Core of the meshes of inverted units (see `palpate.study.accuracy_task`)."""
 
 
 @dataclass(frozen=True, eq=False)
 class VirtualBench:
-    """What is played.
+    """Configuration of a simulated test bench.
 
     Attributes
     ----------
     spec
-        How it presses, looks and counts.
+        Presses, images and evaluation.
     design
         The design; the training assumed its camera and elastomer.
     model
-        What reads: a trained network (.onnx), or the design's twin (.h5).
+        The estimator: a trained network (.onnx), or the design's twin (.h5).
     store
-        Where presses and results are kept.
+        Store of presses and results.
     model_key
-        Key of the artefact that the model is, by which results are known; empty: the hash of its file.
+        Key of the model's artefact, part of the key of results; empty: the hash of its file.
     """
 
     spec: VirtualBenchSpec
@@ -100,17 +100,17 @@ class VirtualBench:
 
     @cached_property
     def opened_model(self) -> Predictor | Twin:
-        """The model, opened."""
+        """The opened model."""
         return open_model(self.model)
 
     @property
     def name(self) -> str:
-        """The design in words."""
+        """Label of the design."""
         skin = self.design.skin
         return f"H {skin.height:g}, T {skin.thickness:g} mm, {len(self.design.layout)} markers"
 
     def facts(self) -> dict[str, Any]:
-        """What every report begins with, as JSON data: spec, design, model and versions."""
+        """Header of every report, as JSON data: spec, design, model and versions."""
         return {
             "spec": self.spec.model_dump(mode="json"),
             "dome": self.design.skin_spec.model_dump(mode="json"),
@@ -120,7 +120,7 @@ class VirtualBench:
         }
 
     def check(self) -> None:
-        """Refuse what no unit could be played with, before anything is solved.
+        """Reject settings that no unit can be simulated with, before anything is solved.
 
         Raises
         ------
@@ -129,13 +129,13 @@ class VirtualBench:
         """
         self.design.skin.require_revolution(
             "one press of a unit is turned to every azimuth",
-            "Judge its estimator by `palpate run`: presses held out.",
+            "Evaluate its estimator by `palpate run`, on held-out presses.",
         )
         check_model(self.opened_model, Unit(self.design), TILT_SPACE)
 
     @cached_property
     def model_sha256(self) -> str:
-        """What the model is known by."""
+        """Identity of the model: its hash or key."""
         try:
             return hashlib.sha256(self.model.read_bytes()).hexdigest()
         except OSError as error:
@@ -147,7 +147,7 @@ class VirtualBench:
 
 
 def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
-    """Press, photograph and read one unit, or find in the store what it gave before.
+    """Press, image and read one unit, or read its result from the store.
 
     Raises
     ------
@@ -163,19 +163,19 @@ def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
 
 
 def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
-    """Rising tilts (degrees) at which a unit is pressed: one from each of equal parts of the range."""
+    """Tilts of a unit's presses, degrees, ascending: one drawn from each equal part of the range."""
     parts = np.arange(spec.tilts) + generator(spec.seed, "tilts", unit).random(spec.tilts)
     return PoseDensity.UNIFORM_TILT.radius(parts / spec.tilts, spec.max_tilt_deg).round(3).tolist()
 
 
 def solve_unit_presses(bench: VirtualBench, deviation: Deviation) -> Iterator[Press]:
-    """The unit's presses by rising tilt, solved where the store has none."""
+    """Yield the unit's presses by ascending tilt; missing ones are solved."""
     for tilt in unit_tilts(bench.spec, deviation.unit):
         yield _press(bench, deviation, tilt, _branch(bench, deviation))
 
 
 def _branch(bench: VirtualBench, deviation: Deviation) -> Branch:
-    """The state in which a unit is read."""
+    """Branch in which a unit is read."""
     other = bench.spec.inverted and deviation.unit > bench.spec.units - bench.spec.inverted
     return Branch.INVERTED if other else Branch.FLAT
 
@@ -217,7 +217,7 @@ def _run_unit(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
 
 
 def _refuse_none(presses: list[Press]) -> None:
-    """Refuse a unit that has no other state to be read in."""
+    """Reject a unit without an inverted state."""
     for press in presses:
         if press.ended is EndReason.NO_BRANCH:
             raise PalpateError(
@@ -228,9 +228,9 @@ def _refuse_none(presses: list[Press]) -> None:
 def _known(
     bench: VirtualBench, simulated: SimulatedUnit, rng: np.random.Generator
 ) -> list[tuple[FloatArray, list[NDArray[np.uint8]], FloatArray]]:
-    """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off.
+    """Calibration presses of a unit, at two tilts and directions 144° apart, with robot errors.
 
-    They are on a flat wall. Its load cell is read once, at the deepest image of the first.
+    They are on a flat wall. The load cell is read once, at the deepest image of the first.
     """
     deviation = simulated.deviation
     level = replace(deviation, curvature=0.0)
@@ -250,7 +250,7 @@ def _known(
 
 
 def _weigh(press: Press) -> FloatArray:
-    """What a load cell under the wall says at each image of a press (n,), N along its normal."""
+    """Load-cell reading under the wall at each image of a press (n,), N along its normal."""
     return press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)  # as it was solved, not turned
 
 
@@ -268,7 +268,7 @@ def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float
 
 
 def _read(bench: VirtualBench, simulated: SimulatedUnit, sensor: Sensor, press: Press, number: int = 0) -> UnitTrial:
-    """Truth and readings of the images of a press that count."""
+    """Ground truth and readings of the evaluated images of a press."""
     rows, deviation = [], simulated.deviation
     slip = _inverse_friction(bench, deviation)
     for depth, force, image in zip(press.depth, _weigh(press), simulated.render_press(press), strict=True):
@@ -286,7 +286,7 @@ def _read(bench: VirtualBench, simulated: SimulatedUnit, sensor: Sensor, press: 
 
 
 def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
-    """1/µ of a unit's wall; NaN where it is frictionless."""
+    """1/µ of a unit's wall; NaN for a frictionless wall."""
     contact = deviation.friction or bench.spec.contact
     if isinstance(contact, str):
         return 0.0 if contact == "no-slip" else np.nan
@@ -294,7 +294,7 @@ def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall at another azimuth; `SimulatedUnit.press_edges` turns its solution."""
+    """Return the press with its wall at another azimuth; `SimulatedUnit.press_edges` rotates its solution."""
     return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
@@ -316,14 +316,14 @@ def _mesh_spec(bench: VirtualBench, deviation: Deviation, branch: Branch) -> Mes
 
 
 def _own_cells(bench: VirtualBench) -> int:
-    """Cells from pole to rim by which the nominal skin is pressed."""
+    """Cells from pole to rim of the nominal skin's presses."""
     return mesh_skin(bench.design.skin, MeshSpec(filled=bench.design.material.has_gel)).spec.cells or 0
 
 
 def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
-    """The wall of a press; where robots drift, as far as is drawn for this press.
+    """Return the wall of a press, with a drawn lateral motion if robots drift.
 
-    A skin slides while it inverts, so that a drift does not matter then.
+    A skin slides while it inverts, so lateral motion has no effect then.
     """
     shares = generator(bench.spec.seed, "drift", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0, 3)
     most = np.array([deviation.lateral, deviation.lateral, deviation.twist_deg]) / bench.spec.depth
@@ -344,7 +344,7 @@ def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Br
 
 
 def _curvature(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> float:
-    """Curvature of the wall of a press, 1/m, either way."""
+    """Curvature of the wall of a press, 1/m, of either sign."""
     share = generator(bench.spec.seed, "bend", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0)
     return round(deviation.curvature * float(share), 4)
 
@@ -359,7 +359,7 @@ def _press_recipe(bench: VirtualBench, deviation: Deviation, tilt_deg: float, br
 
 
 def unit_recipe(bench: VirtualBench, deviation: Deviation) -> Recipe:
-    """The recipe of what a unit gave."""
+    """Recipe of a unit's result."""
     spec = {
         "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),
         "deviation": deviation.as_dict(),

@@ -18,12 +18,12 @@ from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.surrogate import LATERAL
 
 _REST_NOISES = 12
-"""Seeds of the noise in images of the untouched skin."""
+"""Number of noise seeds for rest images."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlatWall:
-    """A flat wall in the base's frame.
+    """Flat wall in the base's frame.
 
     Attributes
     ----------
@@ -41,27 +41,27 @@ class FlatWall:
 
 
 class SimulatedCell:
-    """Wall, unit and camera; it gives images of where the robot truly is.
+    """Wall, unit and camera; returns images at the true placement of the robot.
 
     Parameters
     ----------
     backend
-        The unit and what presses do to it.
+        The unit and its mechanics.
     wall
-        What is touched.
+        Wall that is touched.
     flange_from_sensor
-        Where the unit truly sits on the flange.
+        True placement of the unit on the flange.
     unreadable
-        Share of images that are torn.
+        Share of unreadable images.
     rng
-        Of noise and torn images.
+        Random numbers of noise and unreadable images.
 
     Attributes
     ----------
     robot
-        Who carries it; set once it is there.
+        Robot that carries the unit; set after its construction.
     max_force_n
-        Greatest force along the wall's normal so far.
+        Maximum force along the wall's normal so far.
     """
 
     robot: SimulatedRobot
@@ -80,7 +80,7 @@ class SimulatedCell:
         self.max_force_n = 0.0
 
     def push(self, base_from_flange: Placement) -> FloatArray:
-        """Force (3,) N on the flange at a true placement, base's frame; it is kept where it is the greatest."""
+        """Return the force (3,) N on the flange at a true placement, base's frame, and record the maximum."""
         sensor = base_from_flange @ self._mounted
         pose = self._pose(sensor)
         if pose[2] <= 0.0:
@@ -89,7 +89,7 @@ class SimulatedCell:
         return -on_wall
 
     def next_image(self) -> NDArray[Any] | PalpateError:
-        """An image (h, w) of where the robot is; torn ones come as errors."""
+        """Return an image (h, w) at the robot's placement; an unreadable one is returned as an error."""
         sensor = self.robot.true_pose @ self._mounted
         pose = self._pose(sensor)
         unit = self._backend.unit
@@ -106,14 +106,14 @@ class SimulatedCell:
         return unit.render(edges, int(self._rng.integers(2**31)))
 
     def angle_deg(self, drill: FloatArray) -> float:
-        """True angle between the drill (3,) of the flange's frame and the wall's normal."""
+        """True angle between the drill (3,) in the flange's frame and the wall's normal."""
         axis = self.robot.true_pose.rotation @ drill
         return float(
             np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, self._wall.normal)), axis @ self._wall.normal))
         )
 
     def depth_at(self, base_from_flange: Placement) -> float:
-        """Depth (mm) of the wall at a true placement of the flange; negative where it is not touched."""
+        """Depth (mm) of the wall at a true placement of the flange; negative without contact."""
         return float(self._pose(base_from_flange @ self._mounted)[2])
 
     def _weigh(self) -> None:
@@ -121,7 +121,7 @@ class SimulatedCell:
         self.max_force_n = max(self.max_force_n, pressing)
 
     def _pose(self, sensor: Placement) -> FloatArray:
-        """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths do not touch."""
+        """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths are no contact."""
         normal = sensor.rotation.T @ self._wall.normal
         height = float(normal @ sensor.inverse().apply(self._wall.point))
         unit = self._backend.unit
@@ -129,12 +129,12 @@ class SimulatedCell:
         return np.array([*tilt_from_normal(normal), (reach - height) / normal[2]])
 
     def _contact(self, pose: FloatArray) -> State:
-        """The contact at a pose (3,), without motion in the plane of the wall."""
+        """Return the contact at a pose (3,), without motion in the plane of the wall."""
         contact = State.zeros(CONTACT_STATE).add(TILT_SPACE.names, pose)
         return contact.replace(inverse_friction=self._wall.inverse_friction)
 
     def _drift(self, sensor: Placement, pose: FloatArray) -> FloatArray:
-        """How far the wall has gone sideways and turned since first touch, in its own axes."""
+        """Lateral motion and twist of the wall since first contact, in its own axes."""
         before = self._first or sensor
         moved = -sensor.rotation.T @ (sensor.position - before.position)
         normal = sensor.rotation.T @ self._wall.normal
@@ -146,5 +146,5 @@ class SimulatedCell:
 
 
 def _turned_axes(pose: FloatArray) -> FloatArray:
-    """The wall's x and y as columns (3, 2), in the dome's frame."""
+    """The wall's x and y as columns (3, 2), in the skin's frame."""
     return rotation_from_vector(np.array([pose[0], pose[1], 0.0]))[:, :2]

@@ -1,4 +1,4 @@
-"""A robot that is not quite where it says: errors of each move, play, and a wall that pushes it back."""
+"""Simulated robot with errors of each move, backlash, and compliance under contact force."""
 
 from __future__ import annotations
 
@@ -14,27 +14,29 @@ from palpate.simulation.spec import SimulatedRobotSpec
 
 _SAME = 1e-9
 _ROUNDS = 30
-"""Rounds in which force and yield find each other; each takes most of what is left, where a robot is stiffer than
-a dome."""
+"""Maximum iterations between force and compliance.
+
+Each removes most of the residual if the robot is stiffer than the skin.
+"""
 
 
 @final
 class SimulatedRobot(Robot):
-    """A robot whose true placement is known to the simulation alone.
+    """Robot whose true placement is known to the simulation only.
 
-    It errs anew in place with every move, and in its turn whenever it is asked to turn: a straight press keeps the
-    error of its turn.
+    A position error is drawn for every move, a rotation error for every commanded rotation: a straight press keeps
+    its rotation error.
 
     Parameters
     ----------
     start
-        Where it is, without error.
+        Initial placement, without error.
     spec
-        How well it does.
+        Errors of the robot.
     rng
-        Of its errors.
+        Random numbers of its errors.
     push
-        Force (3,) N that a true placement would bring on the flange, base's frame.
+        Force (3,) N on the flange at a true placement, base's frame.
     """
 
     def __init__(
@@ -63,7 +65,7 @@ class SimulatedRobot(Robot):
         self._true = self._yield(free)
 
     def _yield(self, free: Placement) -> Placement:
-        """Where it stays under the force of what it presses on."""
+        """Return the equilibrium placement under the contact force."""
         back = np.zeros(3)
         for _ in range(_ROUNDS):
             again = self._spec.compliance * self._push(free.moved(back))
@@ -77,5 +79,5 @@ class SimulatedRobot(Robot):
 
     @property
     def true_pose(self) -> Placement:
-        """Where it is."""
+        """True placement."""
         return self._true

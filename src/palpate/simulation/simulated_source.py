@@ -1,4 +1,4 @@
-"""A simulated sensor: a dome pressed again and again, seen by its camera, for whoever has no sensor at hand."""
+"""Simulated sensor for use without hardware: repeated presses of a skin, seen by its camera."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from palpate.sensor import Unit
 from palpate.simulation.simulated_unit import SimulatedUnit
 
 _CELLS = 10
-"""A coarse mesh is solved in seconds and is good enough to look at."""
+"""Coarse mesh, solved in seconds, accurate enough for display."""
 _REST_IMAGES = 10
 _STEP = 0.2
 """Travel of the wall between two images, mm."""
@@ -26,14 +26,14 @@ LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
 
 @final
 class SimulatedSource(Source):
-    """Images of a dome at rest and through presses, down and up, with the truth of each.
+    """Images of a skin at rest and through presses, loading and unloading, with the true pose of each.
 
     Parameters
     ----------
     unit
-        The sensor; its dots lie where the design has them.
+        The sensor; its markers are at their design positions.
     touches
-        Solved presses of its dome, one after the other; it ends when they do.
+        Solved presses of its skin in sequence, after which the source ends.
     """
 
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
@@ -47,7 +47,7 @@ class SimulatedSource(Source):
 
     @property
     def truth(self) -> tuple[float, ...]:
-        """Pose in the image handed on last by its obstacle's space, rx, ry (degrees) and depth (mm); 0 at rest."""
+        """Pose in the last returned image by the obstacle's space, rx, ry (degrees), depth (mm); 0 at rest."""
         return self._truth
 
     def images(self) -> Iterator[NDArray[np.uint8]]:
@@ -56,7 +56,7 @@ class SimulatedSource(Source):
             yield self._unit.render(edges, child_seed(LIGHT.seed, "noise", number))
 
     def _poses(self) -> Iterator[tuple[tuple[float, ...], FloatArray]]:
-        """Pose of the obstacle and edges (m, k, 3) of the dots in every image."""
+        """Pose of the obstacle and edges (m, k, 3) of the markers in every image."""
         for _ in range(_REST_IMAGES):
             yield (0.0, 0.0, 0.0), self._unit.edges
         for press in self._touches:
@@ -70,7 +70,7 @@ class SimulatedSource(Source):
 def simulate_sensor(
     unit: Unit, tilt_deg: float = 5.0, azimuth_deg: float = 30.0, presses: int = 3
 ) -> SimulatedSource:
-    """A simulated sensor that a slanted wall presses; takes some seconds.
+    """Simulate a sensor that a tilted wall presses; takes some seconds.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def simulate_sensor(
     tilt_deg, azimuth_deg
         The wall.
     presses
-        Presses after which it ends.
+        Number of presses.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def simulate_sensor(
 
 
 def sample_presses(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
-    """Solved presses of half a dome in random order without an end, each by a wall of random azimuth."""
+    """Yield solved presses of half a skin in random order without end, each at a random azimuth."""
     rng = generator(seed, "touches")
     while True:
         press, azimuth = presses[int(rng.integers(len(presses)))], float(rng.uniform(0.0, 360.0))

@@ -1,4 +1,4 @@
-"""One manufactured unit of a design: its printed dots, its camera and its images."""
+"""One manufactured unit of a design: its printed markers, its camera and its images."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SimulatedUnit:
 
     @property
     def edges(self) -> FloatArray:
-        """Edges (m, k, 3) mm of the printed dots at rest; the orientation mark is the last."""
+        """Edges (m, k, 3) mm of the printed markers at rest; the orientation mark is the last."""
         return self._print[0]
 
     @cached_property
@@ -63,22 +63,22 @@ class SimulatedUnit:
         return marker_outlines(skin, points, layout.diameter)[there], there[:-1]
 
     def render(self, edges: FloatArray, noise_seed: int) -> NDArray[np.uint8]:
-        """Image (h, w) of dots whose edges (m, k, 3) mm have moved."""
+        """Render the image (h, w) of markers with displaced edges (m, k, 3) mm."""
         return render(self.camera, edges, self.light.model_copy(update={"noise_seed": noise_seed}))
 
     def render_rest(self) -> NDArray[np.uint8]:
-        """Image (h, w) of the untouched skin."""
+        """Render the rest image (h, w)."""
         return self.render(self.edges, child_seed(self.light.seed, "noise", "rest"))
 
     def press_edges(self, press: Press, depths: FloatArray | None = None) -> FloatArray:
-        """Edges (d, m, k, 3) mm of the dots at the increments of a press, or at depths (d,) mm."""
+        """Edges (d, m, k, 3) mm of the markers at the increments of a press, or at depths (d,) mm."""
         own = turn_about_axis(np.radians(press.obstacle.turn_deg)) if press.mesh.spec.whole else np.eye(3)
         moved = press.positions(self.edges.reshape(-1, 3) @ own) @ own.T  # a whole model was solved at azimuth 0
         moved = moved if depths is None else interpolate_depths(press, moved, depths)
         return moved.reshape(-1, *self.edges.shape)
 
     def render_press(self, press: Press) -> list[NDArray[np.uint8]]:
-        """Images (h, w) of a press at its increments, rest included."""
+        """Render the images (h, w) of a press at its increments, rest included."""
         obstacle = press.obstacle
         return [
             self.render(edges, child_seed(self.light.seed, "noise", obstacle.radial, obstacle.turn_deg, number))

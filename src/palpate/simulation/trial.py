@@ -1,4 +1,4 @@
-"""What one unit's images gave, beside the truth: a table of numbers, kept as JSON."""
+"""Readings of one unit's images with their ground truth: a table of numbers, stored as JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from palpate.sensor import DepthZero
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
 MEASURANDS = (*POSE, "force_n", "inverse_friction")
-"""What an image tells: pose, force along the wall's normal, 1/µ. The last two are NaN where a network reads."""
+"""Measurands: pose, force along the wall's normal, 1/µ. The last two are NaN for a network."""
 COLUMNS = (
     "press",
     "flagged",
@@ -26,22 +26,22 @@ COLUMNS = (
     *(f"{n}_read" for n in MEASURANDS),
     *(f"{n}_half" for n in MEASURANDS),
 )
-"""Columns of the table of images: the truth of what is told, what was read, and half-widths of its 90 % intervals."""
+"""Columns of the table of images: ground truth, readings, and half-widths of 90 % intervals."""
 
 
 class ParameterEstimate(NamedTuple):
-    """One number of a unit that known presses told.
+    """Unit parameter estimated by calibration presses.
 
     Attributes
     ----------
     name
         As in `palpate.calibration.IdentificationResult.rows`.
     truth
-        What it is.
+        True value.
     mean, sd
-        What was told.
+        Posterior mean and standard deviation.
     prior_sd
-        Standard deviation before any press.
+        Prior standard deviation.
     """
 
     name: str
@@ -53,21 +53,20 @@ class ParameterEstimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UnitTrial:
-    """What one unit's images gave.
+    """Result of one unit's images.
 
     Attributes
     ----------
     deviation
-        What was not as designed.
+        Manufacturing errors.
     images
-        (n, 18) by `COLUMNS`; poses in the robot's frame, NaN where the sensor told nothing. The depth's zero is not
-        taken out.
+        (n, 18) by `COLUMNS`; poses in the robot's frame, NaN without a reading. The depth's zero is not corrected.
     zero
-        The depth's zero by the first press; `None` where it was not asked for.
+        The depth's zero by the first press; `None` if not measured.
     parameters
-        What known presses told of the unit; empty without any.
+        Unit parameters estimated by calibration presses; empty without any.
     failure
-        Why the unit could not be played; empty where it was.
+        Reason of a failed simulation; empty otherwise.
     """
 
     deviation: Deviation
@@ -82,12 +81,12 @@ class UnitTrial:
 
     @property
     def truth(self) -> FloatArray:
-        """(n, 3) rx, ry (degrees) and depth (mm)."""
+        """(n, 3) true rx, ry (degrees) and depth (mm)."""
         return self.column(*POSE)
 
     @property
     def estimates(self) -> FloatArray:
-        """(n, 3) the same as read."""
+        """(n, 3) estimated rx, ry (degrees) and depth (mm)."""
         return self.column(*(f"{name}_read" for name in POSE))
 
     @property
@@ -106,7 +105,7 @@ class UnitTrial:
         return self.column("latency_ms")[:, 0]
 
     def with_exact_poses(self) -> UnitTrial:
-        """The same images, as if their poses had been read without an error."""
+        """Return the trial with its poses replaced by the ground truth."""
         images = self.images.copy()
         images[:, [COLUMNS.index(f"{name}_read") for name in POSE]] = self.truth
         return replace(self, images=images, zero=None)
@@ -117,7 +116,7 @@ class UnitTrial:
 
 
 def write_trial(path: Path, trial: UnitTrial) -> None:
-    """Write what a unit gave; what is not a number becomes ``null``."""
+    """Write the result of a unit; non-finite numbers become ``null``."""
     data = {
         "columns": COLUMNS,
         "images": [[value if math.isfinite(value) else None for value in row] for row in trial.images.tolist()],
@@ -129,7 +128,7 @@ def write_trial(path: Path, trial: UnitTrial) -> None:
 
 
 def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
-    """Read what `write_trial` wrote of a unit."""
+    """Read the result of a unit written by `write_trial`."""
     data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return UnitTrial(
         deviation=deviation,
@@ -143,7 +142,7 @@ def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
 def compare_parameters(
     found: IdentificationResult, deviation: Deviation, inverse_friction: float, tolerance: ToleranceSpec
 ) -> Iterator[ParameterEstimate]:
-    """What known presses told of a unit that slips by 1/µ = `inverse_friction`, beside what it is."""
+    """Compare unit parameters from calibration presses with the truth, at 1/µ = `inverse_friction`."""
     for row in found.rows(tolerance):
         name = row["name"]
         if name.startswith("1/friction"):
@@ -162,8 +161,7 @@ def covered_share(errors: FloatArray, half_widths: FloatArray) -> float:
 
 
 def collect_estimates(trials: Sequence[UnitTrial], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Truth, error and half-width (n,) of what all images of some units tell by one of `MEASURANDS`, where they
-    do."""
+    """Truth, error and half-width (n,) of one of `MEASURANDS` over the images of some units that have it."""
     rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in trials])
     rows = rows[np.isfinite(rows[:, 1])]
     return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2]

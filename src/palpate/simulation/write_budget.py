@@ -1,4 +1,4 @@
-"""The error budget as files: a table for people and programs, and a bar chart."""
+"""Error budget as files: tables as Markdown, CSV and JSON, and a bar chart."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg",
 
 
 def describe_budget(bench: VirtualBench, lines: Sequence[BudgetLine]) -> dict[str, Any]:
-    """The budget as JSON data."""
+    """Return the budget as JSON data."""
     return {
         **bench.facts(),
         "lines": [line.as_dict() for line in lines],
@@ -43,17 +43,17 @@ def write_budget(folder: Path, bench: VirtualBench, lines: Sequence[BudgetLine])
 
 
 def budget_row(line: BudgetLine) -> list[str]:
-    """A line of the table by `BUDGET_COLUMNS`."""
+    """Return a line of the table by `BUDGET_COLUMNS`."""
     figures = (line.angle_deg, line.angle_max_deg, line.depth)
     return [line.label, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
 
 
 def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> list[str | Report]:
-    """Paragraphs and tables of the budget."""
+    """Return paragraphs and tables of the budget."""
     advice = recommend_randomisation(lines, bench.spec.tolerance)
     return [
         f"# Error budget: {bench.name}",
-        "Each imperfection alone at its tolerance; how much it changes the readings of the same poses. Model "
+        "Each imperfection alone at its tolerance; the change of the readings of the same poses. Model "
         f"{bench.model_sha256[:12]}, seed {bench.spec.seed}.",
         Report.of("", BUDGET_COLUMNS, map(budget_row, lines)),
         f"All at once, as root of the sum of squares: {total(lines):.3f}°.",
@@ -66,7 +66,7 @@ def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> list[str | 
 
 
 def draw_budget(lines: Sequence[BudgetLine]) -> Figure:
-    """Bar chart of the degrees that each imperfection costs, the dearest at the top."""
+    """Draw the cost of each imperfection as a bar chart, in descending order."""
     shown = sorted((line for line in lines if np.isfinite(line.angle_deg)), key=lambda line: line.angle_deg)
     figure = Figure(figsize=(7.0, 0.8 + 0.3 * len(shown)), layout="constrained")
     axis = figure.subplots()

@@ -1,4 +1,4 @@
-"""Study: one YAML file through the whole chain to a specification grid, its pictures and simulator assets."""
+"""Study: one YAML file, run from the designs to a specification grid, figures and simulator assets."""
 
 from palpate.core import lazy_front
 

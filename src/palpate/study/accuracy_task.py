@@ -1,4 +1,4 @@
-"""The tasks that say how good built units of a design will be: its twin, and the figures foreseen from it."""
+"""Tasks of the predicted accuracy of built units: twin of a skin, and prediction for a design."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from palpate.surrogate import (
 _PREDICTION_TILTS = 3
 """Tilts of the presses from which the accuracy of built units is predicted."""
 _FEWEST_IMAGES = 5
-"""Number of images of a press of a twin below which their step is halved."""
+"""Minimum number of increments of a twin's press; with fewer, the depth step is halved."""
 _CHECK_SHARE, _INVERTED_SHARE = 0.5, 0.25
-"""Image step of validation presses and of the inverted branch over that of the study; the latter changes quickly."""
+"""Depth step of validation presses and of the inverted branch, over that of the study."""
 _TURN_DEG = 77.0
-"""Direction of the first check; the others are as far on."""
+"""Azimuth of the first validation press, and difference between successive ones."""
 _ROUND = 2
-"""Core of an inverted skin's mesh: with four cells along half a turn its soft waves of order 4 are 0.07 mm high."""
+"""Core of an inverted skin's mesh; four cells along half a turn cause waves of 0.07 mm in order 4."""
 
 
 @dataclass(frozen=True)
 class TwinTask(Task):
-    """Interpolate the presses of one skin under every tilt and friction, and those of its inverted state."""
+    """Make the twin of one skin from presses at every tilt and friction, and of its inverted state."""
 
     presses: tuple[PressTask, ...]
     inverted: tuple[PressTask, ...] = ()
@@ -77,7 +77,7 @@ class TwinTask(Task):
 
 @dataclass(frozen=True)
 class AccuracyTask(Task):
-    """Foresee built units of one design, before and after known presses."""
+    """Predict the accuracy of built units of one design, without and with calibration presses."""
 
     twin: TwinTask
     design: Design
@@ -118,7 +118,7 @@ class AccuracyTask(Task):
 
 
 def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
-    """Read what a `AccuracyTask` made."""
+    """Read the result of an `AccuracyTask`."""
     return tuple(PredictedAccuracy(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
 
 
@@ -152,7 +152,7 @@ def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
 
 
 def _twin_tilts(study: Study) -> tuple[float, ...]:
-    """The tilts of a study that a twin needs, at least four if it has as many."""
+    """Tilts of a study that a twin needs, at least four if it has as many."""
     tilts, step_deg = study.tilts_deg, (study.built or AsBuiltSpec()).tilt_step_deg
     found = [tilts[0]]
     for tilt, following in pairwise(tilts):
@@ -188,7 +188,7 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
 
 
 def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
-    """What units of one design will be, with its markers counted."""
+    """Plan the accuracy prediction of one design, with its markers counted."""
     asked = study.built or AsBuiltSpec()
     specs = (
         AccuracySpec(calibration_presses=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed)
@@ -200,7 +200,7 @@ def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
 def _plan_presses(
     study: Study, skin: SkinSpec, tilts: Sequence[float], contacts: Sequence[str | float]
 ) -> Iterator[PressTask]:
-    """Presses with derivatives at every tilt and contact law; their images are those of the study or between them."""
+    """Presses with derivatives at every tilt and contact law, at the study's depth step or half of it."""
     step = study.obstacle.depth_step
     step *= 1.0 if study.obstacle.depth >= _FEWEST_IMAGES * step else 0.5
     slippery = study.obstacle.contact == "frictionless"
@@ -218,9 +218,9 @@ def _plan_presses(
 
 
 def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[PressTask]:
-    """Presses between those of the twin, in other directions, spread over its tilts and frictions.
+    """Validation presses between those of the twin, in other directions, over its tilts and frictions.
 
-    Their images are between those of the twin, too.
+    Their increments are between those of the twin, too.
     """
     slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
     for number in range(asked.checks):
@@ -239,13 +239,13 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[P
 
 
 def _between(values: Sequence[float], share: float) -> float:
-    """The middle of the step that is so far along rising values."""
+    """Middle of the step at a share of ascending values."""
     step = min(int(share * (len(values) - 1)), len(values) - 2)
     return 0.5 * (values[step] + values[step + 1]) if len(values) > 1 else values[0]
 
 
 def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
-    """Presses of the inverted state: the same under every contact law."""
+    """Presses of the inverted state, which are the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
     for tilt_deg in _twin_tilts(study):
         changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.obstacle.depth_step}
@@ -259,7 +259,7 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
 
 
 def export_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:
-    """Copy twins into a result folder, under names by which the sensor and the viewer find them."""
+    """Copy twins into a result folder, under the names that the sensor and the viewer look for."""
     for skin, made in twins:
         kept = twin_path(folder, skin.build())
         kept.parent.mkdir(parents=True, exist_ok=True)

@@ -1,9 +1,10 @@
-"""A sensor as rigid simulators see it: a skin with a mass, a spring at its contact, and a camera in their frames.
+"""Sensor asset for rigid-body simulators: skin with mass, contact spring, and camera with its frames.
 
-Units are those of REP 103: m, kg, s, N, rad. The root frame is the sensor's of the docs (*Mount it*): its origin in
-the middle of the dome's base, z out of the dome, x along the columns and y along the rows of the nominal camera. The
-camera stands in it twice, by REP 103: ``camera`` with x the way it looks, y to the left of its image and z up, and
-``camera_optical`` with z the way it looks, x to the right and y down, which is `palpate.camera`'s own.
+Units are those of REP 103: m, kg, s, N, rad. The root frame is the sensor's of the docs (*Mount it*): its origin is
+the centre of the skin's base, z points out of the skin, x along the columns and y along the rows of the nominal
+camera. The camera has two frames by REP 103: ``camera`` with x along the optical axis, y to the left of its image and
+z up, and ``camera_optical`` with z along the optical axis, x to the right and y down, which is `palpate.camera`'s
+own.
 """
 
 from __future__ import annotations
@@ -34,22 +35,23 @@ class SensorAsset:
     Attributes
     ----------
     name
-        Name of its root frame, and beginning of all other names.
+        Name of its root frame, and prefix of all other names.
     spec
-        What was chosen.
+        Settings.
     surface
         The skin's surface, mm, in the sensor's frame.
     body
         Mass properties of the skin.
     camera
-        In the sensor's frame.
+        Camera in the sensor's frame.
     spring
-        (3,) N/m, N/m², N/m³: the force of a straight wall at depth d is ``d (s0 + s1 d + s2 d²)``.
+        (3,) N/m, N/m², N/m³: the force of an untilted wall at depth d is ``d (s0 + s1 d + s2 d²)``.
     stiffness
-        N/m of the one straight line through first touch that is nearest to it.
+        Best linear fit through first contact, N/m.
     reach
-        Depth to which the press went, m.
+        Maximum depth of the press, m.
     spring_rms, stiffness_rms
+        RMS residuals of the two fits, N.
         N root mean square by which the press differs from either.
     """
 
@@ -81,12 +83,12 @@ class SensorAsset:
 
 
 def check_force_curve_press(wall: ObstacleSpec) -> None:
-    """Refuse what would not tell a force curve, before it is pressed.
+    """Reject presses that give no force curve, before they are solved.
 
     Raises
     ------
     PalpateError
-        If it is no straight flat wall, or pressed in too few steps.
+        If the obstacle is not an untilted flat wall, or has too few depth steps.
     """
     if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.curvature:
         raise PalpateError(
@@ -103,7 +105,7 @@ def check_force_curve_press(wall: ObstacleSpec) -> None:
 
 
 def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> SensorAsset:
-    """Make the asset of a skin that a straight wall pressed, and of its camera.
+    """Make the asset of a skin, from the press by an untilted wall, and of its camera.
 
     Raises
     ------
@@ -138,9 +140,9 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
 
 
 def _fit(depth: FloatArray, force: FloatArray, terms: int) -> tuple[FloatArray, float]:
-    """Coefficients (terms,) of ``d (s0 + s1 d + …)`` nearest to a force, and what is left of it, N rms.
+    """Fit coefficients (terms,) of ``d (s0 + s1 d + …)`` to a force; return them and the RMS residual, N.
 
-    Where that would fall anywhere, as no spring of a stable skin does, none of them is negative.
+    If the fitted curve decreases anywhere, non-negative coefficients are fitted, as for a stable spring.
     """
     order = np.arange(1, terms + 1)
     powers = depth[:, None] ** order

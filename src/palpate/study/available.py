@@ -1,4 +1,4 @@
-"""How much of this machine a run may use: its cores, and its memory."""
+"""Cores and memory of this machine that a run can use."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 WORKER_BYTES = 2**30
-"""Memory that one worker is given: presses of the default mesh and trainings take 0.3 to 0.5 GiB."""
+"""Memory per worker: presses of the default mesh and trainings take 0.3 to 0.5 GiB."""
 
 _SYSTEM = Path("/proc/meminfo")
 _GROUP = Path("/sys/fs/cgroup")
@@ -23,12 +23,12 @@ def available_cores() -> int:
 
 
 def available_memory(system: Path = _SYSTEM, group: Path = _GROUP) -> float:
-    """Memory that this process may still take, bytes; infinite where the system does not say.
+    """Memory that this process can still allocate, bytes; infinite if unknown.
 
     Parameters
     ----------
     system, group
-        Where Linux tells the machine's memory, and the limit of a container (cgroup 2).
+        Files with the machine's memory and the limit of the container (cgroup 2), on Linux.
     """
     room = math.inf
     with suppress(OSError, KeyError, ValueError):
@@ -40,13 +40,13 @@ def available_memory(system: Path = _SYSTEM, group: Path = _GROUP) -> float:
 
 
 def default_workers() -> int:
-    """Number of workers for which there are cores and memory; at least one."""
+    """Number of workers for the available cores and memory; at least one."""
     memory = available_memory()
     fit = available_cores() if math.isinf(memory) else min(available_cores(), int(memory // WORKER_BYTES))
     return max(1, fit)
 
 
 def _numbers(file: Path) -> dict[str, int]:
-    """The first number after each name, one a line."""
+    """Return the first number after each name, one a line."""
     rows = (line.split() for line in file.read_text().splitlines())
     return {row[0]: int(row[1]) for row in rows if len(row) > 1}

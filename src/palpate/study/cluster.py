@@ -1,7 +1,7 @@
-"""The same tasks on a Dask cluster: a few processes here, or whatever a scheduler elsewhere has.
+"""Tasks on a Dask cluster: local processes, or the workers of a remote scheduler.
 
 The workers must see the result folder under the same path. Dask sends tasks as pickles: give the address of a
-scheduler only where everybody who can reach it is trusted, or use ``tls://``.
+scheduler only if everybody who can reach it is trusted, or use ``tls://``.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from palpate.study.task import EstimatorTask
 
 MOST_WORKERS = 1024
 CONNECT_S = 30.0
-"""How long a scheduler, and the first of its workers, may take to answer, s."""
+"""Timeout for a scheduler and its first worker to answer, s."""
 
 GPU = "GPU"
-"""The Dask resource of workers that have one: ``dask worker --resources GPU=1``."""
+"""Dask resource of workers with a GPU: ``dask worker --resources GPU=1``."""
 
 
 class ClusterWorkers(WorkerPool):
-    """Workers of a Dask cluster, each thread of theirs a member.
+    """Workers of a Dask cluster; each thread is a member.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class ClusterWorkers(WorkerPool):
     MissingExtraError
         If distributed is not installed.
     PalpateError
-        If `where` is no such place, or nobody answers there.
+        If `where` is not such an address, or no scheduler answers.
     """
 
     def __init__(self, where: str) -> None:
@@ -97,7 +97,7 @@ class ClusterWorkers(WorkerPool):
 
 
 def check_cluster_address(where: str) -> None:
-    """Refuse what is neither ``local:N`` nor the address of a scheduler.
+    """Reject an address that is neither ``local:N`` nor that of a scheduler.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def check_cluster_address(where: str) -> None:
 
 
 def _connect(where: str) -> tuple[Any, Any]:
-    """A client, and the cluster that must be closed after it, where this is one of our own."""
+    """Return a client, and the local cluster to be closed after it, if any."""
     check_cluster_address(where)
     distributed = _distributed()
     if where.startswith("local:"):
@@ -171,7 +171,7 @@ def _wants_gpu(argument: Any) -> bool:
 
 
 def _where(client: Any, future: Any) -> str:
-    """Where a running task stands, as far as its worker can say."""
+    """Return the stack of a running task, as far as its worker reports it."""
     with suppress(Exception):
         stacks = client.call_stack([future])
         return "\n".join("".join(stack) for found in stacks.values() for stack in found.values())

@@ -1,4 +1,4 @@
-"""From the artefacts of designs to their records."""
+"""Records of designs, collected from their artefacts."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from palpate.study.task import BoundTask, DatasetTask, EvaluationTask, Task, rea
 def collect_designs(
     plan: Plan, store: ArtefactStore, outcomes: Mapping[str, Outcome], seed: int
 ) -> tuple[DesignResult, ...]:
-    """Collect the records of designs from the store; a press that serves several is read once.
+    """Collect the records of designs from the store; a shared press is read once.
 
     Parameters
     ----------
     plan
         The tasks of the study.
     store
-        Where the artefacts are.
+        Store of the artefacts.
     outcomes
-        How the tasks of this run ended, by key.
+        Outcomes of the tasks of this run, by key.
     seed
         Seed of the study.
     """
@@ -51,7 +51,7 @@ def collect_designs(
 def collect_bounds(
     tasks: Sequence[BoundTask], store: ArtefactStore, outcomes: Mapping[str, Outcome]
 ) -> tuple[DesignBounds, ...]:
-    """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
+    """Collect the bounds of designs from the store; `outcomes` are those of this run's tasks, by key."""
     found = []
     for task in tasks:
         path = store.find(task.recipe, task.suffix)
@@ -65,7 +65,7 @@ def collect_bounds(
 
 @dataclass(frozen=True)
 class _Known:
-    """What the records of all designs are made from.
+    """Inputs of the records of all designs.
 
     `outcomes` and `presses` go by key, `seed` is that of the study.
     """
@@ -124,18 +124,18 @@ def _versions() -> dict[str, str]:
 
 
 _SIZES = {"height", "base_radius", "thickness"}
-"""What every skin has, and the grid in columns of its own."""
+"""Parameters that every skin has, and that have their own columns in the grid."""
 
 
 def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
-    """The azimuths that were pressed, of a skin that is no body of revolution."""
+    """Azimuths of the presses of a skin that is not of revolution."""
     if dataset.design.skin.symmetry is Symmetry.REVOLVED:
         return {}
     return {"azimuths_deg": sorted({item.obstacle.turn_deg for item in dataset.presses})}
 
 
 def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
-    """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
+    """Settings other than sizes and markers; all presses of a design share them except for the tilt."""
     press = dataset.presses[0]
     obstacle = press.obstacle.model_dump(mode="json", exclude={press.obstacle.position_name, "azimuth_deg"})
     positions = list(dict.fromkeys(item.obstacle.radial for item in dataset.presses))
@@ -155,13 +155,13 @@ def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
 
 
 def _reason(tasks: Sequence[Task], outcomes: Mapping[str, Outcome]) -> str:
-    """Why the first of these tasks gave nothing."""
+    """Reason why the first failed one of these tasks failed."""
     reasons = (outcomes[task.recipe.key].reason for task in tasks if task.recipe.key in outcomes)
     return next((reason for reason in reasons if reason), "it was not computed")
 
 
 def _bistable_from(path: Path | None) -> float:
-    """Depth in mm from which the inverted state exists; nan where there is none, or none was looked for."""
+    """Depth in mm from which the inverted state exists; nan if it does not, or was not sought."""
     if path is None:
         return float("nan")
     press = read_press(path)

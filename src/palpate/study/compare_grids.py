@@ -1,4 +1,4 @@
-"""Two grids side by side: the same designs, and what was chosen, drawn or installed otherwise."""
+"""Comparison of two grids: figures of common designs, and differences of settings, seeds and versions."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from palpate.core import PalpateError
 from palpate.study.grid import Cell, Row, SpecificationGrid, design_spec, own_column
 
 DESIGN = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
-"""Columns that say which design a row is; several such rows are matched in their order."""
+"""Columns that identify a design; several rows of one design are matched in their order."""
 METRICS = ("rmse_deg", "max_error_deg", "rmse_jitter_deg", "bound_deg")
 SEEDS = ("seed", "dataset_seed", "learning_seed")
 VARIES = "varies by design"
 MOVED = 2.0
-"""Standard deviations beyond which a row has moved: one in twenty does by chance."""
+"""Standard deviations beyond which a row has changed: at random, one in twenty does."""
 RECORDED, UNRECORDED = "recorded", "not recorded"
 
 Design = tuple[Cell, ...]
@@ -26,14 +26,14 @@ Design = tuple[Cell, ...]
 
 @dataclass(frozen=True)
 class Difference:
-    """Something that is not the same behind two grids.
+    """Difference between the origins of two grids.
 
     Attributes
     ----------
     name
         ``"spec obstacle.contact"``, ``"version numpy"``, ``"seed"``, …
     first, second
-        Its value in each grid, as text; empty where a grid does not have it.
+        Its value in each grid, as text; empty if missing.
     """
 
     name: str
@@ -43,18 +43,18 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two grids side by side.
+    """Comparison of two grids.
 
     Attributes
     ----------
     rows
-        One a design that both have: its dome and markers, for each metric ``…_a``, ``…_b`` and ``…_ratio`` (b/a), and
+        One a design that both have: its skin and markers, for each metric ``…_a``, ``…_b`` and ``…_ratio`` (b/a), and
         ``moved``: the difference of ``rmse_deg`` over its standard deviation by the spreads of the repeats; empty
-        where neither grid has a spread.
+        without a spread.
     only_first, only_second
-        Designs that one grid alone has.
+        Designs of one grid only.
     differences
-        What differs in spec, seeds and versions.
+        Differences in spec, seeds and versions.
     metrics
         Columns that were compared: those of the offset in place of the angle's if the grids have no angle.
     """
@@ -67,14 +67,14 @@ class Comparison:
 
     @property
     def moved(self) -> tuple[Row, ...]:
-        """Rows whose ``rmse_deg`` differs by more than training again makes it differ."""
+        """Rows whose ``rmse_deg`` differs by more than the spread of repeated trainings."""
         return tuple(row for row in self.rows if isinstance(row["moved"], float) and abs(row["moved"]) > MOVED)
 
 
 def compare_grids(
     first: SpecificationGrid, second: SpecificationGrid, metrics: Sequence[str] = METRICS
 ) -> Comparison:
-    """Put the designs of two grids side by side.
+    """Compare the designs of two grids.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def compare_grids(
     Raises
     ------
     PalpateError
-        If a metric is in neither grid, or is a text.
+        If a metric is in neither grid, or is text.
     """
     known = {*first.columns, *second.columns}
     metrics = tuple(own_column(known, metric) for metric in metrics)
@@ -114,7 +114,7 @@ def compare_grids(
 
 
 def _by_design(grid: SpecificationGrid) -> dict[Design, Row]:
-    """Rows by dome, markers and which layout of as many markers it is."""
+    """Rows by skin, markers and index of the layout among those of equal number."""
     seen: Counter[Design] = Counter()
     found: dict[Design, Row] = {}
     for row in grid.designs:
@@ -139,7 +139,7 @@ def _side_by_side(row_a: Row, row_b: Row, metrics: Sequence[str]) -> Row:
 
 
 def _moved(row_a: Row, row_b: Row) -> float | None:
-    """Difference of both RMSE over its standard deviation; `None` where no repeats tell it."""
+    """Difference of the two RMSE over its standard deviation; `None` without repeats."""
     error, spread_of = (own_column(row_a, name) for name in ("rmse_deg", "rmse_spread_deg"))
     a, b = row_a.get(error), row_b.get(error)
     spreads = [row.get(spread_of) for row in (row_a, row_b)]
@@ -166,7 +166,7 @@ def _differences(pairs: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]) -
 
 
 def _facts(row: Row) -> dict[str, str]:
-    """Spec, seeds and versions behind a row, flat."""
+    """Spec, seeds and versions of a row, flattened."""
     facts = {name.replace("_", " "): str(row[name]) for name in SEEDS if row.get(name) is not None}
     facts |= {f"version {name}": version for name, version in json.loads(str(row.get("versions") or "{}")).items()}
     if not isinstance(row.get("spec"), str):

@@ -1,4 +1,4 @@
-"""Pictures of a grid: heat maps as in the paper's Fig. 12, marker travel as in its Fig. 11, curves."""
+"""Figures of a grid: heat maps as in the paper's Fig. 12, marker travel as in its Fig. 11, curves."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from palpate.study.panel import CurvePanel, Panel
 
 CELL_INCH = 0.85
 PANEL_INCH = 1.9
-"""Least width of a panel: its title and the name of its axis fit."""
+"""Minimum width of a panel for its title and the name of its axis."""
 TITLE_INCH = 3.9
-"""Least width of a picture: its title fits."""
+"""Minimum width of a figure for its title."""
 DOTS_PER_INCH = 160
 COLOURS = "viridis"
 FEW = 0.1
-"""Numbers below get three decimals."""
+"""Limit below which numbers have three decimals."""
 MARKS = "osD^vPX*"
 LINES = ("-", "--", "-.", ":")
 
 
 def draw_heat_maps(panels: Sequence[Panel], title: str, unit: str) -> Figure:
-    """Draw one heat map a panel with the number in every cell; one scale of colours for all.
+    """Draw one heat map a panel with the number in every cell; all share one colour scale.
 
     Parameters
     ----------
     panels
         At least one.
     title
-        What is shown.
+        Title of the figure.
     unit
         Its unit, for the scale of colours.
     """
@@ -68,7 +68,7 @@ def draw_travel(panels: Sequence[Panel], title: str, label: str = "mean marker t
     panels
         At least one.
     title
-        What is shown.
+        Title of the figure.
     label
         Name of the figure with its unit.
     """
@@ -98,7 +98,7 @@ def draw_curves(panels: Sequence[CurvePanel], title: str, across: str, label: st
     panels
         At least one.
     title
-        What is shown.
+        Title of the figure.
     across, label
         Names of the two axes with their units.
     """
@@ -123,7 +123,7 @@ def draw_curves(panels: Sequence[CurvePanel], title: str, across: str, label: st
 
 
 def write_picture(path: Path, figure: Figure) -> None:
-    """Write a figure as `path` with the endings ``.png`` and ``.svg``; the same figure gives the same bytes."""
+    """Write a figure as `path` with the endings ``.png`` and ``.svg``, reproducibly."""
     with mpl.rc_context({"svg.hashsalt": "palpate"}):
         figure.savefig(path.with_suffix(".png"), dpi=DOTS_PER_INCH, metadata={"Software": None})
         figure.savefig(path.with_suffix(".svg"), metadata={"Date": None, "Creator": None})

@@ -1,4 +1,4 @@
-"""From what a study leaves behind to the specification grid."""
+"""Specification grid from the records of a study."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Place = tuple[float, ...]
 
 
 def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
-    """Put the figures of every design together.
+    """Tabulate the figures of all designs.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
     Returns
     -------
     SpecificationGrid
-        A row for every design, also for one whose chain broke: its figures are empty, `failure` says why.
+        A row for every design; that of a failed design has empty figures, and `failure` has the reason.
     """
     numbered = list(enumerate(designs))
     return SpecificationGrid(
@@ -43,14 +43,14 @@ def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
 
 
 def _table(rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Rows that all have every column; a cell without a figure is empty."""
+    """Return rows that all have every column; cells without a figure are empty."""
     found = list(rows)
     columns = dict.fromkeys(name for row in found for name in row)
     return tuple({name: row.get(name) for name in columns} for row in found)
 
 
 def _by_depth(design: DesignResult) -> list[Row]:
-    """Errors, limits and how near they come, by rising depth."""
+    """Errors, bounds and their ratio, by ascending depth."""
     errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
     limits = {round(limit.depth_mm, 6): limit for limit in design.bounds}
     rows: list[Row] = []
@@ -71,13 +71,13 @@ def _by_depth(design: DesignResult) -> list[Row]:
 
 
 def _by_tilt(design: DesignResult) -> list[Row]:
-    """Errors by rising interval of true tilt."""
+    """Errors by ascending interval of true tilt."""
     errors = _by_place(design, lambda metrics: {(part.from_deg, part.to_deg): part for part in metrics.by_tilt})
     return [{"tilt_from_deg": ends[0], "tilt_to_deg": ends[1], **errors[ends]} for ends in sorted(errors)]
 
 
 def _by_place(design: DesignResult, cut: Callable[[Metrics], Mapping[Place, Part]]) -> dict[Place, dict[str, Cell]]:
-    """Clean and jittered errors of a design where `cut` has any."""
+    """Clean and jittered errors of a design at the places that `cut` returns."""
     clean, jittered = (cut(metrics) if metrics else {} for metrics in (design.clean, design.jittered))
     unit = _unit(design)
     return {place: _errors_of(clean.get(place), jittered.get(place), unit) for place in {**clean, **jittered}}
@@ -140,7 +140,7 @@ def _unit(design: DesignResult) -> str:
 
 
 def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
-    """What built units will be: as they come, and once known presses have told each."""
+    """Predicted accuracy of built units, without and with calibration presses."""
     if not figures:
         return {}
     first, known = figures
@@ -155,7 +155,7 @@ def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
 
 
 def _spread(design: DesignResult) -> dict[str, Cell]:
-    """Standard deviation of the clean RMSE over the repeats, which takes two."""
+    """Standard deviation of the clean RMSE over at least two repeats."""
     repeats = design.repeat_rmse_deg
     return {
         f"rmse_spread_{_unit(design)}": statistics.stdev(repeats) if len(repeats) > 1 else None,
@@ -164,7 +164,7 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
 
 
 def _limits(design: DesignResult) -> dict[str, Cell]:
-    """Bounds on the jittered RMSE and how near it comes, over all depths."""
+    """Bounds on the jittered RMSE and its ratio to them, over all depths."""
     judged = compare_with_bound(design.jittered, design.bounds) if design.jittered else None
     pooled = judged[0] if judged else pool_bounds(design.bounds)
     unit = _unit(design)
@@ -176,7 +176,7 @@ def _limits(design: DesignResult) -> dict[str, Cell]:
 
 
 def _coverage(coverage: Coverage | None, unit: str) -> dict[str, Cell]:
-    """What the intervals are worth on presses that did not calibrate them."""
+    """Coverage of the intervals on presses that did not calibrate them."""
     position = "deg" if unit == "deg" else f"offset_{unit}"
     return {
         "interval_level": coverage.level if coverage else None,
@@ -205,7 +205,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
 
 
 def _presses(presses: Sequence[PressSummary]) -> dict[str, Cell]:
-    """How the dome deforms: in the press of least tilt, and at worst over all presses."""
+    """Deformation of the skin: in the press of minimum tilt, and maxima over all presses."""
     straight = min(presses, key=lambda press: press.position) if presses else None
     return {
         "peak_stress_straight_mpa": straight.peak_stress_mpa if straight else None,
@@ -217,7 +217,7 @@ def _presses(presses: Sequence[PressSummary]) -> dict[str, Cell]:
 
 
 def _evidence(design: DesignResult) -> dict[str, Cell]:
-    """How many presses, images and dropped poses stand behind the figures, and on which branch the presses end."""
+    """Numbers of presses, images and dropped poses of a design, and branches of its presses."""
     counts = design.counts
     branches = Counter(press.branch for press in design.presses)
     ends = Counter(press.ended for press in design.presses)

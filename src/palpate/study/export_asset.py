@@ -1,4 +1,4 @@
-"""Write a sensor as an asset: a new folder with the file that a simulator loads, its mesh and its numbers as JSON."""
+"""Export of a sensor asset: a new folder with the simulator's file, the mesh, and its numbers as JSON."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _FILES = {
 
 
 def check_asset(folder: Path) -> None:
-    """Refuse an asset that could not be written, before anything is solved.
+    """Reject an asset that cannot be written, before anything is solved.
 
     Raises
     ------
     PalpateError
-        If the folder exists, or that above it does not.
+        If the folder exists, or its parent does not.
     MissingExtraError
         If trimesh, which writes the mesh, is not installed.
     """
@@ -45,7 +45,7 @@ def check_asset(folder: Path) -> None:
 
 
 def export_asset(folder: Path, asset: SensorAsset, to: AssetFormat) -> Path:
-    """Write an asset to a new folder, which appears whole or not at all; return the file that a simulator loads.
+    """Write an asset to a new folder atomically; return the file for the simulator.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def export_asset(folder: Path, asset: SensorAsset, to: AssetFormat) -> Path:
 
 
 def describe_asset(asset: SensorAsset) -> dict[str, Any]:
-    """Every number of an asset, as plain values with their units in their names."""
+    """Return every number of an asset, as plain values with units in their names."""
     return {
         "name": asset.name,
         "made_by": provenance(),

@@ -12,13 +12,13 @@ from palpate.study.grid_columns import CSV_COLUMNS, MAIN_COLUMNS, grid_column
 
 
 def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
-    """Write a grid to `path`, replacing it; the ending chooses the form.
+    """Write a grid to `path`, replacing it; the ending selects the format.
 
     Parameters
     ----------
     path
-        ``.csv`` gets the columns that decide, ``.parquet`` all, ``.md`` the main ones for people. The tables by
-        depth, by tilt and of presses stand beside the first two: ``grid_by_depth.csv``, … beside ``grid.csv``.
+        ``.csv`` gets the columns that decide, ``.parquet`` all, ``.md`` the main ones. The tables by depth, by tilt
+        and of presses are written next to the first two: ``grid_by_depth.csv``, … next to ``grid.csv``.
     grid
         The designs to write.
 
@@ -30,7 +30,7 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
     Raises
     ------
     PalpateError
-        If the ending is another, or a file cannot be written.
+        If the ending is unknown, or a file cannot be written.
     MissingExtraError
         If Parquet is asked for and pyarrow is not installed.
     """
@@ -57,7 +57,7 @@ def write_tables(path: Path, grid: SpecificationGrid, other: str = "{stem}_{tabl
     grid
         The grid.
     other
-        How the files of the other tables are named, from ``stem`` of the file and ``table``.
+        Format of the file names of the remaining tables, from ``stem`` of the file and ``table``.
     """
     names = [design_label(row) for row in grid.designs]
     columns = [name for name in CSV_COLUMNS if name in grid.columns]
@@ -97,12 +97,12 @@ def _write_markdown(path: Path, grid: SpecificationGrid) -> None:
 
 
 def html_rows(grid: SpecificationGrid) -> str:
-    """The main columns as an HTML table, a row a design, its texts escaped."""
+    """Return the main columns as an HTML table, a row a design, texts escaped."""
     return report_html(grid_report(grid.designs, MAIN_COLUMNS))
 
 
 def grid_report(rows: Sequence[Row], columns: Sequence[str] = (), title: str = "", file: str = "") -> Report:
-    """Designs of a grid as a table.
+    """Make a table of the designs of a grid.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The task that lets a design's estimator tell forces: the presses know them, the dots show them."""
+"""Task that trains a force output of a design's estimator, by the forces of its presses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.study.task import EstimatorTask, Task, find_artefact
 
 @dataclass(frozen=True)
 class ForceTask(Task):
-    """Train forces beside the pose; the artefact is the estimator's file with both, its pose as it was."""
+    """Train a force output; the artefact is the estimator with pose (unchanged) and force."""
 
     estimator: EstimatorTask
 

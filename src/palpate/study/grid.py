@@ -1,4 +1,4 @@
-"""The noun of the stage: figures of every design, as four tables."""
+"""Specification grid: figures of every design, in four tables."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 Cell = float | int | str | None
-"""A figure, a word, or nothing where the chain broke or the figure does not apply."""
+"""Number, text, or `None` for a failed design or an inapplicable figure."""
 
 Row = Mapping[str, Cell]
 
 TABLES = ("by_depth", "by_tilt", "presses")
-"""The tables beside that of the designs; the first column of each is ``design``."""
+"""Tables other than that of the designs; the first column of each is ``design``."""
 
 
 def design_spec(row: Row) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def design_spec(row: Row) -> dict[str, Any]:
 
 
 def own_column(columns: Container[str], column: str) -> str:
-    """Column of a grid for one of an angle: that of the offset in mm, if the grid's obstacles have no tilt."""
+    """Column of a grid for one of an angle: the offset's in mm, if the obstacles have no tilt."""
     offset = f"{column.removesuffix('_deg')}_mm"
     return offset if column not in columns and column.endswith("_deg") and offset in columns else column
 
@@ -41,7 +41,7 @@ UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 
 @dataclass(frozen=True)
 class SpecificationGrid:
-    """The paper's result: how good each design is, and what it was made from.
+    """Specification grid: accuracy of every design, and its settings.
 
     Every row of a table has every column of it. Names of columns end in their unit (``_mm``, ``_deg``, ``_mpa``,
     ``_n``). In the last three tables ``design`` is the number of the row in `designs`, from 0.
@@ -58,13 +58,13 @@ class SpecificationGrid:
     presses
         One a design and press: ``design``, ``tilt_deg``, ``ended`` and ``ended_depth_mm``, ``force_n`` and ``branch``
         in the deepest image, ``peak_stress_mpa``, ``displacement_max_mm``, ``displacement_mean_mm``, ``apex_gap_mm``;
-        ``azimuth_deg`` where the skin is no body of revolution.
+        ``azimuth_deg`` if the skin is no body of revolution.
 
     Notes
     -----
     `grid_column` has heading, unit and meaning of a column. Errors pool both components of the angle, as in the
-    paper, over the images of the held-out presses; those per axis are ``rmse_rx_deg``, …, ``bias_ry_deg``. A study
-    that does not ask for built units has no ``built_…`` and ``calibrated_…``. Intervals are of the level
+    paper, over the images of the held-out presses; those per axis are ``rmse_rx_deg``, …, ``bias_ry_deg``. Without a
+    prediction of built units there are no columns ``built_…`` and ``calibrated_…``. Intervals are of the level
     ``interval_level``, on ``interval_presses`` presses that neither trained nor calibrated it; ``flagged_ood`` is the
     share of images out of the trained range. ``displacement_max_mm`` and ``apex_gap_mm`` are the maxima over all
     presses in their deepest images. ``spec`` and ``versions`` are JSON.
@@ -89,7 +89,7 @@ class SpecificationGrid:
         return tuple(self.designs[0]) if self.designs else ()
 
     def select(self, designs: Sequence[Row]) -> SpecificationGrid:
-        """The grid of some of its own designs alone, in the order given."""
+        """Return the grid with these designs only, in the order given."""
         numbers = {id(row): number for number, row in enumerate(self.designs)}
         places = {numbers[id(row)]: place for place, row in enumerate(designs)}
         tables = (
@@ -100,12 +100,12 @@ class SpecificationGrid:
 
 
 def rows_for_design(table: Sequence[Row], design: int) -> tuple[Row, ...]:
-    """The rows of `by_depth`, `by_tilt` or `presses` of one design, by its number in the grid."""
+    """Return the rows of `by_depth`, `by_tilt` or `presses` of one design, by its number in the grid."""
     return tuple(row for row in table if row["design"] == design)
 
 
 def design_label(row: Row) -> str:
-    """Name of a design in words, e.g. ``"H20 T2, 169 markers"``.
+    """Return the label of a design, e.g. ``"H20 T2, 169 markers"``.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def design_label(row: Row) -> str:
 
 
 def column_unit(column: str) -> str:
-    """Unit of a column by its suffix; empty for a pure number or a word.
+    """Return the unit of a column by its suffix; empty for a pure number or text.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Columns of the grid: heading, unit, digits and meaning of each, for tables, pictures, files and the viewer."""
+"""Columns of the grid: heading, unit, digits and meaning, for tables, figures, files and the viewer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A grid as an SQLite file, so that other programs can ask it.
+"""A grid as an SQLite file for other programs.
 
     design      one row a design: every figure that belongs to the design as a whole
     by_depth    one row a design and depth: rmse_deg, max_error_deg, bound_deg, …
@@ -6,7 +6,7 @@
     presses     one row a design and press: tilt_deg, ended, branch, force_n, …
     provenance  one row a design and fact: keys of its artefacts down to the presses, versions, spec (JSON)
 
-It is written in one transaction of a database in WAL mode: whoever reads meanwhile sees the older grid.
+It is written in one transaction of a database in WAL mode: concurrent readers see the older grid.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from palpate.study.grid import Cell, Row, SpecificationGrid
 
 SCHEMA_VERSION = 2
 APPLICATION = 0x70616C70
-"""Marks the file as ours in its header: "palp"."""
+"""Application id of the file, in its header: "palp"."""
 WAIT_S = 30.0
-"""How long to wait for another writer, s."""
+"""Timeout for another writer, s."""
 
 KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ()}
 """Columns of each table of details, after the design's number."""
 
 
 def write_database(path: Path, grid: SpecificationGrid) -> None:
-    """Write a grid into the SQLite file `path`; an older grid in it is replaced, a file that is none too.
+    """Write a grid into the SQLite file `path`, replacing an older grid or another file.
 
     Raises
     ------
@@ -117,13 +117,13 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
 
 
 def check_schema_version(path: Path, version: Any, known: int) -> None:
-    """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
+    """Reject a grid of another version of palpate, with a `PalpateError` that names the remedy."""
     if version != known:
         older = isinstance(version, int) and version < known
         age = "an older" if older else "another"
         raise PalpateError(
             f"{path} was written by {age} palpate: its format is {version}, this one reads {known}.",
-            "Run the study again: what its folder holds stays valid, so only the grid is written anew.",
+            "Run the study again: the contents of its folder stay valid, and only the grid is rewritten.",
             code="grid-older" if older else "grid-other",
         )
 
@@ -146,12 +146,12 @@ def _provenance(number: int, row: Row) -> Iterable[dict[str, Cell]]:
 
 
 def _join(kind: str, parts: dict[str, str]) -> str:
-    """What `_provenance` took apart."""
+    """Join the parts that `_provenance` separated."""
     return json.dumps(parts) if kind == "versions" else " ".join(parts.values())
 
 
 def _fill(database: sqlite3.Connection, table: str, names: Sequence[str], rows: Sequence[Row]) -> None:
-    """Make a table with one column a name and fill it."""
+    """Create a table with one column a name and fill it."""
     columns = tuple(dict.fromkeys(names))
     declared = ", ".join(f'"{name}" {_affinity([row.get(name) for row in rows])}' for name in columns)
     database.execute(f"CREATE TABLE {table} ({declared})")

@@ -1,4 +1,4 @@
-"""A grid as a folder: numbers as SQLite, CSV and JSON, pictures as PNG and SVG."""
+"""A grid as a folder: numbers as SQLite, CSV and JSON, figures as PNG and SVG."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FORMAT, FORMAT_VERSION = "palpate specification grid", 2
 DATABASE = "grid.sqlite"
 
 BUILT = (("heat", "built_rmse_deg"), ("heat", "calibrated_p95_deg"))
-"""Pictures of a grid whose study asked for built units."""
+"""Figures of a grid with predicted accuracy of built units."""
 PICTURES = (
     ("heat", "rmse_deg"),
     ("heat", "max_error_deg"),
@@ -26,14 +26,14 @@ PICTURES = (
     ("depth", "rmse_deg"),
     ("depth", "rmse_jitter_deg"),
 )
-"""Kind and metric of the pictures that every grid gets."""
+"""Kind and metric of the figures of every grid."""
 
 
 def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     """Write a grid into a folder, replacing an older one.
 
-    Every file is made aside and renamed when all of them are whole, and the database changes in one transaction, so
-    a run that stops half-way leaves the older grid as it was.
+    Files are written aside and renamed when all are complete, and the database changes in one transaction, so that an
+    interrupted run leaves the older grid unchanged.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
         ``.svg`` for each of the four errors, and ``marker_travel``, ``error_by_depth`` and
         ``error_by_depth_jitter`` as both.
     grid
-        A grid without designs has no pictures.
+        A grid without designs has no figures.
 
     Raises
     ------
@@ -64,12 +64,12 @@ def is_grid(directory: Path) -> bool:
 
 
 def read_grid(directory: Path) -> SpecificationGrid:
-    """Read the grid of a folder written by `write_grid`, from its ``grid.sqlite`` or, without one, ``grid.json``.
+    """Read the grid of a folder written by `write_grid`, from ``grid.sqlite`` or else ``grid.json``.
 
     Raises
     ------
     PalpateError
-        If there is none, or it is not a grid, or one that an older palpate wrote.
+        If there is no grid, or an unreadable or older one.
     """
     if (directory / DATABASE).is_file():
         return read_database(directory / DATABASE)

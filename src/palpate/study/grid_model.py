@@ -1,4 +1,4 @@
-"""The trained estimator of a design, taken out of the store of its study."""
+"""Export of the trained estimator of a design from the store of its study."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.study.grid import SpecificationGrid, design_label
 
 
 def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
-    """Copy the model of the first row of a grid to `out`, an ONNX file that predicts by itself.
+    """Copy the model of the first row of a grid to `out`, a stand-alone ONNX file.
 
     Parameters
     ----------
@@ -20,12 +20,12 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
     grid
         Its grid, filtered and sorted so that the design wanted comes first.
     out
-        File to write, replaced where it exists.
+        File to write; an existing one is replaced.
 
     Returns
     -------
     str
-        The design, for a person.
+        Label of the design.
 
     Raises
     ------

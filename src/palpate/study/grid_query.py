@@ -1,8 +1,8 @@
-"""Questions to a grid: ``max_error_deg < 2 and height_mm <= 20``.
+"""Queries of a grid: ``max_error_deg < 2 and height_mm <= 20``.
 
-A question is read by Python's own parser and then walked by hand. Only column names, numbers, texts, comparisons
-(also chained), ``and``, ``or`` and ``not`` have a meaning; everything else is refused, so a question can compute
-nothing and call nothing. A comparison with an empty cell is false.
+A query is parsed by Python's parser and evaluated here. Only column names, numbers, texts, comparisons (also
+chained), ``and``, ``or`` and ``not`` are accepted; everything else is rejected, so that a query cannot execute code.
+A comparison with an empty cell is false.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from palpate.core import PalpateError, new_column
 from palpate.study.grid import Cell, Row, own_column
 
 LONGEST = 1000
-"""Characters of the longest question."""
+"""Maximum number of characters of a query."""
 
 _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
     ast.Lt: operator.lt,
@@ -30,19 +30,19 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
 
 
 def filter_rows(rows: Sequence[Row], where: str) -> tuple[Row, ...]:
-    """Keep the rows for which a question is true.
+    """Return the rows for which a query is true.
 
     Parameters
     ----------
     rows
         Rows of a grid, all with the same columns.
     where
-        The question.
+        The query.
 
     Raises
     ------
     PalpateError
-        If the question is not one, names an unknown column, or compares a text with a number.
+        If the query is invalid, names an unknown column, or compares a text with a number.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def filter_rows(rows: Sequence[Row], where: str) -> tuple[Row, ...]:
 
 
 def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
-    """Sort rows by one column, rising. Rows without a figure come last.
+    """Sort rows by one column, ascending. Rows without a figure come last.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
         Rows of a grid, all with the same columns.
     by
         Name of a column. A leading minus, or the word ``desc`` after the name, reverses; ``asc`` changes nothing.
-        Rows of an obstacle without a tilt are sorted by the offset's column in place of the angle's.
+        Rows of an obstacle without a tilt are sorted by the offset's column instead of the angle's.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
 
 
 def _parse_order(by: str) -> tuple[str, bool]:
-    """Name of the column, and whether to sort falling."""
+    """Return the name of the column, and whether to sort in descending order."""
     words = by.split()
     if len(words) == 2 and words[1].lower() in ("asc", "desc") and not by.lstrip().startswith("-"):
         return words[0], words[1].lower() == "desc"
@@ -91,7 +91,7 @@ def _parse_order(by: str) -> tuple[str, bool]:
 
 
 def check_column(name: str, row: Row) -> None:
-    """Refuse the name of a column that `row` does not have, naming the nearest."""
+    """Reject the name of a column that `row` lacks, naming the nearest."""
     if name in row:
         return
     nearest = difflib.get_close_matches(name, list(row), n=1, cutoff=0.0)
@@ -120,7 +120,7 @@ _EXAMPLE = "Write for example: max_error_deg < 2 and height_mm <= 20"
 
 
 def _holds(node: ast.expr, row: Row) -> bool:
-    """Whether a yes-or-no part of the question is true for a row."""
+    """Evaluate a logical part of the query for a row."""
     if isinstance(node, ast.BoolOp):
         parts = (_holds(part, row) for part in node.values)
         return all(parts) if isinstance(node.op, ast.And) else any(parts)
@@ -134,7 +134,7 @@ def _holds(node: ast.expr, row: Row) -> bool:
 
 
 def _cell(node: ast.expr, row: Row) -> Cell:
-    """Value of a name, a number or a text."""
+    """Evaluate a name, a number or a text."""
     if isinstance(node, ast.Name):
         return row[node.id]
     if isinstance(node, ast.Constant) and type(node.value) in (int, float, str):

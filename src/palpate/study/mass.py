@@ -11,14 +11,14 @@ from palpate.design import Skin, Symmetry
 from palpate.mesh import MeshSpec, gauss_points, mesh_skin, shape_hexahedron
 
 _GAUSS = (5, 5, 5)
-"""Exact for moments of second order of cells whose edges are parabolas: degree 9 in each local coordinate."""
+"""Gauss points: exact for second moments of cells with parabolic edges (degree 9 in each coordinate)."""
 _CELLS, _CORE = 32, 8
-"""Of the mesh: the mass of a hemispherical shell is met to 4e-7."""
+"""Cells of the mesh: the error of a hemispherical shell's mass is 4e-7."""
 _ROUNDING = 1e-12
 
 
 class MassProperties(NamedTuple):
-    """What a rigid body weighs.
+    """Mass properties of a rigid body.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class MassProperties(NamedTuple):
 
 
 def compute_mass_properties(skin: Skin, density: float, *, filled: bool = False) -> MassProperties:
-    """Mass properties of a skin of one density (kg/m³), which a gel inside shares.
+    """Compute the mass properties of a skin of one density (kg/m³), which a gel inside shares.
 
     With the second moments ``S = ∫ ρ r rᵀ dV`` about the centre the inertia is ``tr(S) 1 - S``.
     """
@@ -59,5 +59,5 @@ def compute_mass_properties(skin: Skin, density: float, *, filled: bool = False)
 
 
 def _whole(values: FloatArray) -> FloatArray:
-    """Values without what rounding left of those that are zero."""
+    """Set values to zero that are only rounding errors."""
     return np.where(np.abs(values) < _ROUNDING * np.abs(values).max(), 0.0, values)

@@ -1,9 +1,9 @@
-"""An asset for MuJoCo.
+"""Asset for MuJoCo.
 
-MuJoCo scales what a contact yields with the masses that touch, so that one number does not give one force; so the
-contact here is stiff, and the skin stands on a joint ``NAME_depth`` whose spring is the press's force curve. Its
-position is the depth of a wall, m. Half of the mass moves with it; the weight of that half is carried by the other,
-so that the dome does not sag on a spring that only a wall presses, and the weight of both is right.
+MuJoCo scales the compliance of a contact with the masses of the bodies, so that one parameter does not give one
+force. Therefore the contact is stiff, and the skin is on a joint ``NAME_depth`` whose spring has the press's force
+curve. Its position is the depth of a wall, m. Half of the mass moves with the joint; its weight is compensated and
+added to the fixed half, so that the spring does not sag and the total weight is right.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from palpate.study.asset import SensorAsset
 
 _OPENGL_FROM_OPTICAL = np.diag([1.0, -1.0, -1.0])
 _STIFF = {"priority": "1", "solref": "0.004 1", "solimp": "0.99 0.999 0.0001"}
-"""Contact that yields some hundredths of what the spring does, whatever touches, at steps of 2 ms and below."""
+"""Contact with a few hundredths of the spring's compliance, for any body, at steps up to 2 ms."""
 
 
 def mjcf_text(asset: SensorAsset, mesh: str) -> str:
-    """The model as XML; `mesh` is the name of the skin's file beside it."""
+    """Return the model as XML; `mesh` is the name of the skin's file in the same folder."""
     name, root = asset.name, Element("mujoco", model=asset.name)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(SubElement(root, "asset"), "mesh", name=f"{name}_skin", file=mesh, scale="0.001 0.001 0.001")
@@ -40,14 +40,14 @@ def mjcf_text(asset: SensorAsset, mesh: str) -> str:
 
 
 def _add_half(body: Element, asset: SensorAsset) -> None:
-    """Half of mass and inertia."""
+    """Add half of mass and inertia."""
     half = asset.body.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] / 2
     values = {"pos": _text(asset.body.centre_mm / 1e3), "mass": _text(asset.body.mass_kg / 2)}
     SubElement(body, "inertial", values, fullinertia=_text(half))
 
 
 def _add_camera(sensor: Element, asset: SensorAsset) -> None:
-    """Camera of the same pinhole and picture; MuJoCo knows no distortion, and says how far its film is moved."""
+    """Add a camera with the same pinhole and image centre; MuJoCo has no lens distortion."""
     spec, axes = asset.camera.spec, asset.sensor_from_optical @ _OPENGL_FROM_OPTICAL
     SubElement(
         sensor,

@@ -1,4 +1,4 @@
-"""A chart is data first: one panel a marker layout, heights against thicknesses."""
+"""Data of charts: one panel a marker layout, heights by thicknesses."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from palpate.study.grid import Row, SpecificationGrid
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One figure of all domes with the same markers.
+    """One figure of all skins with the same markers.
 
     Attributes
     ----------
     title
         Number of markers, e.g. ``"169 markers"``.
     heights_mm, thicknesses_mm
-        (h,) and (t,), rising.
+        (h,) and (t,), ascending.
     values
-        (h, t) figures; NaN where there is none.
+        (h, t) figures; NaN if missing.
     designs
-        (h, t) numbers of the designs in the grid; -1 where there is none.
+        (h, t) numbers of the designs in the grid; -1 if missing.
     """
 
     title: str
@@ -37,18 +37,18 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class CurvePanel:
-    """One figure of several domes along depth, tilt or number of markers.
+    """One figure of several skins by depth, tilt or number of markers.
 
     Attributes
     ----------
     title
-        What the domes share, e.g. ``"169 markers"`` or ``"H = 20 mm"``.
+        Common property of the skins, e.g. ``"169 markers"`` or ``"H = 20 mm"``.
     domes_mm
-        (d, 2) height and thickness of each dome (mm), rising.
+        (d, 2) height and thickness of each skin (mm), ascending.
     places
-        (n,) depths (mm), middles of intervals of tilt (degrees) or numbers of markers, rising.
+        (n,) depths (mm), middles of intervals of tilt (degrees) or numbers of markers, ascending.
     values
-        (d, n) figures; NaN where a dome has none at that place.
+        (d, n) figures; NaN if missing.
     """
 
     title: str
@@ -58,9 +58,9 @@ class CurvePanel:
 
 
 def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:
-    """Cut one column of the grid into panels by rising number of markers.
+    """Cut one column of the grid into panels by ascending number of markers.
 
-    Two layouts with the same number of markers on the same dome get a panel each, in the order of the rows.
+    Two layouts with the same number of markers on the same skin get a panel each, in the order of the rows.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:
 
 
 def cut_depth_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
-    """Cut one figure by depth (mm) into panels by rising number of markers; layouts as in `cut_panels`.
+    """Cut one figure by depth (mm) into panels by ascending number of markers; layouts as in `cut_panels`.
 
     Parameters
     ----------
@@ -103,9 +103,9 @@ def cut_tilt_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[
 
 
 def cut_marker_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
-    """Cut one column of numbers by the number of markers into panels by rising height.
+    """Cut one column of numbers by the number of markers into panels by ascending height.
 
-    Of two layouts with the same number of markers on the same dome the first counts.
+    Of two layouts with the same number of markers on the same skin the first counts.
     """
     counts = tuple(sorted({int(_number(row["markers"])) for row in grid.designs}))
     curves: dict[float, dict[tuple[float, float], list[float]]] = {}
@@ -135,7 +135,7 @@ def _curve_panel(title: str, curves: dict[tuple[float, float], list[float]], pla
 
 
 def _designs(grid: SpecificationGrid) -> Iterator[tuple[Row, tuple[float, float], int, int]]:
-    """Each row with its dome (height, thickness), number of markers, and which layout of as many markers it is."""
+    """Yield each row with its skin (height, thickness), number of markers, and index of its layout."""
     seen: Counter[tuple[tuple[float, float], int]] = Counter()
     for row in grid.designs:
         dome, markers = (_number(row["height_mm"]), _number(row["thickness_mm"])), int(_number(row["markers"]))

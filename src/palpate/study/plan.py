@@ -1,4 +1,4 @@
-"""From a study to its tasks: which press serves which designs."""
+"""Tasks of a study, with presses shared between designs."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Plan:
     Attributes
     ----------
     designs
-        The last task of each design; it depends on the others.
+        The last task of each design; it depends on the remaining ones.
     built
         Predicted accuracy of built units of each design; `None` without a prediction.
     forces
-        What adds forces to each design's estimator; empty likewise.
+        Force training of each design's estimator; `None` without it.
     """
 
     designs: tuple[EvaluationTask, ...]
@@ -42,13 +42,13 @@ class Plan:
     forces: tuple[ForceTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
-        """Every task once, each after those it needs."""
+        """Return every task once, each after its dependencies."""
         return with_dependencies(
             [*self.designs, *filter(None, self.built), *self.forces, *(design.inverted for design in self.designs)]
         )
 
     def read_at_the_end(self) -> tuple[Task, ...]:
-        """The tasks whose artefacts the records of the designs are read from, each once."""
+        """Return the tasks whose artefacts the records of the designs are read from, each once."""
         unique: dict[str, Task] = {}
         for design in self.designs:
             for task in (*design.dataset.presses, design.inverted, design.bound, design):
@@ -58,7 +58,7 @@ class Plan:
         return tuple(unique.values())
 
     def bound_tasks(self) -> tuple[Task, ...]:
-        """What the limits of all designs need, each once, after those it needs."""
+        """Return the bound tasks of all designs with their dependencies, each once, in order."""
         return with_dependencies([design.bound for design in self.designs])
 
 
@@ -68,13 +68,13 @@ def plan_study(study: Study) -> Plan:
     Returns
     -------
     Plan
-        One press a dome and tilt, of a skin without revolution one an azimuth as well, and the dome's inverted
-        state at the least tilt; one dataset, limit, estimator and learning a design.
+        One press a skin and tilt (and azimuth, of a skin that is not of revolution), and the inverted state at the
+        minimum tilt; one dataset, bound, estimator and evaluation a design.
 
     Raises
     ------
     PalpateError
-        If a design cannot be built: the sentence names it.
+        If a design cannot be built: the message names it.
     """
     study = study.seeded()
     designs, built = [], []
@@ -116,12 +116,12 @@ def plan_reading_twins(study: Study) -> tuple[AccuracyTask, ...]:
 
 
 def _refuse_unfit(study: Study, skin: Skin) -> None:
-    """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
+    """Reject settings of a study that the skin does not allow, with a `PalpateError`."""
     for position in study.positions:
         study.obstacle_at(position).check_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
         raise PalpateError(
-            f"{skin.name} is open at both ends: what fills it is not meshed.",
+            f"{skin.name} is open at both ends: a filling is not meshed.",
             "Leave the gel out.",
             code="filling-needs-apex",
         )
@@ -153,7 +153,7 @@ def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:
-    """Presses of units that differ from the design, as `RandomisationSpec` asks for: frictions, thinner, thicker."""
+    """Presses of units that differ from the design, for `RandomisationSpec`: friction, thinner, thicker."""
     varied = study.dataset.randomise
     if varied is None:
         return
@@ -165,7 +165,7 @@ def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask
 
 
 def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
-    """The layout with its number of markers counted, after the design was found buildable."""
+    """Return the layout with its number of markers counted, after a check of the design."""
     skin = build_skin(dome_spec)
     layout = place_markers(skin, markers)
     try:
@@ -178,7 +178,7 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
 
 
 def with_dependencies(last: Sequence[Task]) -> tuple[Task, ...]:
-    """These tasks and all that they need, each once and after its own needs."""
+    """Return these tasks and their dependencies, each once and after its own dependencies."""
     unique: dict[str, Task] = {}
     for end in last:
         for task in _needs_first(end):

@@ -1,4 +1,4 @@
-"""Pictures of any metric of a grid, by kind."""
+"""Figures of any metric of a grid, by kind."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     Parameters
     ----------
     grid
-        What is drawn.
+        The grid.
     kind
         ``"heat"``: heights against thicknesses, as the paper's Fig. 12; ``"travel"``: against thickness, as its
         Fig. 11; ``"depth"``, ``"tilt"``, ``"markers"``: curves against these.
     metric
-        Name of a column of numbers; for depth and tilt one that is known by depth or by tilt.
+        Name of a column of numbers; for depth and tilt one of `by_depth` or `by_tilt`.
     directory
         Made if it does not exist.
 
@@ -60,7 +60,7 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     Raises
     ------
     PalpateError
-        If there is no such kind or metric, no design has the figure, or the folder cannot be written.
+        If kind or metric is unknown, no design has the figure, or the folder cannot be written.
     """
     from palpate.study.draw_grid import write_picture
 
@@ -75,7 +75,7 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
 
 
 def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
-    """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
+    """Draw one metric of a grid as `plot_grid` does, with the same errors, without writing it."""
     metric = own_column(grid.columns, metric or ranking_column(grid.columns))
     check_plot_request(grid, kind, metric)
     return draw_plot(grid, kind, metric)
@@ -96,7 +96,7 @@ def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
 
 
 def plot_file_name(kind: str, metric: str) -> str:
-    """Name of a picture's file without its ending."""
+    """Return the name of a figure's file without its ending."""
     short = metric.removesuffix("_deg")
     return _NAMES.get((kind, metric), f"heat_map_{short}" if kind == "heat" else f"{short}_by_{_BY[kind]}")
 
@@ -105,7 +105,7 @@ _BY = {"travel": "thickness", "depth": "depth", "tilt": "tilt", "markers": "mark
 
 
 def check_plot_request(grid: SpecificationGrid, kind: str, metric: str) -> None:
-    """Refuse what `plot_grid` cannot draw, with its errors."""
+    """Reject a request that `plot_grid` cannot draw, with its errors."""
     if kind not in PLOT_KINDS:
         raise PalpateError(
             f"There is no kind of picture '{kind}'.",

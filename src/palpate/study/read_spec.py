@@ -1,4 +1,4 @@
-"""From a YAML file to a spec, with errors that name file, line, bound and the nearest valid key."""
+"""Reader of specs from YAML files; errors name file, line, bound and the nearest valid key."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from palpate.core import PalpateError, Spec, parameters
 
 MOST_ERRORS = 8
-"""More errors than these do not fit on one screen."""
+"""Maximum number of reported errors."""
 
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
@@ -32,20 +32,20 @@ def read_spec(
     Parameters
     ----------
     path
-        Where the text is from, for messages.
+        Origin of the text, for messages.
     text
         The file's content.
     spec
-        What it is to be.
+        Class of the spec.
     hint
-        Where a person finds a valid one.
+        Place of a valid example, for messages.
     resolve
-        Changes the file's tree before it is judged, as where it names other files.
+        Changes the file's tree before its validation, to include other files.
 
     Raises
     ------
     PalpateError
-        If the file is no valid one; the message names file and line.
+        If the file is invalid; the message names file and line.
     """
     name = spec.__name__.removesuffix("Spec").lower()
     try:
@@ -55,10 +55,12 @@ def read_spec(
         line = f":{mark.line + 1}" if mark is not None else ""
         problem = str(error.problem or error.context).splitlines()[0]
         raise PalpateError(
-            f"{path}{line}: this is not YAML: {problem}.", "Mend the line.", code="yaml-malformed"
+            f"{path}{line}: this is not YAML: {problem}.", "Correct the line.", code="yaml-malformed"
         ) from error
     except YAMLError as error:
-        raise PalpateError(f"{path}: this is not YAML: {error}.", "Mend the file.", code="yaml-malformed") from error
+        raise PalpateError(
+            f"{path}: this is not YAML: {error}.", "Correct the file.", code="yaml-malformed"
+        ) from error
     except RecursionError:
         raise PalpateError(f"{path} is nested too deeply.", hint, code="yaml-too-deep") from None
     if not isinstance(tree, CommentedMap):
@@ -75,7 +77,7 @@ def read_spec(
 
 
 def _plain(node: Any) -> Any:
-    """Mappings, lists and scalars without what the reader attached to them."""
+    """Return mappings, lists and scalars without the reader's annotations."""
     if isinstance(node, CommentedMap):
         return {str(key): _plain(value) for key, value in node.items()}
     if isinstance(node, CommentedSeq):
@@ -104,7 +106,7 @@ def _describe(path: Path, tree: CommentedMap, details: ErrorDetails, spec: type[
 
 
 def _written_place(tree: CommentedMap, place: Sequence[str | int]) -> Iterator[str | int]:
-    """The part of an error's place that stands in the file; the rest is how validation names its branches."""
+    """Part of an error's location that exists in the file; the rest names branches of the validation."""
     node: Any = tree
     for part in place:
         known = isinstance(node, CommentedMap) and part in node

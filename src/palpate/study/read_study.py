@@ -13,7 +13,7 @@ from palpate.study.study import Study
 
 
 def list_presets() -> tuple[str, ...]:
-    """Names of the studies inside the package."""
+    """Names of the studies that the package contains."""
     folder = resources.files("palpate.study") / "presets"
     return tuple(sorted(item.name.removesuffix(".yaml") for item in folder.iterdir()))
 
@@ -29,12 +29,12 @@ def read_study(source: str | Path) -> Study:
     Returns
     -------
     Study
-        Files that it names are taken relative to its own folder.
+        Paths in the file are relative to its folder.
 
     Raises
     ------
     PalpateError
-        If there is no such file or preset, or the file is no valid study; the message names file and line.
+        If the file or preset does not exist, or is not a valid study; the message names file and line.
 
     Examples
     --------

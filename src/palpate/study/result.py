@@ -1,4 +1,4 @@
-"""What a study leaves behind: one record a design, and a tally of what was computed or found."""
+"""Result of a study: one record a design, and the numbers of computed and reused artefacts."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from palpate.learn import Coverage, ErrorBound, Metrics
 
 @dataclass(frozen=True)
 class Counts:
-    """How much simulated evidence stands behind one design.
+    """Numbers of presses and images of one design.
 
     Attributes
     ----------
     presses
         Solved presses (one a tilt) that the design's dataset was made from.
     virtual_presses
-        Sampled (tilt, azimuth) pairs; the split into training and validation goes by these.
+        Sampled (tilt, azimuth) pairs; the training and validation split is by these.
     samples, validation_samples
-        Images over all virtual presses, and those of them held out for validation.
+        Images of all virtual presses, and the held-out ones among them.
     dropped
         Sampled poses left out, by reason (e.g. ``"wall reached the clamped rim"``).
     """
@@ -36,7 +36,7 @@ class Counts:
 
 @dataclass(frozen=True)
 class PressSummary:
-    """One solved press in the numbers a table needs.
+    """Summary of one solved press.
 
     Attributes
     ----------
@@ -45,15 +45,15 @@ class PressSummary:
     ended, ended_depth_mm
         Reason of the end, and the wall's depth at that moment (mm).
     force_n, peak_stress_mpa
-        Norm of the wall's force in the deepest increment (N), and greatest von Mises Cauchy stress in any (MPa).
+        Norm of the contact force in the deepest increment (N), and maximum von Mises Cauchy stress (MPa).
     branch
         ``"flat"`` or ``"inverted"`` in the deepest increment.
     displacement_max_mm, displacement_mean_mm
-        Greatest and mean displacement of the mesh's nodes in the deepest increment (mm).
+        Maximum and mean displacement of the mesh's nodes in the deepest increment (mm).
     apex_gap_mm
-        Distance between the wall and the point that it touched first, in the deepest increment (mm).
+        Distance between the wall and its point of first contact, in the deepest increment (mm).
     azimuth_deg
-        Direction of the tilt's axis (degrees); `None` where one press serves every azimuth.
+        Direction of the tilt's axis (degrees); `None` if one press serves every azimuth.
     """
 
     position: float
@@ -71,28 +71,27 @@ class PressSummary:
 
 @dataclass(frozen=True)
 class DesignResult:
-    """One design (dome and marker layout) carried through the whole chain: one row of the grid.
+    """Record of one design (skin and marker layout): one row of the grid.
 
     Attributes
     ----------
     design
         Skin, markers, camera and elastomer.
     clean, jittered
-        Errors on the held-out presses without and with pixel jitter; `None` where the chain broke
-        (`failure`).
+        Errors on the held-out presses without and with pixel jitter; `None` for a failed design (`failure`).
     travel_mm
-        Distance in space of a marker from rest at the greatest depth, mean over markers and sampled poses (mm).
+        Distance in space of a marker from rest at the maximum depth, mean over markers and sampled poses (mm).
     force_n
-        Norm of the wall's force in the deepest increment of the straight press, the one of least tilt (N).
+        Norm of the contact force in the deepest increment of the press of minimum tilt (N).
     peak_stress_mpa
-        Greatest von Mises Cauchy stress in any increment of any press (MPa).
+        Maximum von Mises Cauchy stress in any increment of any press (MPa).
     bistable_from_mm
-        Depth from which the dome has a second, inverted state at the least tilt (mm); nan where none was found. A
-        design that works deeper can answer one pose by two marker maps.
+        Depth from which the skin has a second, inverted state at the minimum tilt (mm); nan if none was found. A
+        design that works deeper can show two images at one pose.
     presses
-        Every press the design stands on, by rising tilt.
+        All presses of the design, by ascending tilt.
     counts
-        Numbers of presses, samples and poses left out; `None` where the chain broke before the dataset.
+        Numbers of presses, samples and poses left out; `None` if the design failed before the dataset.
     seed
         Seed of the study.
     versions
@@ -100,14 +99,14 @@ class DesignResult:
     artefacts
         Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``limit``, ``estimator``, ``learning``.
     bounds
-        Bounds on the error of any estimator, by depth; empty where the chain broke before.
+        Bounds on the error of any estimator, by depth; empty if the design failed before.
     coverage
-        What the estimator's intervals are worth on presses that neither trained nor calibrated; `None` where it has
-        none, as with too few presses to calibrate on.
+        Coverage of the estimator's intervals on presses that neither trained nor calibrated; `None` without
+        intervals, as with too few presses to calibrate on.
     repeat_rmse_deg
-        Clean RMSE of the angle of every training by itself (degrees); empty where there is none.
+        Clean RMSE of the angle of every single training (degrees); may be empty.
     spec
-        What was chosen about press, camera, dataset and learning, as JSON data by stage; seeds among it.
+        Settings of press, camera, dataset and learning, as JSON data by stage, with seeds.
     built
         Predicted accuracy of built units, before and after calibration presses; may be empty.
     failure
@@ -136,16 +135,16 @@ class DesignResult:
 
 @dataclass(frozen=True)
 class DesignBounds:
-    """How good any estimator of one design could be.
+    """Error bounds of one design.
 
     Attributes
     ----------
     design
         Skin, markers, camera and elastomer.
     limits
-        Bounds by rising depth.
+        Bounds by ascending depth.
     failure
-        Why there are none; empty where there are.
+        Reason for missing bounds; empty otherwise.
     """
 
     design: Design
@@ -155,7 +154,7 @@ class DesignBounds:
 
 @dataclass(frozen=True)
 class TaskFailure:
-    """One task of a study that gave no artefact: its name and the reason in one sentence."""
+    """Failed task of a study: its name and the reason in one sentence."""
 
     task: str
     reason: str
@@ -163,7 +162,7 @@ class TaskFailure:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """All designs of a study, and how they came about.
+    """All designs of a study, with failures and counts.
 
     Attributes
     ----------

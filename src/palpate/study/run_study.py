@@ -1,4 +1,4 @@
-"""Run a study: the only place where the stages meet."""
+"""Run of a study: the module that connects the stages."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
 
 TRACES = "failures.log"
-"""File in the result folder with what failed in the last run, and the tracebacks of errors that nobody foresaw."""
+"""File in the result folder with failures of the last run, and tracebacks of unexpected errors."""
 
 FAILURES = "failures.json"
-"""The same for programs: task and reason."""
+"""Failures of the last run as JSON: task and reason."""
 
 
 def run_study(
@@ -41,10 +41,10 @@ def run_study(
     limit_s: float | None = None,
     cluster: str | None = None,
 ) -> StudyResult:
-    """Carry every design of `study` through the whole chain.
+    """Run all designs of `study` through all stages.
 
-    What an earlier run left in ``out/store`` is used, so an interrupted study goes on where it was and a
-    finished one is only read.
+    Artefacts of earlier runs in ``out/store`` are reused: an interrupted study resumes, and a finished one is only
+    read.
 
     Parameters
     ----------
@@ -57,14 +57,14 @@ def run_study(
     progress
         Receives the start and end of every task; costs are expected seconds on one core.
     limit_s
-        How long one task may take, s; without it, an hour and 200 times its expected cost.
+        Time limit of a task, s; by default an hour or 200 times its expected cost, whichever is longer.
     cluster
-        Where the tasks are done instead of in `workers`: on Dask, ``"local:N"`` or ``"tcp://HOST:PORT"``.
+        Dask cluster instead of `workers`: ``"local:N"`` or ``"tcp://HOST:PORT"``.
 
     Returns
     -------
     StudyResult
-        One record a design. A task that failed is in `failures`; its designs say so and the rest is complete.
+        One record a design. Failed tasks are in `failures` and in the records of their designs; the rest is complete.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def run_study(
 def run_bounds(
     study: Study, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> tuple[DesignBounds, ...]:
-    """Bound the errors of every design of `study`, without any training; missing presses are solved.
+    """Bound the errors of every design of `study` without training; missing presses are solved.
 
     Parameters and errors are those of `run_study`, whose artefacts are used and made.
 
@@ -121,12 +121,12 @@ def run_bounds(
 def run_tasks(
     out: Path, tasks: Sequence[Task], workers: int | None = None, progress: Progress | None = None, cluster: str = ""
 ) -> dict[str, str]:
-    """Do tasks of one's own, each after those it needs; what an earlier run left in ``out/store`` is used.
+    """Run tasks in the order of their dependencies; artefacts of earlier runs in ``out/store`` are reused.
 
     Returns
     -------
     dict[str, str]
-        Why those of `tasks` failed that did, by the key of their recipe; what they need is named.
+        Reasons of the failed ones among `tasks`, by the key of their recipe; failed dependencies are named.
 
     Raises
     ------
@@ -146,28 +146,28 @@ def run_tasks(
 
 
 def resolve_device(study: Study) -> Study:
-    """The same study with the device that it names or that this machine has: it decides the estimators' numbers."""
+    """Return the study with its training device resolved, since it affects the estimators."""
     device = find_device(study.learning.device)
     return study.model_copy(update={"learning": study.learning.model_copy(update={"device": device})})
 
 
 @dataclass(frozen=True)
 class WorkerOptions:
-    """Who does the tasks, and how long each may take; see `run_study`."""
+    """Workers of the tasks, and time limit of each; see `run_study`."""
 
     workers: int | None = None
     limit_s: float | None = None
     cluster: str | None = None
 
     def make_pool(self, tasks: int) -> WorkerPool:
-        """Workers for so many tasks."""
+        """Make a pool of workers for this number of tasks."""
         if self.cluster is not None:
             return ClusterWorkers(self.cluster)
         return LocalWorkers(min(self.workers or default_workers(), tasks))
 
 
 class Run:
-    """One run of the tasks of a study: what was there, and how the rest ended."""
+    """One run of the tasks of a study: existing artefacts, and outcomes of the remaining tasks."""
 
     def __init__(
         self, out: Path, tasks: tuple[Task, ...], worker_options: WorkerOptions, progress: Progress | None
@@ -179,14 +179,14 @@ class Run:
         self._workers, self._progress = worker_options, progress or Progress()
 
     def run(self) -> None:
-        """Do what is not there yet."""
+        """Run the tasks whose artefacts are missing."""
         todo = [task for task in self.tasks if task.recipe.key not in self.made]
         text = f"{len(todo)} artefacts to make, {len(self.made)} found"
         self._progress.plan(sum(task.cost for task in todo), text)
         self._do(todo)
 
     def verify_outputs(self, read: Sequence[Task]) -> None:
-        """Verify what is read at the end and was there before; what is found broken is made again."""
+        """Verify existing artefacts that are read at the end; broken ones are made again."""
         for _ in range(MOST_REMADE):
             broken = [
                 task
@@ -202,12 +202,12 @@ class Run:
         return {key for key, how in self.outcomes.items() if how.value is Made.FOUND}
 
     def reason(self, task: Task) -> str:
-        """Why a task failed in this run; empty where it did not."""
+        """Reason why a task failed in this run; empty if it did not."""
         how = self.outcomes.get(task.recipe.key)
         return f"{task.name}: {how.reason}" if how is not None and how.reason else ""
 
     def write_failures(self) -> None:
-        """Leave the failures of this run in the result folder; those of an earlier one go."""
+        """Write the failures of this run into the result folder, replacing those of an earlier one."""
         named = [(task, self.outcomes[task.recipe.key]) for task in self.tasks if task.recipe.key in self.outcomes]
         failed = [(task.name, how) for task, how in named if how.reason]
         listed = [{"task": name, "reason": how.reason} for name, how in failed]
@@ -243,7 +243,7 @@ class Run:
 
 
 def ensure_writable(out: Path) -> Path:
-    """The result folder, made; a `PalpateError` where nothing can be written there."""
+    """Make the result folder and return it; raise a `PalpateError` if it is not writable."""
     with wrap_write_errors(f"The result folder {out}", "Choose another with --out."):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / f".writable-{os.getpid()}"

@@ -17,18 +17,18 @@ from palpate.study.task import find_artefact
 
 @dataclass(frozen=True, eq=False)
 class DesignAccuracy:
-    """A design's twin, and what its units will be.
+    """Twin of a design, and predicted accuracy of its units.
 
     Attributes
     ----------
     design
         The design.
     twin
-        File of the skin's twin; `None` where it could not be made.
+        File of the skin's twin; `None` if it could not be made.
     accuracies
-        Without known presses, and with some; empty without a twin.
+        Without and with calibration presses; empty without a twin.
     problem
-        Why there are none.
+        Reason for missing predictions.
     """
 
     design: Design
@@ -40,9 +40,9 @@ class DesignAccuracy:
 def run_twins(
     study: Study, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> tuple[DesignAccuracy, ...]:
-    """Press every skin of a study under all frictions, make its twin, and predict the accuracy of its units.
+    """Press every skin of a study at all frictions, make its twin, and predict the accuracy of units.
 
-    What an earlier run left in ``out/store`` is used. Parameters are those of `palpate.study.run_study`.
+    Artefacts of an earlier run in ``out/store`` are reused. Parameters are those of `palpate.study.run_study`.
 
     Returns
     -------

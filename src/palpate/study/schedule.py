@@ -1,4 +1,4 @@
-"""In which order tasks are done: the longest way to the end first, a failure stops only what depends on it."""
+"""Order of tasks: longest remaining path first; a failure stops only the tasks that depend on it."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from palpate.core.run import Call, Outcome, Progress, Status, WorkerPool
 from palpate.study.task import MissingArtefactError, Task
 
 MOST_REMADE = 2
-"""How often in one run an artefact that breaks again and again is made again."""
+"""Maximum number of times that a broken artefact is made again in one run."""
 
 BUSY_S = 1.0
-"""When to look again at an artefact that another run makes, s."""
+"""Time between two looks at an artefact that another run makes, s."""
 
 POLL_S = 0.5
-"""Time for which the pool is waited for, s."""
+"""Waiting time for the pool, s."""
 
 NEVER_CAME = "an artefact that it needs is neither there nor to be made"
 
 LEAST_LIMIT_S, LIMIT_OVER_COST = 3600.0, 200.0
-"""A task is given this time, and this many times its expected cost, before it is taken for hung."""
+"""Default time limit of a task: this time, or this multiple of its expected cost, if longer."""
 
 
 def time_limit(task: Task) -> float:
-    """How long a task may take where nobody says otherwise, s."""
+    """Default time limit of a task, s."""
     return LEAST_LIMIT_S + LIMIT_OVER_COST * task.cost
 
 
@@ -38,9 +38,9 @@ class Made(StrEnum):
 
     MADE = "made"
     FOUND = "found"
-    """Another run made the artefact in the meantime."""
+    """Reason: another run made the artefact in the meantime."""
     BUSY = "busy"
-    """Another run makes the artefact now."""
+    """Reason: another run makes the artefact now."""
 
 
 def run_task(task: Task, store: ArtefactStore, progress: Progress) -> Made:
@@ -55,12 +55,12 @@ def run_task(task: Task, store: ArtefactStore, progress: Progress) -> Made:
 
 
 class Schedule:
-    """The tasks still to be done, and how the others ended.
+    """Remaining tasks, and outcomes of the completed ones.
 
     Parameters
     ----------
     tasks
-        What is to be done, each task after those it needs.
+        Tasks to run, each after its dependencies.
     made
         Keys of the artefacts that exist.
     """
@@ -80,7 +80,7 @@ class Schedule:
             self._add(task)
 
     def next_task(self) -> Task | None:
-        """Take the ready task with the longest way to the end; `None` where none is ready now."""
+        """Take the ready task with the longest remaining path; `None` if no task is ready."""
         while self._ready:
             task = self._waiting.get(heapq.heappop(self._ready)[2])
             if task is not None and not self._lacking[task.recipe.key]:
@@ -88,7 +88,7 @@ class Schedule:
         return None
 
     def complete(self, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
-        """Note how a task ended, and end all that depend on a failed one; yields each with its outcome."""
+        """Record the outcome of a task, and end all that depend on a failed one; yield each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
         yield task, outcome
@@ -104,18 +104,18 @@ class Schedule:
                 yield from self.complete(hanging, Outcome(reason=reason, status=Status.FAILED))
 
     def cancel_all(self, reason: str) -> Iterator[tuple[Task, Outcome]]:
-        """End every waiting task for one reason; yields each with its outcome."""
+        """End every waiting task for one reason; yield each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
             yield from self.complete(task, Outcome(reason=reason, status=Status.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
-        """Let an artefact that `task` needs and that broke be made again, and the task after it.
+        """Schedule a broken artefact that `task` needs to be made again, and the task after it.
 
         Returns
         -------
         bool
-            Whether it may; not where it broke more than `MOST_REMADE` times.
+            Whether this is allowed: the artefact broke at most `MOST_REMADE` times.
         """
         need = next((need for need in task.dependencies if need.recipe.key == missing), None)
         if need is None or (missing in self.outcomes and self.outcomes[missing].reason):
@@ -146,7 +146,7 @@ class Schedule:
 
 @dataclass
 class RunningTasks:
-    """Tasks that are running, and those to be tried again.
+    """Running tasks, and those to be tried again.
 
     Attributes
     ----------
@@ -155,11 +155,11 @@ class RunningTasks:
     begun
         Keys of the tasks whose progress has begun.
     busy
-        Tasks that another run does, with the time at which to look again.
+        Tasks that another run makes, with the time of the next look.
     suspects
-        Tasks whose worker died; each is tried once more, alone, for the memory may have been too small for several.
+        Tasks whose worker died; each is tried once more, alone, since the memory may have been too small for several.
     tried
-        How often the worker of a task died, by key.
+        Number of dead workers of a task, by key.
     alone
         Whether the running task must be the only one.
     """
@@ -172,13 +172,13 @@ class RunningTasks:
     alone: bool = False
 
     def begin(self, task: Task, progress: Progress) -> None:
-        """Begin the progress of a task, unless an earlier try did."""
+        """Begin the progress of a task, unless it has begun."""
         if task.recipe.key not in self.begun:
             self.begun.add(task.recipe.key)
             progress.begin(task.name, task.cost)
 
     def finish(self, ended: Iterable[tuple[Task, Outcome]], progress: Progress) -> None:
-        """End the progress of tasks; those that were never given to the pool are not planned any more."""
+        """End the progress of tasks; those that were never given to the pool are no longer planned."""
         for task, outcome in ended:
             if task.recipe.key in self.begun:
                 self.begun.discard(task.recipe.key)
@@ -195,27 +195,27 @@ def run_task_graph(
     progress: Progress | None = None,
     limit_s: float | None = None,
 ) -> dict[str, Outcome]:
-    """Do tasks, each as soon as its inputs exist.
+    """Run tasks, each as soon as its inputs exist.
 
     Parameters
     ----------
     tasks
-        What is to be done, each task after those it needs.
+        Tasks to run, each after its dependencies.
     made
         Keys of the artefacts that exist already.
     pool
-        Its workers do them.
+        Worker pool.
     store
-        Where the workers read and write artefacts.
+        Store of the artefacts.
     progress
         Receives every start and end.
     limit_s
-        How long a task may take, s; without it, as `time_limit` says.
+        Time limit of a task, s; by default that of `time_limit`.
 
     Returns
     -------
     dict
-        How each task ended, by the key of its recipe. What was broken and made again is among them.
+        Outcome of each task, by the key of its recipe, including artefacts that were made again.
     """
     schedule, work, progress = Schedule(tasks, made), RunningTasks(), progress or Progress()
     while True:
@@ -231,7 +231,7 @@ def run_task_graph(
 
 
 def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
-    """The next task to give to a free member."""
+    """Return the next task for a free member."""
     if len(work.running) >= size or (work.alone and work.running):
         return None
     work.alone = False
@@ -244,7 +244,7 @@ def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
 
 
 def _settle(schedule: Schedule, work: RunningTasks, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
-    """Take what a member reported; yields the tasks that are over by it, each with its outcome."""
+    """Record a member's report; yield the tasks that end by it, each with its outcome."""
     key = task.recipe.key
     if outcome.value is Made.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))
@@ -263,7 +263,7 @@ def _settle(schedule: Schedule, work: RunningTasks, task: Task, outcome: Outcome
 
 
 def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, Outcome]]:
-    """End all that is not at work now."""
+    """End all tasks that are not running."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
         yield from schedule.complete(task, Outcome(reason=reason, status=Status.FAILED))
     work.suspects.clear()

@@ -1,4 +1,4 @@
-"""How far a study is: what its result folder holds of what it needs, by the names of files alone."""
+"""Status of a study: artefacts in its result folder, by file names only."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ DEVICES = ("cpu", "cuda")
 
 @dataclass(frozen=True)
 class KindStatus:
-    """How far the artefacts of one kind are.
+    """Status of the artefacts of one kind.
 
     Attributes
     ----------
     made, total
-        Artefacts that are there, and that the study needs.
+        Numbers of existing and of needed artefacts.
     working, quarantined
-        Artefacts of the study that a process makes now, and that were found broken.
+        Numbers of artefacts that a process makes now, and that are broken.
     remaining_s
-        Expected time on one core for what is missing, s; only its order of magnitude matters.
+        Expected time on one core for the missing ones, s; only its order of magnitude matters.
     """
 
     made: int
@@ -40,14 +40,14 @@ class KindStatus:
 
 @dataclass(frozen=True)
 class StudyStatus:
-    """How far a study is.
+    """Status of a study.
 
     Attributes
     ----------
     kinds
         By kind of artefact, in the order in which they are made.
     failures
-        What failed in the last run that ended.
+        Failures of the last completed run.
     """
 
     kinds: Mapping[str, KindStatus]
@@ -55,7 +55,7 @@ class StudyStatus:
 
 
 def find_status(study: Study, out: Path) -> StudyStatus:
-    """Say how far `study` is in the result folder `out`; nothing is written, no artefact opened.
+    """Find the status of `study` in the result folder `out`; nothing is written, no artefact opened.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def find_status(study: Study, out: Path) -> StudyStatus:
 
 
 def needed_keys(studies: Iterable[Study]) -> frozenset[str]:
-    """Keys of all artefacts that studies need, wherever their networks train."""
+    """Return the keys of all artefacts that studies need, whatever the training device."""
     keys: set[str] = set()
     for study in studies:
         for device in DEVICES:

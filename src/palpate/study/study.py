@@ -1,4 +1,4 @@
-"""The study: everything a person chooses about a run of the whole chain, in one YAML file."""
+"""Study: settings of a run through all stages, in one YAML file."""
 
 from __future__ import annotations
 
@@ -80,19 +80,19 @@ class DesignsSpec(Spec):
     @field_validator("heights", "thicknesses", "base_radius")
     @classmethod
     def _sizes_in_bounds(cls, given: Any, info: ValidationInfo) -> Any:
-        """Hold every size against the bounds that the skin declares for one."""
+        """Check every size against the bounds that the skin declares."""
         name = {"heights": "height", "thicknesses": "thickness"}.get(str(info.field_name), "base_radius")
         kind = SKINS.get(str(info.data.get("skin", {}).get("kind", "dome")))
         _each_in_bounds(kind, name, given if isinstance(given, tuple) else (given,))
         return given
 
     def skins(self) -> tuple[SkinSpec, ...]:
-        """Every skin, thicknesses within heights.
+        """Return every skin, thicknesses within heights.
 
         Raises
         ------
         PalpateError
-            If there is no skin of that kind, or a size is out of its bounds.
+            If the kind of skin is unknown, or a size is out of its bounds.
         """
         base = {**self.skin, "base_radius": self.base_radius}
         return tuple(
@@ -137,14 +137,14 @@ class MaterialSpec(Spec):
         return name
 
     def material(self) -> Material:
-        """The material that this spec names, with the gel inside."""
+        """Return the material with the gel inside."""
         material = get_material(self.name)
         if self.bulk_ratio is not None:
             material = material.with_bulk_ratio(self.bulk_ratio)
         return material if self.gel is None else replace(material, gel=get_material(self.gel))
 
     def mesh(self, spec: MeshSpec) -> MeshSpec:
-        """How a skin of this material is meshed: filled where it has a gel inside."""
+        """Return the mesh settings of a skin of this material: filled if it has a gel inside."""
         return spec if self.gel is None else spec.model_copy(update={"filled": True})
 
 
@@ -218,7 +218,7 @@ class Study(Spec):
     azimuths_deg: tuple[float, ...] = parameter(
         AZIMUTHS_DEG,
         unit="deg",
-        meaning="azimuths at which a skin that is no body of revolution is pressed: from 0 to 90 in equal steps",
+        meaning="azimuths at which a skin other than a body of revolution is pressed: from 0 to 90 in equal steps",
     )
     offsets_mm: tuple[float, ...] = parameter(
         (), unit="mm", meaning="offsets from the skin's axis at which an obstacle other than a wall is pressed"
@@ -230,7 +230,7 @@ class Study(Spec):
     forces: bool = parameter(
         False,
         unit="",
-        meaning="whether trained networks tell the force on the wall as well, by presses of the design",
+        meaning="whether trained networks estimate the contact force as well, by presses of the design",
     )
     built: AsBuiltSpec | None = AsBuiltSpec()
     """Settings of the predicted accuracy of built units; null: no prediction."""
@@ -260,7 +260,7 @@ class Study(Spec):
 
     @model_serializer(mode="wrap")
     def _leave_out_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out azimuths and offsets that are not chosen."""
+        """Leave out azimuths and offsets that are not given."""
         content: dict[str, Any] = dump(self)
         unsaid = {"azimuths_deg": self.azimuths_deg == AZIMUTHS_DEG, "offsets_mm": not self.offsets_mm}
         return {name: value for name, value in content.items() if not unsaid.get(name)}
@@ -271,8 +271,8 @@ class Study(Spec):
         for name in sorted({obstacle.position_name, "azimuth_deg", "unload"} & obstacle.model_fields_set):
             raise PydanticCustomError(
                 "obstacle-position-given",
-                "{name} is not chosen here: the study presses to full depth at each of {positions}, and one press "
-                "serves every azimuth, or azimuths_deg says which.",
+                "{name} cannot be set here: the study presses to full depth at each of {positions}, and one press "
+                "serves every azimuth, unless azimuths_deg is given.",
                 {"name": name, "positions": positions_field(obstacle)},
             )
         if obstacle.position_name not in type(obstacle).model_fields:
@@ -285,7 +285,7 @@ class Study(Spec):
 
     @model_validator(mode="after")
     def _other_parts_fit_the_obstacle(self) -> Self:
-        """Refuse keys that need a wall."""
+        """Reject keys that need a wall."""
         if self.obstacle.pose_space.is_tilt:
             return self
         given = {
@@ -316,7 +316,7 @@ class Study(Spec):
         return self
 
     def design(self, skin: SkinSpec, markers: MarkerSpec = MarkerSpec()) -> Design:  # noqa: B008  (a spec is frozen)
-        """The design of one skin and layout, with the camera and the elastomer of the study."""
+        """Return the design of one skin and layout, with the camera and the elastomer of the study."""
         return Design(skin, markers, self.camera, self.material.material())
 
     @property
@@ -326,15 +326,15 @@ class Study(Spec):
         return found
 
     def obstacle_at(self, position: float, **changes: Any) -> ObstacleSpec:
-        """The obstacle at a position (a tilt in degrees, or an offset in mm), with other fields changed."""
+        """Return the obstacle at a position (a tilt in degrees, or an offset in mm), with fields changed."""
         return self.obstacle.model_copy(update={self.obstacle.position_name: position, **changes})
 
     def with_contact(self, contact: str | float) -> Study:
-        """The same study with another contact law."""
+        """Return the study with another contact law."""
         return self.model_copy(update={"obstacle": self.obstacle.model_copy(update={"contact": contact})})
 
     def seeded(self) -> Study:
-        """The same study with the seeds of dataset and learning drawn from its own where none is given."""
+        """Return the study with missing seeds of dataset and learning drawn from its own seed."""
         return self.model_copy(
             update={
                 name: spec
@@ -346,7 +346,7 @@ class Study(Spec):
 
 
 def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
-    """The study of one design, named by its skin, and by its material where that is another than usual."""
+    """Return the study of one design, named by its skin, and by its material if it is not the default."""
     shape = dict(skin.build().spec_data)
     sizes = {name: shape.pop(name) for name in SkinSpec.model_fields}
     designs = DesignsSpec(
@@ -362,14 +362,14 @@ def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialS
 
 
 def positions_field(obstacle: ObstacleSpec) -> str:
-    """Field of a study with the positions of an obstacle: ``tilts_deg`` or ``offsets_mm``."""
+    """Return the field of a study with the positions of an obstacle: ``tilts_deg`` or ``offsets_mm``."""
     return "tilts_deg" if obstacle.pose_space.is_tilt else "offsets_mm"
 
 
 def _each_in_bounds(
     spec: type[BaseModel], name: str, values: tuple[float, ...], others: Mapping[str, Any] | None = None
 ) -> tuple[float, ...]:
-    """Check every value of a field against the bounds that `spec` declares for it, its other fields given."""
+    """Check every value of a field against its bounds in `spec`, with the values of other fields."""
     if not values:
         raise PydanticCustomError("list-empty", "the list is empty; give at least one value.", {})
     for value in values:

@@ -1,4 +1,4 @@
-"""The tasks of a study, from press to learning. Each is a pure function of its inputs, kept under a key."""
+"""Tasks of a study, from press to learning, each a pure function of its inputs, stored under a key."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from palpate.surrogate import build_field
 
 
 class MissingArtefactError(PalpateError):
-    """An artefact that a task reads is not there any more, or broken; `key` is that of its recipe."""
+    """Error of a missing or broken input artefact; `key` is that of its recipe."""
 
     code = "artefact-missing"
 
@@ -45,12 +45,12 @@ class Task(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """What a person reads, e.g. ``"press H20 T2 tilt 4°"``."""
+        """Label of the task, e.g. ``"press H20 T2 tilt 4°"``."""
 
     @property
     @abstractmethod
     def recipe(self) -> Recipe:
-        """Everything that decides what the artefact contains."""
+        """All inputs that determine the content of the artefact."""
 
     @property
     @abstractmethod
@@ -77,7 +77,7 @@ class PressTask(Task):
     """Press of one skin at one position of an obstacle, on the flat or the inverted branch."""
 
     design: Design
-    """Its skin and its elastomer count; presses of designs that differ in the rest are the same."""
+    """Only its skin and elastomer matter; presses of designs that differ in the rest are the same."""
     mesh: MeshSpec
     obstacle: ObstacleSpec
     solver: SolverSpec
@@ -128,13 +128,13 @@ class PressTask(Task):
 
 @dataclass(frozen=True)
 class DatasetTask(Task):
-    """Make the images of one design from the presses of its dome."""
+    """Make the images of one design from the presses of its skin."""
 
     presses: tuple[PressTask, ...]
     design: Design
     spec: DatasetSpec
     perturbed_presses: tuple[tuple[PressTask, ...], ...] = ()
-    """Presses of units that differ: for each friction of `spec.randomise`, then of a thinner and a thicker wall."""
+    """Presses of deviating units: for each friction of `spec.randomise`, then thinner, then thicker."""
 
     @property
     def name(self) -> str:
@@ -163,7 +163,7 @@ class DatasetTask(Task):
         store.write(self.recipe, lambda path: write_dataset(path, dataset))
 
     def generate(self, store: ArtefactStore, *, forces: bool = False) -> Dataset:
-        """The images from the presses of a store, with the forces of the wall if wished."""
+        """Generate the images from the presses of a store, on request with contact forces."""
         groups = [
             [read_press(find_artefact(store, task)) for task in group]
             for group in (self.presses, *self.perturbed_presses)
@@ -175,7 +175,7 @@ class DatasetTask(Task):
 
 @dataclass(frozen=True)
 class BoundTask(Task):
-    """Bound the errors of any estimator of one design, from the presses of its dome alone."""
+    """Bound the errors of any estimator of one design, from the presses of its skin alone."""
 
     dataset: DatasetTask
 
@@ -212,7 +212,7 @@ class BoundTask(Task):
 
 @dataclass(frozen=True)
 class EstimatorTask(Task):
-    """Train one design's estimator; the artefact is a model file that predicts by itself."""
+    """Train one design's estimator; the artefact is a stand-alone model file."""
 
     dataset: DatasetTask
     spec: LearningSpec
@@ -254,12 +254,12 @@ class EstimatorTask(Task):
 
 @dataclass(frozen=True)
 class EvaluationTask(Task):
-    """Measure the errors of one design's estimator on the held-out presses; one too good to be true is refused."""
+    """Measure the errors of one design's estimator on held-out presses; reject errors below the bound."""
 
     dataset: DatasetTask
     spec: LearningSpec
     inverted: PressTask
-    """The other stable state of the dome; nothing is learned from it."""
+    """Press of the inverted state of the skin; it is not used in training."""
 
     suffix = ".json"
 
@@ -269,12 +269,12 @@ class EvaluationTask(Task):
 
     @cached_property
     def bound(self) -> BoundTask:
-        """The bounds that the errors are held against."""
+        """Return the task of the bounds that the errors are compared with."""
         return BoundTask(self.dataset)
 
     @cached_property
     def estimator(self) -> EstimatorTask:
-        """What is judged."""
+        """Return the task of the estimator."""
         return EstimatorTask(self.dataset, self.spec)
 
     @cached_property
@@ -324,17 +324,17 @@ class EvaluationTask(Task):
 
 
 def read_bounds(path: Path) -> tuple[ErrorBound, ...]:
-    """Read the artefact of a `BoundTask`, by rising depth."""
+    """Read the artefact of a `BoundTask`, by ascending depth."""
     return tuple(ErrorBound(**item) for item in json.loads(path.read_text()))
 
 
 def find_artefact(store: ArtefactStore, task: Task) -> Path:
-    """Path of the artefact of a task that was done before.
+    """Return the path of the artefact of a completed task.
 
     Raises
     ------
     MissingArtefactError
-        If it is not there, or broken.
+        If it is missing or broken.
     """
     path = store.find(task.recipe, task.suffix)
     if path is None:
@@ -343,5 +343,5 @@ def find_artefact(store: ArtefactStore, task: Task) -> Path:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write plain data; what is no number is refused."""
+    """Write plain data; non-finite numbers are rejected."""
     path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")

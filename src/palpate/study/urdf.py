@@ -1,4 +1,4 @@
-"""An asset as URDF: one link for the skin, two for the camera by REP 103; contacts as Gazebo reads them."""
+"""Asset as URDF: one link for the skin, two for the camera by REP 103; contacts in Gazebo's terms."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from palpate.core import FloatArray
 from palpate.study.asset import SensorAsset
 
 _OPTICAL_FROM_BODY_RPY = np.array([0.5, -0.5, 0.0]) * np.pi
-"""`palpate.study.OPTICAL_FROM_BODY` as roll, pitch and yaw, which no formula finds at this pitch alone."""
+"""`palpate.study.OPTICAL_FROM_BODY` as roll, pitch and yaw: at this pitch no formula applies."""
 
 
 def urdf_text(asset: SensorAsset, mesh: str) -> str:
-    """The robot as XML; `mesh` is the name of the skin's file beside it."""
+    """Return the robot as XML; `mesh` is the name of the skin's file in the same folder."""
     name, root = asset.name, Element("robot", name=asset.name)
     link = SubElement(root, "link", name=name)
     inertial = SubElement(link, "inertial")
@@ -40,7 +40,7 @@ def urdf_text(asset: SensorAsset, mesh: str) -> str:
 
 
 def _add_frame(root: Element, names: tuple[str, str], position: FloatArray, rpy: FloatArray) -> None:
-    """A link without a body, fixed in its parent; `names` are the parent's and its own."""
+    """Add a link without a body, fixed in its parent; `names` are the parent's and its own."""
     parent, child = names
     SubElement(root, "link", name=child)
     joint = SubElement(root, "joint", name=f"{child}_joint", type="fixed")

@@ -1,4 +1,4 @@
-"""An asset as USD: one text file, with the bodies of UsdPhysics and the compliant contact of PhysX."""
+"""Asset as USD: one text file, with the bodies of UsdPhysics and the compliant contact of PhysX."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from palpate.study.asset import SensorAsset
 
 _OPENGL_FROM_OPTICAL = np.diag([1.0, -1.0, -1.0])
 _APERTURE = 20.0
-"""Width of the camera's film, tenths of a scene unit: only its ratio to the focal length counts."""
+"""Aperture of the camera, tenths of a scene unit: only its ratio to the focal length matters."""
 
 _STAGE = """#usda 1.0
 (
@@ -71,7 +71,7 @@ def Xform "{name}" (
 
 
 def usd_text(asset: SensorAsset, mesh: str) -> str:
-    """The stage as text; it holds its mesh itself, in m, and so needs no file `mesh` beside it."""
+    """Return the stage as text; it contains its mesh, in m, and needs no file `mesh`."""
     points, body = asset.surface.points / 1e3, asset.body
     moments, axes = np.linalg.eigh(body.inertia)
     axes = axes * np.sign(np.linalg.det(axes))
@@ -95,7 +95,7 @@ def usd_text(asset: SensorAsset, mesh: str) -> str:
 
 
 def _camera(asset: SensorAsset) -> dict[str, str]:
-    """Film and pose: a film that is moved to the right and up sees more there; rows of a matrix are its axes."""
+    """Aperture offset and pose of the camera; the rows of a matrix are its axes."""
     spec = asset.camera.spec
     focal = _APERTURE * spec.fx_px / spec.width_px
     pixel = _APERTURE / spec.width_px, focal / spec.fy_px

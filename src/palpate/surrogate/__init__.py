@@ -1,4 +1,4 @@
-"""Surrogate: the twin: markers and force for any pose and friction, interpolated from presses."""
+"""Surrogate: the twin, which interpolates markers and force from presses for any pose and friction."""
 
 from palpate.core import lazy_front
 

@@ -1,7 +1,7 @@
-"""The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
+"""Batched evaluation of a marker twin on torch: pixels of all markers for many poses, on any device.
 
-The same splines and waves as `MarkerTwin.evaluate`, with the poses as the first axis of every array, then
-`Camera.project` itself, and torch's derivatives through all of it. Walls are flat and come straight down.
+The splines and waves are those of `MarkerTwin.evaluate`, with the poses as the first axis of every array, followed by
+`Camera.project` and torch's derivatives through both. Walls are flat and approach without lateral motion.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ from palpate.surrogate.tensor_spline import BEYOND, DEGREE
 from palpate.surrogate.twin import STRAIGHT_DEG, MarkerTwin, refuse_left_out
 
 Tensor = Any
-"""A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
+"""A torch.Tensor; torch is imported on the construction of a `BatchTwin`."""
 _PIECE = {"cpu": 1 << 12, "cuda": 1 << 17}
-"""Poses at a time by device: they bound the memory (3 GB on a GPU for 169 markers); few pieces cost few launches."""
+"""Poses per piece by device, limited by memory: 3 GB on a GPU for 169 markers."""
 
 
 class BatchTwin:
-    """Pixels of a print's dots for many poses.
+    """Pixels of the markers of a layout for many poses.
 
     Parameters
     ----------
     dots
-        The print's twin.
+        The layout's twin.
     camera
-        What sees it.
+        The camera.
     corners
-        How many places in turn are corners of one dot, seen where its trace has its centre, as in the outlines of a
-        `UnitModel`; 1: each is a dot.
+        Number of successive places that are corners of one marker, read at the centroid of its projected outline as
+        by a `UnitModel`; 1: each place is a marker.
     thickness
-        By how much the wall is thicker than designed, mm.
+        Deviation of the skin thickness, mm.
     device, dtype
-        Of torch: ``"cpu"``, ``"cuda"``; ``"float64"`` or ``"float32"``.
+        Torch device and type: ``"cpu"``, ``"cuda"``; ``"float64"`` or ``"float32"``.
 
     Raises
     ------
     MissingExtraError
         If torch is not installed.
     PalpateError
-        If the camera's lens distorts no tensors, or the twin leaves the thickness out.
+        If the camera's lens does not support tensors, or the twin leaves the thickness out.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class BatchTwin:
         return project_markers(self._camera, points.reshape(len(points), -1, self._corners, 3)).centres
 
     def _in_pieces(self, poses: Any, inverse_frictions: Any, *results: Callable[[Tensor, Tensor], Tensor]) -> Any:
-        """Results (n, …) from the amplitudes and azimuths of the poses."""
+        """Evaluate results (n, …) from the amplitudes and azimuths of the poses, in pieces."""
         poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
         size = _PIECE.get(self._kind["device"].split(":")[0], _PIECE["cpu"])
         parts = []
@@ -133,7 +133,7 @@ class BatchTwin:
         return found, torch.atan2(poses[:, 1], poses[:, 0])
 
     def _basis(self, axis: int, at: Tensor) -> tuple[Tensor, Tensor]:
-        """Numbers (n, 4) of the B-splines that live at places (n,) of an axis, and their values."""
+        """Indices (n, 4) of the nonzero B-splines at places (n,) of an axis, and their values."""
         torch, knots = self._torch, self._knots[axis]
         last = len(knots) - DEGREE - 2
         end = knots[last + 1] + BEYOND * (knots[last + 1] - knots[last])

@@ -15,7 +15,7 @@ from palpate.surrogate.two_mirror_field import TwoMirrorField
 def build_field(
     presses: Sequence[Press], markers: MarkerLayout | None = None, depths_mm: FloatArray | None = None
 ) -> PressField:
-    """Interpolate presses of one skin, which differ by the pose of the obstacle alone.
+    """Interpolate presses of one skin that differ by the pose of the obstacle only.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def build_field(
     markers
         Layout of undeformed markers on the inner surface; without it, forces and nodal fields alone.
     depths_mm
-        (d,) rising; without them, those of the images after rest.
+        (d,) ascending; by default those of the increments after rest.
 
     Returns
     -------
@@ -36,8 +36,8 @@ def build_field(
     Raises
     ------
     PalpateError
-        If there is no press, a pose appears twice or is missing, the image steps differ, a marker is not on the skin,
-        or nothing leaves the skin as it is.
+        If there is no press, a pose appears twice or is missing, the depth steps differ, a marker is not on the skin,
+        or the skin has no usable symmetry.
     """
     symmetries = {press.mesh.skin.symmetry for press in presses}
     if Symmetry.NONE in symmetries:

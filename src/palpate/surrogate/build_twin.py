@@ -20,19 +20,22 @@ from palpate.surrogate.twin import FORCES, TWIN_DERIVATIVES, Twin
 from palpate.surrogate.twin_file import material_text
 
 _ACROSS = np.array([False, False, False, False, True, True])
-"""Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
+"""Whether displacement, thickness, curvature and lateral x, y, twist break the mirror symmetry."""
 _DRIFT = 3
-"""Number of the first of these that is a drift."""
+"""Index of the first of these that is a lateral motion."""
 _WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
-"""Change of thickness (mm), bend (1/m), drift (mm) and twist (degrees) for which the modes are made."""
+"""Changes for which modes are made: thickness (mm), curvature (1/m), lateral (mm), twist (degrees)."""
 _LOST_MM = 1.2e-3
-"""Root mean square over all presses, mm, of what all modes that are left out may carry."""
+"""Maximum RMS contribution of all omitted modes over all presses, mm."""
 _FEWEST, _FEWEST_DEPTHS = 3, 4
-"""Tilts, and frictions where there are several; depths. Three tilts and their mirror images are five."""
+"""Minimum number of tilts, and of frictions if there are several; of depths.
+
+Three tilts and their mirror images are five.
+"""
 
 
 def twin_derivatives(filled: bool) -> tuple[str, ...]:
-    """Those of `TWIN_DERIVATIVES` that presses can have: of a filled skin, all but by its thickness."""
+    """Return those of `TWIN_DERIVATIVES` that presses can have: of a filled skin, all but the thickness."""
     return tuple(name for name in TWIN_DERIVATIVES if not (filled and name == "thickness"))
 
 
@@ -42,15 +45,15 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     Parameters
     ----------
     presses
-        At every tilt from 0 on, one for each friction, with `twin_derivatives`; images at the same depths.
+        At every tilt from 0, one for each friction, with `twin_derivatives`; increments at the same depths.
     inverted
-        Presses of the inverted state at every tilt, likewise, under one contact law: it is the same under all. They
-        may have found none, or only under lesser tilts.
+        Presses of the inverted state at every tilt, with derivatives too, under one contact law, since the state is
+        the same under all. It may be missing, or exist at smaller tilts only.
 
     Returns
     -------
     Twin
-        Of the flat branch; of the inverted branch as well if it exists under three tilts and at four depths.
+        Twin of the flat branch; of the inverted branch as well if it exists at three tilts and four depths.
 
     Raises
     ------
@@ -74,12 +77,12 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
 
 
 def _stands(press: Press) -> bool:
-    """Whether an inverted state was found and followed to the greatest depth."""
+    """Whether an inverted state was found and followed to the maximum depth."""
     return press.ended is EndReason.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
 
 
 def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
-    """The twin of one branch from its presses by rising slip, then tilt, over slips, tilts and depths."""
+    """Make the twin of one branch from presses by ascending 1/µ, then tilt, over 1/µ, tilts and depths."""
     slips, tilts, depths = axes
     fields: list[list[FloatArray]] = []
     forces: list[list[FloatArray]] = []
@@ -166,7 +169,7 @@ def _refuse_others(presses: Sequence[Press]) -> None:
 
 
 def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
-    """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
+    """Return 1/µ (s,), tilts (t,), and presses by ascending 1/µ, then tilt."""
     by_place = {(_inverse_friction(press), press.obstacle.radial): press for press in presses}
     slips = np.array(sorted({slip for slip, _ in by_place}))
     tilts = np.array(sorted({tilt for _, tilt in by_place}))
@@ -194,7 +197,7 @@ def _inverse_friction(press: Press) -> float:
 
 
 def _depths(presses: Sequence[Press], first: float) -> FloatArray:
-    """Depths (d,) mm of the images, from the first that is no less than `first`."""
+    """Depths (d,) mm of the increments, from the first that is at least `first`."""
     steps = {round(float(press.obstacle.depth_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(
@@ -214,7 +217,7 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
 
 
 def _stored(press: Press) -> int:
-    """Number of the images of a press on its way down before it leaves its first branch or jumps."""
+    """Number of loading increments of a press before it leaves its first branch or jumps."""
     down = int(np.argmax(press.depth)) + 1
     lost = np.flatnonzero((press.branch[:down] != press.branch[0]) | (press.depth[:down] >= press.jump_depth))
     return int(lost[0]) if len(lost) else down
@@ -225,7 +228,7 @@ def _reach(press: Press) -> float:
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
-    """Derivatives by drift (mm/mm) among the parts (6, n, …) of a press as those by the travel so far (mm)."""
+    """Convert derivatives by lateral rate (mm/mm) among parts (6, n, …) to those by lateral motion (mm)."""
     found = parts.copy()
     depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
     rest = int(depth.flat[0] == 0.0)
@@ -236,7 +239,7 @@ def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
 
 
 def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: FloatArray) -> None:
-    """Refuse presses that jumped: beyond, they have no derivatives."""
+    """Reject presses with a jump, since their derivatives end there."""
     holes = np.argwhere(~np.isfinite(values.reshape(len(inverse_frictions), len(tilts), -1)).all(axis=-1))
     if len(holes):
         slip, tilt = inverse_frictions[holes[0, 0]], tilts[holes[0, 1]]
@@ -250,10 +253,10 @@ def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: Floa
 
 
 def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray, depths: FloatArray) -> None:
-    """Carry presses that end before those of the next frictions on both sides on as between these.
+    """Extend presses that end early by interpolation between those of the neighbouring frictions.
 
-    In values (slip, tilt, 6, depth, …) of presses that reach (slip, tilt) mm. So does a thin skin that goes over into
-    its other state under some friction: carried on straight, it would spoil what is read under the others.
+    `values` (1/µ, tilt, 6, depth, …) are of presses that reach (1/µ, tilt) mm. A thin skin may invert at one friction
+    only; linear extrapolation there would distort the interpolation at neighbouring frictions.
     """
     count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
     for k, tilt in np.ndindex(max(len(inverse_frictions) - 2, 0), reach.shape[1]):
@@ -270,10 +273,11 @@ def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray
 
 
 def _straighten(values: FloatArray, forces: FloatArray) -> None:
-    """Take out what the mesh adds at tilt 0, in values (slip, tilt, 6, depth, order, …) and forces (…, 3).
+    """Remove mesh effects at tilt 0, in values (1/µ, tilt, 6, depth, order, …) and forces (…, 3).
 
-    Under a straight wall nothing depends on the direction: only order 0 is pressed, bent and twisted, and a drift is
-    one field of order 1, whatever its direction. What else there is comes of the mesh, centred where it touches.
+    Under an untilted wall nothing depends on the direction: displacement, curvature and twist have order 0 only, and
+    a lateral motion is one field of order 1 in any direction. Further terms come from the mesh, which is centred at
+    the contact.
     """
     straight, push = values[:, :1].copy(), forces[:, :1].copy()
     for part, order in enumerate((0, 0, 0, 1, 1, 0)):
@@ -290,7 +294,7 @@ def _straighten(values: FloatArray, forces: FloatArray) -> None:
 
 
 def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
-    """Values (n depths, …) of a press's images (n, …) at the depths, carried on straight below its last."""
+    """Interpolate a press's values (n, …) to the depths (n depths, …), linearly beyond its last increment."""
     _, image = match_depths(depths[depths <= _reach(press) + SAME_DEPTH_MM], press)
     known = values[image]
     rest = np.arange(1, len(depths) - len(image) + 1).reshape(-1, *[1] * (values.ndim - 1))
@@ -298,7 +302,7 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
 
 
 def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Modes of series (slip, tilt, 6, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
+    """Reduce series (1/µ, tilt, 6, depth, order, 3 circles) to modes: order (r,), shapes, amplitudes."""
     weighted = values * _WEIGHTS[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]

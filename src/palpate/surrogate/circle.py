@@ -1,7 +1,7 @@
-"""Displacement along circles of a pressed dome, as Fourier series about the wall's azimuth.
+"""Displacement along circles of a pressed skin, as Fourier series about the wall's azimuth.
 
-The undeformed skin is a body of revolution, so a wall turned to another azimuth turns the whole solution with it, and
-so does a ball set down at another one. In cylindrical components (radial, azimuthal, axial) the displacement of a
+The undeformed skin is a body of revolution, so a rotation of the wall to another azimuth rotates the whole solution;
+the same holds for the position of a ball. In cylindrical components (radial, azimuthal, axial) the displacement of a
 point at azimuth φ depends on the turn α of the half model that was solved (for a wall, its azimuth) only through
 their difference
 
@@ -32,7 +32,7 @@ QUARTER_TURN = np.pi / 2
 
 @dataclass(frozen=True)
 class MarkerCircles:
-    """Markers sorted onto circles about the dome's axis.
+    """Markers sorted onto circles about the skin's axis.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How far a twin is off where nothing was pressed for it: against presses between its own."""
+"""Interpolation error of a twin, from presses between those that it contains."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from palpate.surrogate.tilt_runs import SAME_DEPTH_MM
 from palpate.surrogate.twin import Twin
 
 _CIRCLES, _AROUND = 12, 24
-"""Points of the inner surface that are looked at: on so many circles, so many on each."""
+"""Number of circles of the inner surface, and of points on each, at which it is evaluated."""
 _OUTERMOST = 0.9
-"""Radius of the last circle over the widest."""
+"""Radius of the outermost circle over the maximum radius."""
 
 
 def measure_interpolation_error(twin: Twin, presses: Sequence[Press]) -> float:
-    """Root mean square distance, mm, by which a twin has the points of pressed skins elsewhere.
+    """Return the RMS distance, mm, between points of pressed skins and their prediction by a twin.
 
     Parameters
     ----------
     twin
-        Of the skin that was pressed.
+        Twin of the pressed skin.
     presses
-        Under walls and frictions that it does not have; of each, images of the flat branch, as deep as it goes.
+        Presses at poses and frictions that it does not contain; of each, all increments of the flat branch.
 
     Returns
     -------
     float
-        Over all points and images; nan without any.
+        Over all points and increments; nan without any.
     """
     skin, squares = twin.skin, []
     radius = _OUTERMOST * skin.widest[0] * np.sqrt((np.arange(_CIRCLES) + 0.5) / _CIRCLES)

@@ -1,4 +1,4 @@
-"""How the image changes with the pose: what any estimator lives on."""
+"""Derivative of the image by the pose."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ ANGLE_STEP_DEG = 0.25
 def image_jacobian(
     field: PressField, camera: Camera, rotations_deg: FloatArray, depth_index: int, step_deg: float = ANGLE_STEP_DEG
 ) -> FloatArray:
-    """Derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
+    """Compute the derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
 
-    Central differences of the interpolated field: `step_deg` in the angles, one image in depth (the last image:
-    three points backwards).
+    Central differences of the interpolated field: `step_deg` in the angles, one depth step in depth (at the last
+    depth: three points backwards).
 
     Parameters
     ----------
     field
         Positions of the markers.
     camera
-        Looks at them.
+        Camera of the markers.
     rotations_deg
         (n, 2) rx and ry.
     depth_index
-        Number of the depth in `field.depths_mm`, at least 1; 2 where it is the last.
+        Index of the depth in `field.depths_mm`, at least 1; at least 2 if it is the last.
     step_deg
         Half-width of the differences in rx and ry (degrees).
 
     Returns
     -------
     FloatArray
-        (n, 2m, 3): px per degree, px per degree, px per mm. NaN where a neighbour of the pose is out of reach or
-        on the other branch.
+        (n, 2m, 3): px per degree, px per degree, px per mm. NaN if a neighbouring pose is out of reach or on another
+        branch.
     """
     last = len(field.depths_mm) - 1
     if not min(2, last) <= depth_index <= last and not 1 <= depth_index < last:

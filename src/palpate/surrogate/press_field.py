@@ -129,7 +129,7 @@ class PressField(ABC):
 
     @abstractmethod
     def nodal(self, mesh: Mesh, read: NodalRead, *, linear: bool) -> Series:
-        """A field (n, nodes, c) of the nodes of the skin itself, which are a mesh's first.
+        """Interpolate a field (n, nodes, c) of the nodes of the skin, which are the first of a mesh.
 
         Of a skin of revolution on a half mesh in the frame of the tilt, whatever the azimuth; of a skin with two
         mirrors on a whole mesh in its own frame.
@@ -137,7 +137,7 @@ class PressField(ABC):
         Raises
         ------
         PalpateError
-            If the mesh has not the mirrors of its skin.
+            If the mesh lacks the mirrors of its skin.
         """
 
 
@@ -157,7 +157,7 @@ def find_nodes(nodes: FloatArray, places: FloatArray) -> IntArray:
     Raises
     ------
     PalpateError
-        If a place has no node: the mesh has not the mirrors of its skin.
+        If a place has no node: the mesh lacks the mirrors of its skin.
     """
     distance, found = cKDTree(nodes).query(places)
     if distance.max() > _SAME_MM:

@@ -118,7 +118,7 @@ class RevolvedField(PressField):
 
 @dataclass(frozen=True, eq=False)
 class _RevolvedSeries:
-    """One quantity: splines over the tilt in its frame, and its values (n, *shape) at azimuths (n,) and a depth."""
+    """One quantity: splines over the tilt, evaluated to (n, *shape) at azimuths (n,) and a depth."""
 
     runs: TiltRuns
     turn: Callable[[NDArray[Any], FloatArray, int], FloatArray]
@@ -132,7 +132,7 @@ class _RevolvedSeries:
 
 
 def forces_along_tilt(press: Press, force: FloatArray) -> FloatArray:
-    """Force (n, 3) N up the slope, along the skin's axis and the tilt's, of forces (n, 3) in the skin's frame."""
+    """Convert forces (n, 3) N from the skin's frame to up the slope, along the skin's and tilt's axes."""
     azimuth = np.radians(press.obstacle.turn_deg)
     c, s = np.cos(azimuth), np.sin(azimuth)
     return np.stack([force[:, 1] * c - force[:, 0] * s, force[:, 2], force[:, 0] * c + force[:, 1] * s], axis=-1)

@@ -1,13 +1,14 @@
 """Displacement of a pressed inner surface, as Fourier series on circles from the apex to the rim.
 
-In cylindrical components, and with the azimuth ψ counted from where the mirror plane of the tilt cuts the surface
-(see `circle`), the displacement under a wall is even in ψ radially and along the axis, and odd around it:
+In cylindrical components, and with the azimuth ψ counted from the intersection of the surface with the mirror plane
+of the tilt (see `circle`), the displacement under a wall is even in ψ radially and axially, and odd azimuthally:
 
     u_r = Σ_k r_k(s) cos kψ,    u_φ = Σ_k f_k(s) sin kψ,    u_z = Σ_k z_k(s) cos kψ,
 
-with the place s on the meridian of the unit disc, 0 at the apex and 1 at the rim. All coefficients are real, and half
-a circle tells them. What breaks the mirror symmetry, as a wall that travels across its slope, is odd where this is
-even: ``u_r = Σ r_k sin kψ, u_φ = -Σ f_k cos kψ, u_z = Σ z_k sin kψ``, the same waves turned by a quarter wave.
+with the place s on the meridian of the unit disc, 0 at the apex and 1 at the rim. All coefficients are real and
+determined by half a circle. Parts that break the mirror symmetry, as under a wall that moves across its slope, have
+the opposite parity: ``u_r = Σ r_k sin kψ, u_φ = -Σ f_k cos kψ, u_z = Σ z_k sin kψ``, the same waves shifted by a
+quarter.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ def place_circles() -> FloatArray:
 
 
 def expand_surface(press: Press, derivatives: Mapping[str, bool]) -> FloatArray:
-    """Coefficients (1 + k, n increments, `ORDERS`, 3, `CIRCLES`) mm of a press and k derivatives: in r, φ, z.
+    """Expand a press and k derivatives: coefficients (1 + k, n increments, `ORDERS`, 3, `CIRCLES`) mm.
 
     Parameters
     ----------
     press
-        Under a flat wall.
+        Press by a flat wall.
     derivatives
         Names of its derivatives, and whether each breaks the mirror symmetry.
     """

@@ -1,4 +1,4 @@
-"""Cubic splines over a rectangular grid of three axes, with their partial derivatives, in a compiled kernel."""
+"""Cubic splines over a rectangular grid of three axes, with partial derivatives, compiled."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from scipy.interpolate import make_interp_spline
 from palpate.core import FloatArray, kernel
 
 DEGREE = 3
-"""Of the splines."""
+"""Degree of the splines."""
 BEYOND = 0.25
-"""How far a spline is carried on beyond its last place, over the last distance of its knots."""
+"""Extrapolation range of a spline, over the last distance of its knots."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,16 +31,16 @@ class TensorSpline:
     coefficients: FloatArray
 
     def evaluate(self, at: FloatArray) -> FloatArray:
-        """Values and partial derivatives (4, m) at a point (3,); far beyond the grid, as just beyond its border."""
+        """Values and partial derivatives (4, m) at a point (3,), which is limited to just beyond the grid."""
         found = np.empty((4, self.coefficients.shape[-1]))
         _evaluate(self.knots, self.coefficients, np.asarray(at, float), found)
         return found
 
 
 def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArray) -> TensorSpline:
-    """Spline through values (n_0, n_1, n_2, m) over the rising places (n_i,) of each axis.
+    """Fit a spline through values (n_0, n_1, n_2, m) over the ascending places (n_i,) of each axis.
 
-    An axis needs four places; through three goes a parabola, and over one alone nothing changes.
+    An axis needs four places; three give a parabola, and one a constant.
     """
     knots, found = [], np.asarray(values, float)
     for axis, places in enumerate(axes):
@@ -63,7 +63,7 @@ def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArr
 
 @kernel
 def _basis(knots: FloatArray, x: float, value: FloatArray, slope: FloatArray) -> int:
-    """Write the four cubic B-splines (4,) that live at x and their slopes; return the number of the first."""
+    """Write the four nonzero cubic B-splines (4,) at x and their slopes; return the index of the first."""
     last = len(knots) - DEGREE - 2
     beyond = BEYOND * (knots[last + 1] - knots[last])
     x = min(max(x, knots[DEGREE]), knots[last + 1] + beyond)

@@ -1,11 +1,11 @@
-"""Presses between the tilts that were solved: at each depth a spline through every unbroken run of them.
+"""Interpolation of presses over tilt: at each depth, one spline per unbroken run of solved tilts.
 
-A wall tilted by −t is the wall tilted by t seen in the mirror y → −y of the tilt frame. What is interpolated knows
-what its mirror image is, which turns tilts 0 … 12° into a spline over −12 … 12° without an end at the straight press.
+A wall tilted by −t is the wall tilted by t seen in the mirror y → −y of the tilt frame. Interpolated quantities have
+mirror images, which turn tilts 0 … 12° into a spline over −12 … 12° without an end at the untilted press.
 
-Nothing is interpolated across a jump: at each depth the tilts are cut into *runs*, unbroken sequences of solved tilts
-on one branch (flat or inverted), and each run has its own cubic spline (not-a-knot). A tilt between two runs, or
-beyond the tilts that reached the depth, has no answer, only a reason.
+Jumps are not interpolated: at each depth the tilts are cut into *runs*, unbroken sequences of solved tilts on one
+branch (flat or inverted), and each run has its own cubic spline (not-a-knot). A tilt between two runs, or beyond the
+tilts that reached the depth, has a reason instead of a value.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class TiltRun:
     Attributes
     ----------
     first_deg, last_deg
-        Least and greatest tilt (degrees); equal where a single press stands alone.
+        Minimum and maximum tilt (degrees); equal for a single press.
     branch
         ``"flat"`` or ``"inverted"``.
     spline
-        Tilt (degrees) → what is interpolated.
+        Spline of the interpolated quantity by tilt (degrees).
     """
 
     first_deg: float
@@ -52,14 +52,14 @@ class TiltRun:
 
 @dataclass(frozen=True)
 class TiltRuns:
-    """Runs of one dome's presses at every depth; ``runs[image]`` are those of one depth, by rising tilt.
+    """Runs of one skin's presses; ``runs[depth]`` are those of one depth, by ascending tilt.
 
     Attributes
     ----------
     tilts_deg
-        (t,) solved tilts, rising.
+        (t,) solved tilts, ascending.
     branch
-        (d, t) label of each solved image; empty where the press ended before.
+        (d, t) label of each solved increment; empty if the press ended before.
     ended
         (t,) reason of the end of each press.
     by_depth
@@ -75,7 +75,7 @@ class TiltRuns:
         return self.by_depth[image]
 
     def labels(self, tilt_deg: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
-        """Branch of each tilt at one depth, or why there is none.
+        """Return the branch of each tilt at one depth, or the reason why it is missing.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class TiltRuns:
         Returns
         -------
         tuple[TextArray, TextArray]
-            (n,) branch, empty where there is none, and (n,) reason, empty where there is a branch.
+            (n,) branch and (n,) reason, of which one is empty.
         """
         branch = np.full(len(tilt_deg), "", dtype="U16")
         for run in self[depth_index]:
@@ -98,14 +98,14 @@ class TiltRuns:
         return branch, reason
 
     def read(self, tilt_deg: FloatArray, depth_index: int) -> Iterator[tuple[BoolArray, NDArray[Any]]]:
-        """Of every run at a depth that covers some of the tilts (n,): which (n,), and the values there."""
+        """Yield for every run at a depth: which of the tilts (n,) it covers, and the values there."""
         for run in self[depth_index]:
             chosen = run.covers(tilt_deg)
             if chosen.any():
                 yield chosen, run.spline(np.clip(tilt_deg[chosen], run.first_deg, run.last_deg))
 
     def neighbours(self, tilt_deg: float) -> tuple[int, ...]:
-        """Numbers of the solved tilts next to a tilt, the greater first; of one alone where it was solved."""
+        """Indices of the solved tilts next to a tilt, the larger first; only one if the tilt was solved."""
         above = int(np.searchsorted(self.tilts_deg, tilt_deg - SAME_TILT_DEG))
         solved = above < len(self.tilts_deg) and abs(self.tilts_deg[above] - tilt_deg) <= SAME_TILT_DEG
         return (above,) if solved else (above, above - 1)
@@ -130,17 +130,17 @@ def cut_into_runs(
     mirrored: NDArray[Any] | None,
     slopes: NDArray[Any] | None = None,
 ) -> TiltRuns:
-    """Runs of presses, with a spline through what each press has at each depth.
+    """Cut presses into runs, with a spline through their values at each depth.
 
-    With slopes, the spline is Hermite's; of a run in which one is not finite it is the spline through the values.
+    With slopes, the spline is Hermite's; a run with a non-finite slope has the spline through the values.
 
     Parameters
     ----------
     tilts_deg, branch, ended
         See `TiltRuns`.
     values, mirrored
-        (d, t, …) what the presses and their mirror images have, real or complex; without the latter a run ends at the
-        straight press.
+        (d, t, …) values of the presses and their mirror images, real or complex; without the latter a run ends at the
+        untilted press.
     slopes
         (d, t, …) derivative of the values by the tilt, over a degree.
     """
@@ -155,7 +155,7 @@ def cut_into_runs(
 
 
 def label_presses(presses: Sequence[Press], depths_mm: FloatArray) -> TextArray:
-    """Labels (d, t) of presses by rising tilt at common depths (d,); empty where a press ended before."""
+    """Labels (d, t) of presses by ascending tilt at common depths (d,); empty if a press ended before."""
     branch = np.full((len(depths_mm), len(presses)), "", dtype="U16")
     for column, press in enumerate(presses):
         depth, image = match_depths(depths_mm, press)
@@ -164,7 +164,7 @@ def label_presses(presses: Sequence[Press], depths_mm: FloatArray) -> TextArray:
 
 
 def match_depths(depths_mm: FloatArray, press: Press) -> tuple[IntArray, IntArray]:
-    """Numbers of the depths (d,) in mm that a press has, and of its images there; on the way down only."""
+    """Indices of the depths (d,) in mm that a press has, and of its loading increments at these depths."""
     down = int(np.argmax(press.depth)) + 1
     depth, image = np.nonzero(np.abs(depths_mm[:, None] - press.depth[None, :down]) <= SAME_DEPTH_MM)
     return depth, image
@@ -183,12 +183,12 @@ def interpolate_depths(press: Press, values: FloatArray, depths_mm: FloatArray) 
 
 
 def shared_depths(presses: Sequence[Press]) -> FloatArray:
-    """Depths (mm) of the images after rest; a last state between two images is left out.
+    """Return the common depths (mm) of increments after rest, without a last state between two of them.
 
     Raises
     ------
     PalpateError
-        If there is no press, a tilt appears twice, or the image steps differ.
+        If there is no press, a tilt appears twice, or the depth steps differ.
     """
     if not presses:
         raise PalpateError(
@@ -235,7 +235,7 @@ def _cut(
 def _spline(
     tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any] | None, slopes: NDArray[Any] | None
 ) -> CubicSpline | CubicHermiteSpline:
-    """Cubic spline of a run; one that starts at the straight press is continued by its mirror image."""
+    """Cubic spline of a run; one that starts at the untilted press is continued by its mirror image."""
     if len(tilts) == 1:  # a constant: the run covers this tilt alone
         return CubicSpline([tilts[0], tilts[0] + 1.0], np.concatenate([values, values]))
     if slopes is not None and np.isfinite(slopes).all():

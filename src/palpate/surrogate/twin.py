@@ -1,11 +1,10 @@
-"""The twin: where every point of the inner surface goes, and what the wall bears, for any pose and any unit.
+"""Twin: displacement of the inner surface and contact force, for any pose and unit.
 
-Presses at tilts from 0 on, at depths from first touch on, under frictions from no slip on, are expanded into Fourier
-series on circles (`surface_series`), reduced to the modes in which they differ (a singular value decomposition of
-each order), and the amplitudes of these modes are splines over 1/µ, tilt and depth. A tilt of −t is the tilt t turned
-by half a turn, which gives the spline no end at the straight press. The derivative of every press by the
-thickness of its wall is carried in the same modes, and so are those by the obstacle's curvature, and by how far it
-has travelled sideways and turned on its way down.
+Presses at tilts from 0, depths from first contact and frictions from no slip are expanded into Fourier series on
+circles (`surface_series`) and reduced to modes (a singular value decomposition of each order). The amplitudes of the
+modes are splines over 1/µ, tilt and depth. A tilt of −t is the tilt t rotated by half a turn, so that the spline has
+no end at the untilted press. The same modes carry the derivatives of every press by skin thickness, by the obstacle's
+curvature, and by its lateral motion and twist during the press.
 """
 
 from __future__ import annotations
@@ -26,48 +25,47 @@ from palpate.surrogate.surface_series import place_circles
 from palpate.surrogate.tensor_spline import TensorSpline
 
 TWIN_DERIVATIVES = ("thickness", "curvature", *WallSpec.LATERAL_FIELDS)
-"""Derivatives of a twin's presses: by the skin's thickness, the wall's curvature, and its lateral motion."""
+"""Derivatives of a twin's presses: by skin thickness, wall curvature, and lateral motion."""
 LATERAL = ("lateral_x", "lateral_y", "twist_deg")
-"""Travel of a wall in its plane (mm) and its turn (degrees) on the way down."""
+"""Lateral motion of a wall in its plane (mm) and twist (degrees) during a press."""
 TWIN_STATE = (*TILT_SPACE.names, "inverse_friction", "thickness", "curvature", *LATERAL)
-"""Pose, 1/µ, change of thickness (mm), curvature of the wall (1/m) and its motion: the arguments of a twin."""
+"""Arguments of a twin: pose, 1/µ, thickness deviation (mm), wall curvature (1/m), lateral motion."""
 STRAIGHT_DEG = 1e-3
-"""Tilt below which a wall counts as straight; its derivatives are taken there."""
+"""Tilt below which a wall counts as untilted; its derivatives are evaluated there."""
 FORCES = 3
-"""Amplitudes after those of the modes: force up the wall's slope, along the dome's axis, and along the tilt's, N."""
+"""Number of amplitudes after the modes: force up the slope, along the skin's and tilt's axes, N."""
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """A skin's inner surface and the force on the wall, for every pose, friction and thickness.
+    """Inner surface of a skin and contact force, for every pose, friction and thickness.
 
     Attributes
     ----------
     skin
-        The design that was pressed.
+        The skin that was pressed.
     order
         (r,) Fourier order of each mode.
     modes
         (r, 3, n circles) mode in r, φ, z on the circles of `place_circles`; its amplitude is in mm.
     tilts_deg, depths_mm, inverse_frictions
-        What was pressed, rising: tilts from 0, depths from rest (0), and 1/µ from no slip (0). Of the inverted state
-        depths begin where it stands under all these tilts, and it is the same for every 1/µ.
+        Grid of the presses, ascending: tilts from 0, depths from rest (0), and 1/µ from no slip (0). Depths of the
+        inverted state begin with its existence at all these tilts, and it is the same for every 1/µ.
     max_depth_mm
-        (n slips, n tilts) depth that each press reached on its branch.
+        (n 1/µ, n tilts) depth that each press reached on its branch.
     amplitudes
-        Splines over (slip, tilt, depth): those of the press, then their derivatives by thickness (mm) and bend (1/m).
+        Splines over (1/µ, tilt, depth): those of the press, then derivatives by thickness (mm) and curvature (1/m).
     lateral
-        Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
+        Splines of the derivatives by lateral motion up the slope (mm), along the tilt's axis (mm), and by twist (°).
     material
-        What was pressed, as JSON; empty in files that do not say.
+        Material of the presses, as JSON; empty if the file does not state it.
     inverted
-        The twin of the skin's other state; `None` where it has none, or it was not pressed.
+        Twin of the inverted state; `None` if it does not exist, or was not pressed.
     interpolation_error_mm
-        Root mean square by which it differs from presses between its own (`measure_interpolation_error`); nan without
-        any.
+        RMS difference from presses that it does not contain (`measure_interpolation_error`); nan if not measured.
     left_out
-        Names of `TWIN_DERIVATIVES` that its presses cannot have; it has zeros in their place, and refuses such
-        changes.
+        Names of `TWIN_DERIVATIVES` that its presses cannot have; they are zero in the file, and such changes are
+        rejected.
     """
 
     skin: Skin
@@ -85,7 +83,7 @@ class Twin:
     left_out: tuple[str, ...] = ()
 
     def max_depth(self, tilt_deg: float, inverse_friction: float = 0.0) -> float:
-        """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""
+        """Return the minimum depth in mm that the presses next to a tilt and 1/µ reached."""
         i = np.clip(
             np.searchsorted(self.inverse_frictions, inverse_friction), 1, max(len(self.inverse_frictions) - 1, 1)
         )
@@ -94,13 +92,13 @@ class Twin:
         return float(rows[:, j - 1 : j + 1].min())
 
     def covers(self, pose: FloatArray, slack_deg: float = 0.2, slack_mm: float = 0.05) -> bool:
-        """Whether presses reached rx, ry (degrees) and depth (mm), or nearly so."""
+        """Whether presses reached rx, ry (degrees) and depth (mm), within the tolerances."""
         tilt = float(np.hypot(pose[0], pose[1]))
         deep = self.depths_mm[0] - slack_mm <= pose[2] <= self.max_depth(tilt) + slack_mm
         return bool(tilt <= self.tilts_deg[-1] + slack_deg and deep)
 
     def with_markers(self, places: FloatArray) -> MarkerTwin:
-        """The twin of dots at places (m, 3) mm of the undeformed inner surface.
+        """Return the twin of markers at places (m, 3) mm of the undeformed inner surface.
 
         Raises
         ------
@@ -109,7 +107,7 @@ class Twin:
         """
         if not np.isfinite(places).all():
             raise PalpateError(
-                f"{int((~np.isfinite(places).all(axis=1)).sum())} dots lie outside the dome.",
+                f"{int((~np.isfinite(places).all(axis=1)).sum())} markers are outside the skin.",
                 "Leave them out.",
                 code="markers-outside-skin",
             )
@@ -119,9 +117,9 @@ class Twin:
         return MarkerTwin(self, places, along, azimuth, self._waves(spline(along), azimuth))
 
     def _waves(self, shapes: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Waves (3 m, 2 r) of modes that have these shapes (m, r, 3) at the azimuths (m,) of the dots.
+        """Return waves (3 m, 2 r) of modes of shapes (m, r, 3) at the azimuths (m,) of the markers.
 
-        The pattern of a tilt at azimuth α is that of azimuth 0 turned: ``cos k(φ - α - 90°)``.
+        The pattern of a tilt at azimuth α is that of azimuth 0 rotated: ``cos k(φ - α - 90°)``.
         """
         angle = self.order * (azimuth[:, None] - QUARTER_TURN)
         cos, sin = np.cos(angle), np.sin(angle)
@@ -136,7 +134,7 @@ class Twin:
 
 
 class MarkerState(NamedTuple):
-    """Where dots are at one pose, and how that changes.
+    """Marker positions at one pose, with derivatives.
 
     Attributes
     ----------
@@ -145,11 +143,11 @@ class MarkerState(NamedTuple):
     jacobian
         (m, 3, 6 or 9): mm over the entries of `TWIN_STATE`; those of `LATERAL` only with a motion.
     force
-        (3,) N on the wall, dome's frame.
+        (3,) N on the wall, skin's frame.
     force_jacobian
-        (3, 6 or 9) the same.
+        (3, 6 or 9) derivatives of the force.
     amplitudes
-        (2 r,) of the waves: what else is printed on the skin moves by them as well (`MarkerTwin.positions_at`).
+        (2 r,) of the waves, which also move other printed points (`MarkerTwin.positions_at`).
     """
 
     positions: FloatArray
@@ -161,14 +159,14 @@ class MarkerState(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MarkerTwin:
-    """The twin of one print.
+    """Twin of one marker layout.
 
     Attributes
     ----------
     twin
-        Of the skin.
+        Twin of the skin.
     places
-        (m, 3) mm, undeformed dots.
+        (m, 3) mm, undeformed markers.
     meridian, azimuth
         (m,) place on the meridian of the unit disc, and about the axis, rad.
     waves
@@ -189,21 +187,21 @@ class MarkerTwin:
         lateral: FloatArray | None = None,
         curvature: float = 0.0,
     ) -> MarkerState:
-        """Dots under a wall.
+        """Evaluate the marker positions under a wall.
 
         Parameters
         ----------
         pose
-            (3,) rx, ry (degrees) and depth (mm), or just beyond what was pressed.
+            (3,) rx, ry (degrees) and depth (mm), up to just beyond the presses.
         inverse_friction
             1/µ.
         thickness
-            By how much the dome's wall is thicker, mm.
+            Deviation of the skin thickness, mm.
         lateral
-            (3,) how far the obstacle has travelled on the way down in its own plane, in x and y (mm, axes turned
-            with the wall), and its twist about its normal (degrees). Without it, there is none.
+            (3,) lateral motion of the obstacle during the press in its plane, in x and y (mm, axes rotated with the
+            wall), and twist about its normal (degrees); zero by default.
         curvature
-            Its curvature, 1/m; positive where it bulges towards the dome.
+            Curvature of the wall, 1/m; positive if it bulges towards the skin.
 
         Raises
         ------
@@ -240,17 +238,17 @@ class MarkerTwin:
         )
 
     def positions_at(self, amplitudes: FloatArray) -> FloatArray:
-        """Where the dots are (m, 3) mm as the waves have these amplitudes (2 r,)."""
+        """Return the marker positions (m, 3) mm for amplitudes (2 r,) of the waves."""
         return np.asarray(self.places + (self.waves @ amplitudes).reshape(-1, 3))
 
     def _parts(
         self, place: FloatArray, made: tuple[float, float], azimuth: float, drift: FloatArray | None
     ) -> tuple[FloatArray, FloatArray | None]:
-        """Amplitudes of modes and force (r + 3, n) that keep and that break the mirror symmetry of the tilt.
+        """Amplitudes of modes and force (r + 3, n): parts that keep and parts that break the mirror symmetry.
 
-        At a place (slip, tilt, depth) of a dome so much thicker and a wall so much bent as they are `made`. Their
-        columns: value; over tilt, depth, slip, thickness, bend and, with drift, x, y and twist; over the azimuth of
-        the wall while the drift stays.
+        `place` is (1/µ, tilt, depth); `made` are the deviations of thickness and curvature. Columns: value;
+        derivatives by tilt, depth, 1/µ, thickness, curvature and, with a lateral motion, x, y and twist; by the
+        azimuth of the wall at constant lateral motion.
         """
         twin = self.twin
         found = twin.amplitudes.evaluate(place)
@@ -277,7 +275,7 @@ class MarkerTwin:
 
 
 def refuse_left_out(twin: Twin, changes: Sequence[float]) -> None:
-    """Raise a `PalpateError` if a twin leaves out a change, of those by `TWIN_DERIVATIVES`, that is not 0."""
+    """Raise a `PalpateError` if a twin leaves out a nonzero change, of those by `TWIN_DERIVATIVES`."""
     asked = [
         name for name, change in zip(TWIN_DERIVATIVES, changes, strict=False) if change and name in twin.left_out
     ]
@@ -290,7 +288,7 @@ def refuse_left_out(twin: Twin, changes: Sequence[float]) -> None:
 
 
 def _turn_force(parts: FloatArray, azimuth: float) -> FloatArray:
-    """Force (3, n) N from its parts up the slope, along the dome's axis and the tilt's; the last over the azimuth."""
+    """Force (3, n) N from its parts up the slope, along the axes of skin and tilt; the last by azimuth."""
     c, s = np.cos(azimuth), np.sin(azimuth)
     slope, axial, axis = parts
     force = np.stack([axis * c - slope * s, slope * c + axis * s, axial])

@@ -17,13 +17,13 @@ from palpate.surrogate.tensor_spline import TensorSpline
 from palpate.surrogate.twin import FORCES, Twin
 
 TWIN_VERSION = "4"
-"""Version of the code that decides what a twin says; part of its file and of an artefact's key."""
+"""Version of the code that determines the values of a twin; part of its file and of an artefact's key."""
 _KIND = "palpate calibration predict"
 _AGAIN = "Make it again with `palpate calibration predict`."
 _INVERTED = "inverted"
-"""Group of the other branch."""
+"""Group of the inverted branch."""
 _PARTS = 3
-"""Fields in each of both splines: press, thickness, bend; drift up, aside, twist."""
+"""Fields in each spline: press, thickness, curvature; lateral x, y, twist."""
 _ARRAYS = {
     "order": "1",
     "modes": "1",
@@ -35,26 +35,26 @@ _ARRAYS = {
 
 
 def twin_path(folder: Path, skin: Skin) -> Path:
-    """Where a result folder has the twin of a skin."""
+    """Return the path of the twin of a skin in a result folder."""
     return folder / "twins" / f"{skin.name.replace(' ', '_')}.h5"
 
 
 def find_twin(
     results: Path, skin: Skin, material: Material, report: Callable[[PalpateError], None] | None = None
 ) -> Path | None:
-    """The best twin of a skin of this material in the folders of `results`; `None` where there is none.
+    """Find the best twin of a skin of this material in the folders of `results`; `None` if missing.
 
-    Of several, that which says its material, then that with the least interpolation error and the greatest depth,
-    then the first by the name of its folder; when a file was written does not matter.
+    Of several, one that states its material is preferred, then the smallest interpolation error, the maximum depth,
+    and the first name of a folder; the time of a file does not matter.
 
     Parameters
     ----------
     results
         Folder of result folders.
     skin, material
-        Of the design. A twin that does not say its material is taken as it is.
+        Of the design. A twin that does not state its material is accepted.
     report
-        Called for every file in the place of such a twin that is broken or of another version; it does not count.
+        Called for every broken twin file, or one of another version, which is skipped.
     """
     found = []
     for path in sorted(twin_path(folder, skin) for folder in results.glob("*")):
@@ -72,17 +72,17 @@ def find_twin(
 
 
 def material_text(material: Material) -> str:
-    """What a material is, whatever its name."""
+    """Identity of a material as text, without its name."""
     return json.dumps(material.key_data(), sort_keys=True)
 
 
 def twin_relaxation(twin: Twin) -> Relaxation | None:
-    """How the material of a twin relaxes; `None` where it does not, or the twin does not say its material.
+    """Relaxation of a twin's material; `None` if it does not relax, or the twin does not state it.
 
     Raises
     ------
     PalpateError
-        If its gel relaxes otherwise than its wall.
+        If gel and skin have different relaxations.
     """
     if not twin.material:
         return None
@@ -176,11 +176,11 @@ def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
 
 
 def _check(path: Path, twin: Twin) -> None:
-    """Refuse a branch whose numbers cannot be."""
+    """Reject a branch with invalid numbers."""
     if not all(
         np.isfinite(part).all() for part in (twin.modes, twin.amplitudes.coefficients, twin.lateral.coefficients)
     ):
-        raise PalpateError(f"{path} holds numbers that are none.", _AGAIN, code="twin-not-finite")
+        raise PalpateError(f"{path} contains values that are not finite.", _AGAIN, code="twin-not-finite")
     wanted = _PARTS * (len(twin.order) + FORCES)
     for name in ("amplitudes", "lateral"):
         count = getattr(twin, name).coefficients.shape[-1]

@@ -1,20 +1,21 @@
 """Presses of a skin with the mirrors x → −x and y → −y at any tilt, azimuth and depth of a wall.
 
-No turn but half a one leaves such a skin as it is, so every tilt is pressed at azimuths from 0 to 90° in equal steps.
-With M the mirror x → −x, a marker at p moves by
+Only a rotation by half a turn leaves such a skin unchanged, so every tilt is pressed at azimuths from 0 to 90° in
+equal steps. With M the mirror x → −x, a marker at p moves by
 
     u(p; rx, ry) = M u(M p; rx, −ry)
 
-for the axis of a rotation is no arrow: its part across the mirror stays, that along the mirror turns round. So
-azimuth α becomes −α, in the mirror y → −y it becomes 180° − α, and in both α + 180°. Between tilts every azimuth has
-a cubic spline (see `tilt_runs`); it ends at the straight press, for a wall that tilts the other way touches a flat
-pad at its other side, which is a kink. Between the n azimuths a quantity is the trigonometric polynomial through them
+since a rotation axis is an axial vector: its component normal to the mirror is kept, that along the mirror is
+reversed. So azimuth α becomes −α, in the mirror y → −y it becomes 180° − α, and in both α + 180°. Between tilts every
+azimuth has a cubic spline (see `tilt_runs`). It ends at the untilted press, since a wall of opposite tilt touches a
+flat pad at its opposite side, which is a kink. Between the n azimuths a quantity is the trigonometric polynomial
+through them
 
     u(t, α) = Re Σ_k c_k(t) exp(i k α),      k = 0 … n/2 .
 
-Smooth over tilts and azimuths is the place of the wall, not its depth since first contact: a wall that turns away
-from a side of a pad leaves it for a corner at once. With Z(t, α) the height at which a wall at first contact crosses
-the axis, presses are therefore interpolated at one height of the wall over the axis, the *level*
+The position of the wall, not its depth since first contact, is smooth over tilts and azimuths: a wall that rotates
+away from a side of a pad changes to a corner at once. With Z(t, α) the height at which a wall at first contact
+crosses the axis, presses are therefore interpolated at one height of the wall over the axis, the *level*
 
     l = d - Z(t, α) + Z(0)
 
@@ -54,7 +55,7 @@ _DECIMALS = 6
 _CUBIC = 4
 """Levels between which one is interpolated."""
 _NOT_SO_DEEP = "not pressed so deep at every azimuth"
-"""Why there is no increment where all presses reached their depth."""
+"""Reason for a missing increment although all presses reached their depth."""
 _TURNS = np.linspace(0.0, np.pi / 2, 181)
 """Azimuths in rad among which the highest and the lowest first contact are searched."""
 _LEVELS = 2
@@ -159,7 +160,7 @@ class TwoMirrorField(PressField):
 
 @dataclass(frozen=True, eq=False)
 class _TwoMirrorSeries:
-    """One quantity (l, t, n, …) of all presses at every level and the azimuths 0, 360°/n, …; 0 at unknown levels."""
+    """One quantity (l, t, n, …) of all presses by level and azimuth 0, 360°/n, …; 0 at unknown levels."""
 
     field: TwoMirrorField
     values: FloatArray
@@ -185,7 +186,7 @@ def _sort_presses(presses: Sequence[Press]) -> tuple[Mapping[tuple[float, float]
     """Presses by tilt and azimuth in degrees, the straight one at every azimuth; and the azimuths."""
     if not all(press.obstacle.pose_space.is_tilt for press in presses):
         raise PalpateError(
-            "Presses of a skin that is no body of revolution are interpolated under flat walls alone.",
+            "Presses of a skin other than a body of revolution are interpolated under flat walls only.",
             "Read single presses of other obstacles.",
             code="azimuths-need-flat-wall",
         )
@@ -220,7 +221,7 @@ def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
     if len(found) < 2 or not np.allclose(found, even, atol=10.0**-_DECIMALS):
         given = ", ".join(f"{each:g}" for each in found)
         raise PalpateError(
-            f"Presses at the azimuths {given or '(none)'}° do not tell the others of {presses[0].mesh.skin.name}.",
+            f"Presses at the azimuths {given or '(none)'}° do not determine the rest of {presses[0].mesh.skin.name}.",
             "Press every tilt from 0 to 90° in equal steps, such as 0, 30, 60 and 90°.",
             code="azimuths-incomplete",
         )
@@ -228,21 +229,21 @@ def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
 
 
 def _reached(rows: Sequence[Sequence[Press]], azimuths_deg: Sequence[float], levels_mm: FloatArray) -> BoolArray:
-    """Whether all presses of a tilt came down to a level, (l, t)."""
+    """Whether all presses of a tilt reached a level, (l, t)."""
     reached = np.array([[float(press.depth.max()) for press in row] for row in rows])
     late = np.array([_late(row, azimuths_deg) for row in rows])
     return np.asarray((levels_mm[:, None, None] + late <= reached + SAME_DEPTH_MM).all(axis=2))
 
 
 def _late(row: Sequence[Press], azimuths_deg: Sequence[float]) -> FloatArray:
-    """(a,) mm by which the presses of one tilt touch higher than the straight one."""
+    """(a,) mm by which first contact of the presses of one tilt is higher than that of the untilted one."""
     return first_touch(row[0].mesh.skin, np.full(len(row), row[0].obstacle.radial), np.radians(azimuths_deg))
 
 
 def _label(
     rows: Sequence[Sequence[Press]], tilts_deg: FloatArray, depths_mm: FloatArray, reached: BoolArray
 ) -> TiltRuns:
-    """Runs of tilts of presses that share a branch and reached the depths, (d, t); all reach first contact."""
+    """Runs of tilts of presses that share a branch and reached the depths, (d, t)."""
     labels = np.array([label_presses(column, depths_mm) for column in zip(*rows, strict=True)])
     reached = reached | (depths_mm[:, None] == 0)
     branch = np.where(reached & (labels == labels[0]).all(axis=0), labels[0], "")
@@ -252,7 +253,7 @@ def _label(
 
 
 def _all_azimuths(quarter: Sequence[FloatArray]) -> FloatArray:
-    """Values (d, n, …) at n azimuths around from those (4, d, …) of presses at 0 to 90° and their mirror images."""
+    """Values (d, n, …) at n azimuths from those (4, d, …) of presses at 0 to 90° and mirror images."""
     half = 2 * (len(quarter) - 1)
     around = np.empty((quarter[0].shape[1], 2 * half, *quarter[0].shape[2:]))
     for number, seen in enumerate(quarter):
@@ -271,10 +272,10 @@ def first_touch(skin: Skin, tilt_deg: FloatArray, azimuth: FloatArray) -> FloatA
 
 
 def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:
-    """Shares (n, count) that evenly spaced azimuths, an even number of them from 0, have in azimuths (n,) in rad.
+    """Weights (n, count) of evenly spaced azimuths (an even number, from 0) at azimuths (n,) in rad.
 
-    Those of the trigonometric polynomial through them: ``(1 + 2 Σ cos k x + cos (count x / 2)) / count`` with x from
-    one to the other, and k below half their number.
+    Weights of trigonometric interpolation: ``(1 + 2 Σ cos k x + cos (count x / 2)) / count`` with x the difference of
+    the azimuths, and k below half their number.
     """
     apart = azimuth[:, None] - 2 * np.pi * np.arange(count) / count
     waves = 2.0 * np.cos(np.arange(1, count // 2) * apart[..., None]).sum(axis=-1)
@@ -282,7 +283,7 @@ def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:
 
 
 def _between_levels(deep: FloatArray, levels: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Number of the first of four levels (n,), and their shares (n, 4), in places (n,) mm among them: Lagrange's."""
+    """Index of the first of four levels (n,), and Lagrange weights (n, 4), at places (n,) mm."""
     place = (deep - levels[0]) / (levels[1] - levels[0])
     first = np.clip(np.ceil(place - 1e-9).astype(int) - _CUBIC + 1, 0, max(len(levels) - _CUBIC, 0))
     at = place - first

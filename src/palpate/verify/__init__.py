@@ -1,4 +1,4 @@
-"""Verify: problems with known answers, solved by the package's own element, contact and Newton's method."""
+"""Verification: problems of known solution, solved by palpate's element, contact and Newton's method."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""A solid sphere pressed by a plane, a ball and a bar: Hertz's contact, and compression far beyond it.
+"""Solid sphere pressed by a plane, a ball and a bar: Hertz contact and large compression.
 
 Between two frictionless plates the plane through the equator is one of symmetry: an eighth of the sphere is solved,
 pressed by one plate. Hertz (Johnson, *Contact Mechanics*, 1985, chapter 4): ``F = 4/3 E* sqrt(R) d^1.5``,
@@ -23,9 +23,9 @@ from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS, YEOH
 
 _CORE = 0.45
-"""Side of the square in the middle of the section over the radius."""
+"""Half side of the square core of the section over the radius."""
 _STIFF = 400.0
-"""Penalty over E and the radius of contact: penetration stays near two thousandths of the depth."""
+"""Penalty over E and the contact radius: penetration stays near two thousandths of the depth."""
 
 
 def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int, turn: Turn) -> Grid:
@@ -73,7 +73,7 @@ def _between(inner: FloatArray, outer: FloatArray, share: FloatArray) -> FloatAr
 def make_pressing(
     grid: Grid, radius: float, material: Material, contact_radius: float, obstacle: Obstacle | None = None
 ) -> Pressing:
-    """Press an eighth of a sphere of this radius (mm), with a penalty fit for a radius of contact, mm; by a plate."""
+    """Press an eighth of a sphere of a radius (mm), with the penalty for a contact radius, mm; by a plate."""
     fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
     outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - radius) < 1e-6 * radius
     penalty = _STIFF * material.young_modulus / contact_radius
@@ -84,17 +84,17 @@ def make_pressing(
 
 
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:
-    """Mesh an eighth of a sphere with cells of 0.15 times the radius of contact (mm) under the contact."""
+    """Mesh an eighth of a sphere with cells of 0.15 times the contact radius (mm) under the contact."""
     cell = 0.15 * contact_radius / radius
     along, below = graded(cell / (0.25 * np.pi), 10, 20), graded(cell / (1 - _CORE), 3, 16)
     return make_ball(radius, along, below, 4, Turn(2))
 
 
 def hertz() -> list[Row]:
-    """Force, radius of contact and greatest pressure at the largest and the smallest d/R up to 0.005.
+    """Compare force, contact radius and maximum pressure at the largest and smallest d/R up to 0.005.
 
     Hertz's law is the limit of small a/R: a sphere between plates is stiffer by some 0.27 a/R, 1.9 % at d/R = 0.005.
-    So the ratio to Hertz, carried to a/R = 0, stands beside the values themselves.
+    So the ratio to Hertz, extrapolated to a/R = 0, is compared as well.
     """
     data = read_reference("hertz_sphere_plane")
     data = data.where(R_mm="10", approach_mm="0.05").joined(data.where(R_mm="22", approach_mm="0.05"))
@@ -105,16 +105,16 @@ def hertz() -> list[Row]:
     return [
         compare("force, N", force, data["force_N"], 2e-2, at),
         compare("radius of contact, mm", reach, data["contact_radius_mm"], 2e-2, at),
-        compare("greatest pressure, MPa", peak, data["p0_MPa"], 2e-2, at),
+        compare("maximum pressure, MPa", peak, data["p0_MPa"], 2e-2, at),
         compare("force over Hertz's", limit, 1.0, 2e-2, ["a/R = 0"]),
     ]
 
 
 def _press_lightly(radius: float, depth: float) -> tuple[float, float, float]:
-    """Force (N), radius of contact (mm) and greatest pressure (MPa) of a sphere, radius and depth in mm.
+    """Return force (N), contact radius (mm) and maximum pressure (MPa) for a radius and depth in mm.
 
-    The radius follows from the pressure's second moment, ``a² = 5/2 ∫ p r² / F``; the greatest pressure from a line
-    through the squared pressure over r².
+    The contact radius follows from the pressure's second moment, ``a² = 5/2 ∫ p r² / F``; the maximum pressure from a
+    line through the squared pressure over r².
     """
     reach = float(np.sqrt(radius * depth))
     pressing = make_pressing(make_fine_ball(radius, reach), radius, YEOH, reach)
@@ -130,7 +130,7 @@ def _press_lightly(radius: float, depth: float) -> tuple[float, float, float]:
 
 
 def compression() -> list[Row]:
-    """Force, energy and bulge of a sphere of radius 10 mm compressed by up to 0.4 R a plate."""
+    """Compare force, energy and bulge of a sphere of radius 10 mm, compressed by up to 0.4 R a plate."""
     radius, rows = 10.0, []
     for name, material in MATERIALS.items():
         data = (
@@ -158,12 +158,12 @@ def compression() -> list[Row]:
 
 
 def hertz_round(obstacle: str) -> list[Row]:
-    """Force of a soft sphere under a rigid ball of its size (``ball``) or a rigid bar (``cylinder``), d/R to 0.002.
+    """Compare the force of a soft sphere under a rigid ball or bar (`cylinder`) with Hertz's law.
 
     With the relative curvatures 1/R' <= 1/R'' of the pair, the patch is an ellipse of eccentricity e (Johnson 1985,
     section 4.2): ``B/A = ((a/b)² E(e) - K(e)) / (K(e) - E(e))`` of ``A = 1/2R'``, ``B = 1/2R''``;
     ``d = p0 b K(e) / E*``, ``A = p0 b (K(e) - E(e)) / (E* e² a²)``, ``F = 2/3 pi a b p0``. As in `hertz` the ratio is
-    carried to the limit of small patches, where Hertz's law is exact.
+    extrapolated to small patches, for which Hertz's law is exact. Depths are up to d/R = 0.002.
     """
     radius, depths = 10.0, np.array([0.01, 0.02])
     found, exact = [], []
@@ -184,7 +184,7 @@ def hertz_round(obstacle: str) -> list[Row]:
 
 
 def _hertz_force(radius: float, depth: float, obstacle: str) -> tuple[float, float]:
-    """Force (N) and longer semi-axis (mm) of Hertz's patch of a sphere under a rigid ball or bar of its radius."""
+    """Return force (N) and longer semi-axis (mm) of Hertz's patch under a ball or bar of the same radius."""
     modulus = YEOH.young_modulus / (1 - 0.5**2)
     if obstacle == "ball":
         return 4 / 3 * modulus * np.sqrt(radius / 2) * depth**1.5, float(np.sqrt(radius / 2 * depth))

@@ -1,4 +1,4 @@
-"""Torsion of a solid cylinder, bending of a block to a sector, and the cantilever that bends far.
+"""Torsion of a solid cylinder, bending of a block to a sector, and large bending of a cantilever.
 
 *Torsion* without axial strain (Rivlin 1949): a section at z turns by psi z, ``M = 4 pi psi ∫ W' r³ dr`` and
 ``N = -psi M / 2``. *Bending* in plane strain (Rivlin 1949): ``r² = ri² + 2 A X``, ``theta = Y / A``, with
@@ -137,7 +137,7 @@ def cantilever() -> list[Row]:
 
 
 def cantilever_moment() -> list[Row]:
-    """Moment on the end of a cantilever of length 12 held where the elastica puts it, rolled up to a full circle."""
+    """Compare the end moment of a cantilever of length 12, bent by the elastica up to a full circle."""
     length = 12.0
     grid, material, fixed, end = _make_cantilever(length)
     fixed[end, 0] = fixed[end, 2] = True
@@ -164,7 +164,7 @@ def cantilever_moment() -> list[Row]:
 
 
 def _make_cantilever(length: float) -> tuple[Grid, Material, BoolArray, BoolArray]:
-    """Half the width of a cantilever, its material, the components its root fixes, and the nodes of its end."""
+    """Return half the width of a cantilever, its material, the fixed components, and the nodes of its end."""
     size = np.array([length, _HALF_WIDTH, _THIN])
     grid = join(map_block((even(48), even(1), even(1)), lambda q: q * size - [0.0, 0.0, _THIN / 2]))
     fixed = np.zeros(grid.nodes.shape, bool)

@@ -1,4 +1,4 @@
-"""A case of the verification suite, and one row of its table: ours against a reference within a tolerance."""
+"""Case of the verification suite, and row of its table: result, reference and tolerance."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity of a case, where it deviates most.
+    """One quantity of a case, at its maximum deviation.
 
     Attributes
     ----------
     quantity
-        What is compared, with its unit.
+        Compared quantity, with its unit.
     at
-        Where along the reference the deviation is greatest; empty where there is one value.
+        Place of the maximum deviation along the reference; empty for a single value.
     ours, reference
         The two values there.
     deviation
-        Their distance over `scale`: relative to the reference, or to what the quantity says.
+        Their distance over `scale`: relative to the reference, or to the scale that the quantity states.
     tolerance
-        Greatest deviation that passes.
+        Maximum deviation that passes.
     count
-        Values compared.
+        Number of values compared.
     """
 
     quantity: str
@@ -39,22 +39,22 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """Whether the deviation is within the tolerance (a deviation that is no number is not)."""
+        """Whether the deviation is within the tolerance; a deviation of NaN is not."""
         return self.deviation <= self.tolerance
 
 
 @dataclass(frozen=True)
 class Case:
-    """A problem with a known answer.
+    """A problem of known solution.
 
     Attributes
     ----------
     name
         Short name, as on the command line.
     reference
-        Where the answer comes from.
+        Source of the solution.
     run
-        Solves the problem by the package and compares.
+        Solves the problem by palpate and compares.
     slow
         Whether it takes more than some ten seconds; left out by a quick run.
     """
@@ -73,20 +73,20 @@ def compare(
     at: Sequence[str] = (),
     scale: ArrayLike | None = None,
 ) -> Row:
-    """Compare values and keep the one that deviates most.
+    """Compare values and return the row of the maximum deviation.
 
     Parameters
     ----------
     quantity
-        What they are, with the unit.
+        Compared quantity, with its unit.
     ours, reference
         (n,) values or one; two that are both nan agree.
     tolerance
-        Greatest deviation that passes.
+        Maximum deviation that passes.
     at
-        (n,) where each value stands.
+        (n,) labels of the values.
     scale
-        (n,) or one: what deviations are measured by; the magnitude of the reference where it is not given.
+        (n,) or one: scale of the deviations; by default the magnitude of the reference.
     """
     here, there = np.atleast_1d(np.asarray(ours, float)), np.atleast_1d(np.asarray(reference, float))
     measure = np.abs(there) if scale is None else np.broadcast_to(np.asarray(scale, float), there.shape)

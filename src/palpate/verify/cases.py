@@ -20,7 +20,7 @@ from palpate.verify.case import Case
 _SHELL_CODE = "axisymmetric shell code"
 _SOLID_CODE = "axisymmetric solid code"
 _BRANCHES = {"flat": "flat", "dimple": "inverted"}
-"""Branches of a shell between plates: the reference's word and ours."""
+"""Branches of a shell between plates: name in the reference and in palpate."""
 
 CASES: tuple[Case, ...] = (
     Case("yeoh_homogeneous", "exact", material.homogeneous),

@@ -1,7 +1,7 @@
-"""Cook's membrane at finite strain, nearly incompressible: a tapered panel, clamped, sheared at its far edge.
+"""Cook's membrane at finite strain, nearly incompressible: a tapered panel, clamped and sheared.
 
 Corners (0, 0), (48, 44), (48, 60), (0, 44) mm, plane strain, dead shear of 100 N on the right edge, neo-Hooke. It
-finds elements that lock: low-order ones without a remedy are 30 to 50 % too stiff.
+reveals elements that lock: low-order ones without a remedy are 30 to 50 % too stiff.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def shear_panel(cells: int, bulk_ratio: float) -> FloatArray:
 
 
 def cook_membrane() -> list[Row]:
-    """Corner displacement mesh by mesh against the reference code's Q2/P1, and against the converged value."""
+    """Compare the corner displacement of each mesh with the reference code's Q2/P1 and the limit."""
     data = read_reference("cook_membrane").where(case="neo").between("elements_per_side_Q2P1", 2, 16)
     moved = np.array([shear_panel(int(n), BULK_MODULUS / SHEAR_MODULUS) for n in data["elements_per_side_Q2P1"]])
     at = [f"{n:g} x {n:g} cells" for n in data["elements_per_side_Q2P1"]]
@@ -63,7 +63,7 @@ def cook_membrane() -> list[Row]:
 
 
 def no_locking() -> list[Row]:
-    """Error of a coarse mesh against one twice as fine, over K/mu: flat where nothing locks."""
+    """Compare a coarse mesh with one twice as fine, over K/mu: the error is constant without locking."""
     ratios = [1e2, 1e3, 1e4, 1e5, 1e6]
     coarse = [shear_panel(4, ratio)[1] for ratio in ratios]
     fine = [shear_panel(8, ratio)[1] for ratio in ratios]

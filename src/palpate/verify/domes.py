@@ -1,7 +1,7 @@
-"""Presses of domes against independent codes: an axisymmetric solid code, and CalculiX under an inclined wall.
+"""Presses of domes compared with an axisymmetric solid code and with CalculiX (inclined wall).
 
-The wall is frictionless, the base annulus fixed, the rim cut flat. Straight presses are compared on the flat branch:
-up to where the reference's apex leaves the wall, or where it stands on the edge of that.
+The wall is frictionless, the base annulus fixed, the rim cut flat. Untilted presses are compared on the flat branch,
+up to the depth at which the reference's apex leaves the wall or is about to.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ from palpate.verify.case import Row, compare
 from palpate.verify.read_reference import Reference, read_reference
 
 FLAT_TO = {(20, 1): 7.2, (20, 2): 8.0, (20, 3): 8.0, (20, 4): 8.0, (10, 2): 6.4, (30, 2): 8.0}
-"""Height and thickness (mm) of every dome with a reference, and the depth in mm up to which it is flat."""
+"""Height and thickness (mm) of every dome with a reference, and its flat range of depth in mm."""
 _PROBES = (25, 50, 75)
 """Percent of the inner meridian, from the apex, at which the displacement is compared."""
 _FINER = {(20, 4): MeshSpec(layers=2)}
-"""Thick walls are resolved by two cells; all others are pressed as the product does by default."""
+"""Thick skins have two layers of cells; all others have the default mesh."""
 _CALCULIX_MESH = MeshSpec(cells=24)
 _STIFF = 500.0
-"""Penalty over E/T of presses on a mesh of their own: by default the contact keeps 1 % of the energy at 0.8 mm."""
+"""Penalty over E/T of presses on other meshes; by default, contact stores 1 % of the energy at 0.8 mm."""
 _SOLID_TOLERANCE = 1e-2
 _STEP_MM, _ONSET_MM = 0.1, 0.1
-"""Increment in which the reference draws the wall back, and tolerance of where the inverted branch begins."""
+"""Depth step of the reference during unloading, and tolerance of the onset of the inverted branch."""
 _NEAR_MM = 0.2
-"""So near to its beginning the gap rises as a root, and is not compared."""
+"""Distance from the onset within which the gap, a square root, is not compared."""
 _RING_TOLERANCE, _RING_ENERGY = 3e-2, 5e-3
-"""Of force and energy: the reference's contact ring is narrower than its elements and scatters its force by 3 %."""
+"""Tolerances of force and energy: the reference's contact ring is narrow, its force scatters by 3 %."""
 _SOFT_BULK = 100.0
 """K / mu of the CalculiX reference."""
 
 
 def press_dome(height: int, thickness: int, wall: WallSpec, bulk_ratio: float, mesh: MeshSpec | None) -> Press:
-    """Press a dome of this height and thickness (mm); with a mesh given, the contact is stiffer as well."""
+    """Press a dome of a height and thickness (mm); with a mesh given, the contact is stiffer as well."""
     dome = build_skin(DomeSpec(height=height, thickness=thickness))
     material = get_material("zaid_2024_ecoflex_00_30").with_bulk_ratio(bulk_ratio)
     solver = None if mesh is None else SolverSpec(penalty_ratio=_STIFF)
@@ -46,7 +46,7 @@ def press_dome(height: int, thickness: int, wall: WallSpec, bulk_ratio: float, m
 
 
 def flat_branch(height: int, thickness: int) -> list[Row]:
-    """Force, energy and three probes of the inner surface at every image of a straight press."""
+    """Compare force, energy and three probes of the inner surface at every increment of an untilted press."""
     data = read_reference(f"dome_H{height}_T{thickness}").between("apex_gap_mm", -1.0, 0.05)
     wall = WallSpec(contact="frictionless", depth=FLAT_TO[height, thickness])
     press = press_dome(height, thickness, wall, 2000.0, _FINER.get((height, thickness)))
@@ -69,7 +69,7 @@ def flat_branch(height: int, thickness: int) -> list[Row]:
 
 
 def inverted_branch(height: int, thickness: int) -> list[Row]:
-    """Depth from which the inverted state exists, and force, energy and gap of the apex at the images beyond."""
+    """Compare the onset depth of the inverted state, and force, energy and apex gap beyond it."""
     data = read_reference(f"dome_inverted_branch_H{height}_T{thickness}").between("apex_gap_mm", 0.05, 1e3)
     wall = WallSpec(contact="frictionless")
     dome = build_skin(DomeSpec(height=height, thickness=thickness))
@@ -102,7 +102,7 @@ def _at(data: Reference, column: str, depth: FloatArray) -> FloatArray:
 
 
 def _probe(press: Press) -> FloatArray:
-    """Displacement (n, 3, 3) mm of the probes in the plane x = 0 at every image."""
+    """Displacement (n, 3, 3) mm of the probes in the plane x = 0 at every increment."""
     dome = press.mesh.skin
     assert isinstance(dome, Dome)
     polar = np.arccos((dome.radius - dome.height) / dome.radius) * np.array(_PROBES) / 100
@@ -111,7 +111,7 @@ def _probe(press: Press) -> FloatArray:
 
 
 def calculix(tilt: int) -> list[Row]:
-    """Force, energy and direction of the force under a wall inclined by `tilt` degrees to -x, K/mu = 100."""
+    """Compare force, energy and force direction under a wall inclined by `tilt` degrees to -x, K/mu = 100."""
     data = read_reference(f"calculix_H20_T3_tilt{tilt}")
     wall = WallSpec(contact="frictionless", tilt_deg=tilt, azimuth_deg=-90.0)
     press = press_dome(20, 3, wall, _SOFT_BULK, _CALCULIX_MESH)

@@ -1,6 +1,4 @@
-"""Bodies without an obstacle: the product's solid, Newton's method and continuation under prescribed displacements
-and dead loads.
-"""
+"""Bodies without an obstacle: Newton's method and continuation under displacements and dead loads."""
 
 from __future__ import annotations
 
@@ -24,10 +22,10 @@ from palpate.mechanics import (
 from palpate.verify.mapped import Grid
 
 TOLERANCE = 1e-8
-"""Greatest residual over mu and the square of a body's size."""
+"""Maximum residual over mu and the square of a body's size."""
 ITERATIONS = 40
 LOAD_TOLERANCE = 1e-6
-"""Greatest residual under dead loads over the greatest nodal load."""
+"""Maximum residual under dead loads over the maximum nodal load."""
 
 
 def make_solid(grid: Grid, material: Material, fixed: BoolArray) -> Solid:
@@ -45,9 +43,9 @@ def find_equilibrium(
     solid
         The solid.
     displacement
-        (n, 3) mm; its prescribed components stand.
+        (n, 3) mm; its prescribed components are kept.
     tolerance
-        Greatest residual, N; without it, `TOLERANCE` times mu and the square of the body's size.
+        Maximum residual, N; by default `TOLERANCE` times mu and the square of the body's size.
     pressure
         (n_cells, 4) MPa; none without it.
 
@@ -71,7 +69,7 @@ def find_equilibrium(
 
 
 def reactions(solid: Solid, state: State) -> FloatArray:
-    """Forces (n, 3) N that hold the nodes of a solid in a state; zero at free ones in equilibrium."""
+    """Return the nodal forces (n, 3) N of a solid in a state; zero at free nodes in equilibrium."""
     system = System(np.zeros(len(solid.pattern.column)), np.zeros(solid.nodes.size))
     solid.assemble(state, system)
     return system.residual.reshape(-1, 3)
@@ -80,7 +78,7 @@ def reactions(solid: Solid, state: State) -> FloatArray:
 def follow_load(
     grid: Grid, material: Material, fixed: BoolArray, load: FloatArray, factors: FloatArray
 ) -> list[State]:
-    """Follow a solid from rest under growing dead loads (n, 3) N; the state at each of the growing `factors` (k,).
+    """Follow a solid from rest under dead loads (n, 3) N; return the state at each of `factors` (k,).
 
     Raises
     ------

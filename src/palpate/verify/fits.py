@@ -1,14 +1,14 @@
-"""Fits against known answers: Treloar's rubber, the paper's silicone from its own curves, and honest intervals.
+"""Fits compared with known results: Treloar's rubber, the paper's silicone, confidence intervals.
 
-Treloar's table (95 rows, two digitisations) holds unweighted least-squares fits to each mode and to all, and their R²
-on every mode. Two of its rows cannot be met to the printed digits, and need not be:
+Treloar's table (95 rows, two digitisations) has unweighted least-squares fits to each mode and to all, and their R²
+on every mode. Two of its rows cannot be reproduced to the printed digits:
 
 * *Mooney–Rivlin on planar data alone.* There ``l2 = 1``, so I1 = I2 and stress depends on C10 + C01 only: the sum is
-  compared. The R² of the fit in the other modes has no meaning either and is left out.
-* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 are 4.9e-5 and 1.9e-5 off the solution in
-  rational numbers (`tests/unit/material/test_fit_material.py`); their sum of squares is larger than ours.
+  compared. The R² of the fit in further modes is meaningless and is left out.
+* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 deviate by 4.9e-5 and 1.9e-5 from the
+  solution in rational numbers (`tests/unit/material/test_fit_material.py`); their sum of squares is larger.
 
-Ogden's parameters are not unique, so his objective is compared, and R² on the fitted modes only.
+Ogden's parameters are not unique, so the objective is compared, and R² on the fitted modes only.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MODELS = {
     "ogden3": "ogden-3",
 }
 _LARGEST_EXPONENT = 200.0
-"""The reference's fits have exponents up to 155; 30 is our default."""
+"""Maximum exponent: the reference's fits have exponents up to 155; palpate's default is 30."""
 _SEEDS = 1000
 _NOISE = 0.01
 
@@ -75,7 +75,7 @@ def treloar_quality() -> list[Row]:
     scale = np.maximum(np.abs(printed), 1.0)
     unique = np.array(["ogden3" not in text for text in at])
     judged = np.where(unique, ours, np.minimum(ours, printed))
-    return [compare("R²; of Ogden's fits where it is below the reference's", judged, printed, 1e-4, at, scale)]
+    return [compare("R²; of Ogden's fits if below the reference's", judged, printed, 1e-4, at, scale)]
 
 
 def table_2_recovery() -> list[Row]:
@@ -91,7 +91,7 @@ def table_2_recovery() -> list[Row]:
 
 
 def interval_coverage() -> list[Row]:
-    """Share of 1000 noisy data sets (1 % of the greatest stress) whose 95 % interval holds the constant."""
+    """Share of 1000 noisy data sets (1 % of the maximum stress) whose 95 % interval contains the constant."""
     clean = _paper_curves()
     expected = np.array(list(YEOH.law.constants.values()))
     noise = _NOISE * max(float(np.abs(sample.nominal).max()) for sample in clean)
@@ -138,7 +138,7 @@ def _fits(name: str) -> list[tuple[str, list[Sample], Fit, FloatArray]]:
 
 
 def _comparable(label: str, fit: Fit, constants: FloatArray) -> list[tuple[str, float, float]]:
-    """Name, our value and the printed one of the constants that the data determine and the table holds rightly."""
+    """Name, fitted and printed value of the constants that the data determine and the table has correctly."""
     if _is_undetermined(label):
         return [("C10 + C01", float(fit.linear.sum()), float(constants.sum()))]
     if label == "A, equibiaxial, yeoh":

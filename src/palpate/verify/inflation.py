@@ -1,4 +1,4 @@
-"""A thick sphere and a long thick cylinder under internal pressure, the radius of the cavity prescribed.
+"""Thick sphere and long thick cylinder under internal pressure, with prescribed cavity radius.
 
 Both are incompressible: a point at R moves to ``r³ = R³ + a³ - Ri³`` (sphere) or ``r² = R² + a² - Ri²`` (cylinder),
 and the pressure is an integral over the wall (Ogden, *Non-Linear Elastic Deformations*, 1984, sections 5.3.2 and
@@ -53,7 +53,7 @@ class Inflation:
         return np.linalg.norm(places[:, : self.dimensions], axis=1)
 
     def inflate(self, ratio: float) -> tuple[FloatArray, State, FloatArray]:
-        """Return pressure (Pa) as (1,), state and reactions (n, 3) N with the cavity at `ratio` times its radius."""
+        """Return pressure (Pa) as (1,), state and reactions (n, 3) N at `ratio` times the cavity radius."""
         grid, power = self.grid, self.dimensions
         radius = self.radius(grid.nodes)
         cavity = np.abs(radius - INNER) < 1e-6
@@ -75,7 +75,7 @@ class Inflation:
         return np.array([1e6 * pressure]), state, force
 
     def stresses(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Undeformed radius (n,) mm and Cauchy stress along and across it (n,), (n,) Pa, at all Gauss points."""
+        """Undeformed radius (n,) mm and radial and hoop Cauchy stress (n,), (n,) Pa, at all Gauss points."""
         solid = make_solid(self.grid, self.material, np.zeros(self.grid.nodes.shape, bool))
         places = np.einsum("ga,eai->egi", solid.shape, self.grid.nodes[self.grid.cells]).reshape(-1, 3)
         stress = 1e6 * cauchy_stress(solid, state).reshape(-1, 6)
@@ -105,12 +105,12 @@ def make_cylinder(material: Material) -> Inflation:
 
 
 def _carry(radius: FloatArray, stress: FloatArray, to: FloatArray) -> FloatArray:
-    """Carry stresses from the Gauss points to other radii by a polynomial of the fourth degree, least squares."""
+    """Extrapolate stresses from the Gauss points to other radii by a quartic, least squares."""
     return np.asarray(np.polynomial.Polynomial.fit(radius, stress, 4)(to))
 
 
 def sphere_pressure() -> list[Row]:
-    """Pressure and hoop stress at the faces against a/Ri, past both limit points."""
+    """Compare pressure and hoop stress at the faces by a/Ri, past both limit points."""
     rows = []
     for name, material in MATERIALS.items():
         data = read_reference("sphere_inflation_Ri18_Ro20").where(material=name)

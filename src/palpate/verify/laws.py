@@ -14,11 +14,11 @@ from palpate.verify.mapped import Turn, even
 from palpate.verify.properties import SILICONE
 
 _DEPTHS = (0.2, 0.5, 1.0)
-"""Travel of the plate over a tenth of the radius."""
+"""Displacement of the plate over a tenth of the radius."""
 
 
 def scaling() -> list[Row]:
-    """Force of a compressed sphere: in proportion to the stiffness, and to the square of the size at equal strain."""
+    """Compare forces of a compressed sphere of different stiffness, and of different size at equal strain."""
     stiff = Material("threefold", NeoHooke(3 * 0.0141156))
     soft = Material("once", NeoHooke(0.0141156))
     once, thrice, twice_as_large = _compress(soft, 1.0), _compress(stiff, 1.0), _compress(soft, 2.0)
@@ -39,7 +39,7 @@ def _compress(material: Material, size: float) -> np.ndarray:
 
 
 def dome_scaling() -> list[Row]:
-    """A dome ten times as large: forces a hundred times, energies a thousand times, by the product's own steps."""
+    """Compare a dome ten times as large: 100 times the force, 1000 times the energy."""
     small, large = (
         solve_press(
             mesh_skin(build_skin(DomeSpec(height=5 * k, base_radius=5 * k, thickness=0.5 * k)), MeshSpec(cells=10)),

@@ -1,8 +1,8 @@
-"""Structured meshes of 27-node hexahedra for bodies with known solutions: blocks mapped by functions, and joined.
+"""Structured meshes of 27-node hexahedra for bodies of known solution: mapped blocks, joined.
 
-A block is a unit cube cut into cells and carried to the body by a function; what touches is joined node by node.
-Bodies of revolution are made from maps of their meridian section: an O-grid around the axis, rings further out.
-Nodes of a cell are numbered as in `palpate.mesh`: the first local axis fastest, the third one outward.
+A block is a unit cube cut into cells and mapped to the body by a function; coincident nodes are joined. Bodies of
+revolution are made from maps of their meridian section: an O-grid around the axis, rings further out. Nodes of a cell
+are numbered as in `palpate.mesh`: the first local axis fastest, the third one outward.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from palpate.core import BoolArray, FloatArray, IntArray
 
 Map = Callable[[FloatArray], FloatArray]
-"""From points (n, 3) of the unit cube, or (n, 2) of the unit square, to points of the same kind in mm."""
+"""Map of points (n, 3) of the unit cube, or (n, 2) of the unit square, to points in mm."""
 
 _CORE = 0.5
 """Half side of the square in the middle of an O-grid over the radius of its circle."""
@@ -60,7 +60,7 @@ def even(count: int, power: float = 1.0) -> FloatArray:
 
 
 def graded(first: float, fine: int, count: int) -> FloatArray:
-    """Cut 0…1 into `count` cells (count + 1,): `fine` of size `first`, then growing by one ratio up to the end."""
+    """Cut 0…1 into `count` cells (count + 1,): `fine` of size `first`, then in geometric progression."""
 
     def surplus(ratio: float) -> float:
         return first * (fine + float((ratio ** np.arange(1, count - fine + 1)).sum())) - 1
@@ -71,14 +71,14 @@ def graded(first: float, fine: int, count: int) -> FloatArray:
 
 
 def map_block(cuts: tuple[FloatArray, FloatArray, FloatArray], place: Map) -> FloatArray:
-    """Carry a unit cube, cut along its axes, to a body.
+    """Map a unit cube, cut along its axes, to a body.
 
     Parameters
     ----------
     cuts
         Cell boundaries in 0…1 along each axis.
     place
-        From the unit cube to mm.
+        Map of the unit cube to mm.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def join(*blocks: FloatArray) -> Grid:
 
 @dataclass(frozen=True)
 class Turn:
-    """How a section is turned about the z axis.
+    """Revolution of a section about the z axis.
 
     Attributes
     ----------
@@ -120,16 +120,16 @@ class Turn:
 
 
 def revolve(section: Map, cuts: tuple[FloatArray, FloatArray], turn: Turn, *, solid: bool) -> FloatArray:
-    """Turn a section about the z axis.
+    """Revolve a section about the z axis.
 
     Parameters
     ----------
     section
-        From (xi, eta) of the unit square to (r, z) in mm; xi leads away from the axis, eta to the outer face.
+        Map of (xi, eta) of the unit square to (r, z) in mm; xi leads away from the axis, eta to the outer face.
     cuts
         Cell boundaries of xi and eta.
     turn
-        Cells around, and how far.
+        Cells around, and angle.
     solid
         Whether xi = 0 is the axis, to be filled by an O-grid as wide as the first cell.
 
@@ -172,14 +172,14 @@ def _turned(section: FloatArray, azimuth: FloatArray) -> FloatArray:
 
 
 def _first_side(q: FloatArray) -> FloatArray:
-    """From the side x = const of the core to the circle, azimuth 0…45°."""
+    """Map the region from the side x = const of the core to the circle, azimuth 0…45°."""
     t, angle = q[:, :1], 0.25 * np.pi * q[:, 1]
     inner = _CORE * np.column_stack([np.ones_like(angle), q[:, 1]])
     return (1 - t) * inner + t * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def _second_side(q: FloatArray) -> FloatArray:
-    """From the side y = const of the core to the circle, azimuth 45…90°."""
+    """Map the region from the side y = const of the core to the circle, azimuth 45…90°."""
     t, angle = q[:, :1], 0.25 * np.pi * (1 + q[:, 1])
     inner = _CORE * np.column_stack([1 - q[:, 1], np.ones_like(angle)])
     return (1 - t) * inner + t * np.column_stack([np.cos(angle), np.sin(angle)])

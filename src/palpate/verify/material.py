@@ -1,4 +1,4 @@
-"""Yeoh's law against its closed forms: homogeneous tests, simple shear, and the loss of Drucker's stability.
+"""Yeoh's law compared with closed forms: homogeneous tests, simple shear, Drucker's stability.
 
 *Incompressible*, by `palpate.material`: stresses follow from the isochoric part with the third direction free.
 *One element* of the product, nearly incompressible, in a state of homogeneous stress: its error is about p/K.
@@ -21,7 +21,7 @@ from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import YEOH
 
 _PRINTED = 5e-10
-"""Half a unit of the tenth digit, the last that the files hold."""
+"""Half a unit of the tenth digit, the last in the files."""
 _RATES = {
     Mode.UNIAXIAL: np.array([1.0, -0.5]),
     Mode.EQUIBIAXIAL: np.array([1.0, 1.0]),
@@ -29,7 +29,7 @@ _RATES = {
 }
 """Logarithmic strain rates of the first two directions."""
 _SCAN = np.linspace(0.0, 1.0, 800)
-"""Shares of the way, on a logarithmic scale, from no stretch to the ends of the scan, 0.1 and 8."""
+"""Shares of the logarithmic distance from no stretch to the ends of the scan, 0.1 and 8."""
 
 
 def homogeneous() -> list[Row]:
@@ -78,7 +78,7 @@ def simple_shear() -> list[Row]:
 
 
 def one_element() -> list[Row]:
-    """One cell pulled without friction: nominal stress at K/mu = 1e5, change of volume at 2000 against p/K."""
+    """Compare one cell in frictionless tension: nominal stress at K/mu = 1e5, change of volume at 2000."""
     rows, soft = [], YEOH.with_bulk_ratio(2000.0)
     for mode in Mode:
         data = read_reference("yeoh_homogeneous").where(mode=mode).between("stretch", 0.5, 2.0)
@@ -89,13 +89,13 @@ def one_element() -> list[Row]:
         expected = 1e-6 * (data["cauchy1_Pa"] + data["cauchy2_Pa"]) / 3 / soft.bulk_modulus
         rows += [
             compare(f"nominal stress, {mode}, Pa", 1e6 * np.array(nominal), data["nominal1_Pa"], 1e-3, at, scale),
-            compare(f"J - 1 over its greatest, {mode}", volume, expected, 2e-2, at, np.abs(expected).max()),
+            compare(f"J - 1 over its maximum, {mode}", volume, expected, 2e-2, at, np.abs(expected).max()),
         ]
     return rows
 
 
 def _pull_cube(material: Material, mode: Mode, stretch: float) -> tuple[float, float]:
-    """Nominal stress (MPa) and J - 1 of a unit cube of one cell whose imposed faces are moved to a stretch."""
+    """Nominal stress (MPa) and J - 1 of a unit cube of one cell with prescribed stretch of its faces."""
     grid = join(map_block((even(1),) * 3, lambda q: q))
     imposed = {Mode.UNIAXIAL: [0], Mode.EQUIBIAXIAL: [0, 1], Mode.PLANAR: [0, 1]}[mode]
     fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
@@ -130,7 +130,7 @@ def one_element_in_shear() -> list[Row]:
 
 
 def drucker_limits() -> list[Row]:
-    """First unstable stretch in tension and compression, up to 8 and down to 0.1; nan where there is none."""
+    """Compare the first unstable stretch in tension and compression, from 0.1 to 8; nan if stable."""
     data = read_reference("yeoh_drucker_limits")
     coefficients = zip(data["C10_Pa"], data["C20_Pa"], data["C30_Pa"], strict=True)
     at = data.labels("C10_Pa", "C20_Pa", "mode")
@@ -154,7 +154,7 @@ def drucker_limits() -> list[Row]:
 
 
 def _first_unstable(material: Material, mode: Mode, end: float) -> float:
-    """First stretch on the way to `end` at which the Drucker matrix is singular; nan where there is none."""
+    """First stretch on the way to `end` at which the Drucker matrix is singular; nan if stable."""
     path = end ** _SCAN[1:]
     unstable = np.flatnonzero(_drucker(material, mode, path) <= 0)
     if not len(unstable) or unstable[0] == 0:

@@ -26,7 +26,7 @@ def format_number(value: float) -> str:
 
 
 def format_deviation(value: float) -> str:
-    """Format a deviation or tolerance in percent, or as a power of ten where it is small."""
+    """Format a deviation or tolerance in percent, or as a power of ten if it is small."""
     return f"{100 * value:.2f} %" if value >= 1e-4 else "0" if value == 0 else f"{value:.0e}"
 
 

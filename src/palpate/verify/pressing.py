@@ -1,4 +1,4 @@
-"""Press a body from above by a rigid frictionless obstacle: the product's continuation on other bodies."""
+"""Press of a body from above by a rigid frictionless obstacle, by palpate's continuation."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ DOWN = np.array([0.0, 0.0, 1.0])
 """Normal of the obstacle, away from the body below it."""
 _STEPS = SolverSpec(largest_step=10.0, smallest_step=1e-4, iterations=60, adhesion=0.1)
 _THICKNESS = 2.0
-"""Size in mm of a body whose increments are those of a `SolverSpec`: a usual thickness of a dome."""
+"""Size in mm of a body to which the increments of a `SolverSpec` refer: a usual thickness of a skin."""
 
 
 class Pressing:
-    """A body under an obstacle that comes down.
+    """A body under a descending obstacle.
 
     Parameters
     ----------
     solid
         The body.
     outer
-        (k,) cells whose face zeta = +1 may touch.
+        (k,) cells whose face zeta = +1 is a contact surface.
     obstacle
-        What presses, at first touch; or the height of a plane there, mm.
+        The obstacle at first contact; or the height of a plane there, mm.
     contact
         Contact stiffness, MPa/mm, and width of its smooth start, mm.
     tolerance
-        Greatest residual, N.
+        Maximum residual, N.
     size
-        Greatest displacement of a Newton step, mm; of a shell its thickness.
+        Maximum displacement of a Newton step, mm; of a shell its thickness.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Pressing:
         self.problem = Problem(solid, make_linear_solver(), tolerance, size)
 
     def start(self, length: float, *, stabilised: bool = False) -> Continuation:
-        """A path from rest whose first increment is `length` mm; contact is stabilised if wished."""
+        """Return a path from rest whose first increment is `length` mm, on request with stabilised contact."""
         probe, unit = int(self.surface.points[:, 2].argmax()), self.size / _THICKNESS
         monitor = SkinMonitor(self.solid, self.loading, probe, DOWN, self.size, unit, np.zeros(3))
         spec = _STEPS.model_copy(update={"first_step": min(length / unit, _STEPS.largest_step)})
@@ -91,7 +91,7 @@ class Pressing:
         return [advance_to(path, depth) for depth in depths]
 
     def relax(self, depth: float, shape: FloatArray) -> Continuation:
-        """A path that begins at the equilibrium near a shape (n, 3) mm at a depth, mm.
+        """Return a path that begins at the equilibrium near a shape (n, 3) mm at a depth, mm.
 
         Raises
         ------
@@ -106,12 +106,12 @@ class Pressing:
         return path
 
     def reach(self, found: Increment) -> FloatArray:
-        """Depth (n_points,) in mm of every contact point inside the obstacle, negative before it."""
+        """Penetration (n_points,) in mm of every contact point, negative outside the obstacle."""
         return self.loading.penetration(found.depth, found.state)
 
 
 def advance_to(path: Continuation, depth: float) -> Increment:
-    """The increment at a depth in mm.
+    """Advance to the increment at a depth in mm.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What every right discretisation has, whatever the numbers: patches, rigid motions, modes, tangent and rates."""
+"""Properties of a correct discretisation: patch tests, rigid motions, modes, tangent, convergence."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import YEOH
 
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
-"""The silicone of the product, K/mu = 2000."""
+"""Silicone of the paper, K/mu = 2000."""
 _NOISE = 0.04
 """Random displacement of the nodes of a distorted mesh over the size of its cells."""
 
 
 def distorted_cube(cells: int, *, inside: bool) -> Grid:
-    """Mesh a unit cube by `cells` along each side and move its nodes at random; `inside`: only those within."""
+    """Mesh a unit cube by `cells` along each side with random nodes; `inside`: surface nodes stay."""
     grid = join(map_block((even(cells),) * 3, lambda q: q))
     noise = _NOISE / cells * np.random.default_rng(3).normal(size=grid.nodes.shape)
     on_surface = _on_surface(grid)
@@ -46,7 +46,7 @@ def patch() -> list[Row]:
     expected = tau / J + SILICONE.bulk_modulus * (J - 1) * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     return [
         below("displacement over the patch's size", float(np.abs(state.u - exact).max()), 1e-10),
-        below("stress over the greatest", float(np.abs(stress - expected).max() / np.abs(expected).max()), 1e-8),
+        below("stress over the maximum", float(np.abs(stress - expected).max() / np.abs(expected).max()), 1e-8),
     ]
 
 
@@ -59,7 +59,7 @@ def rigid_motion() -> list[Row]:
     u = grid.nodes @ turn.T + [3.0, -2.0, 5.0] - grid.nodes
     energy, _, residual = _assemble(solid, State(u, solid.rest().p))
     return [
-        below("greatest force over K L²", float(np.abs(residual).max()) / SILICONE.bulk_modulus, 1e-12),
+        below("maximum force over K L²", float(np.abs(residual).max()) / SILICONE.bulk_modulus, 1e-12),
         below("energy over K L³", abs(energy) / SILICONE.bulk_modulus, 1e-12),
     ]
 
@@ -69,11 +69,11 @@ def zero_energy_modes() -> list[Row]:
     grid = distorted_cube(1, inside=False)
     solid = make_solid(grid, SILICONE, np.zeros(grid.nodes.shape, bool))
     values = np.linalg.eigvalsh(_assemble(solid, solid.rest())[1])
-    return [compare("eigenvalues below 1e-9 of the greatest one", np.sum(np.abs(values) < 1e-9 * values[-1]), 6, 0.0)]
+    return [compare("eigenvalues below 1e-9 of the largest one", np.sum(np.abs(values) < 1e-9 * values[-1]), 6, 0.0)]
 
 
 def tangent() -> list[Row]:
-    """The condensed tangent against central differences of the residual, the pressure following as condensed."""
+    """Compare the condensed tangent with central differences of the residual, with condensed pressure."""
     grid = distorted_cube(1, inside=False)
     solid = make_solid(grid, SILICONE, np.zeros(grid.nodes.shape, bool))
     rng = np.random.default_rng(1)
@@ -118,7 +118,7 @@ def newton_rate() -> list[Row]:
 
 
 def convergence_order() -> list[Row]:
-    """Energy of a block bent by 1 rad, on meshes 1, 2 and 4 times as fine: quadratic cells converge by order 4."""
+    """Compare the energy of a block bent by 1 rad on meshes 1, 2 and 4 times as fine: order 4."""
     material = YEOH.with_bulk_ratio(1e3)
     energy = [solve_bending(make_block(n, 2 * n), material, 1.0, 18.10860461)[1] for n in (1, 2, 4, 8)]
     error = np.abs(np.diff(energy))

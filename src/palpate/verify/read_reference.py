@@ -1,4 +1,4 @@
-"""Reference numbers of the suite: CSV files beside this one, the whole of `reference/`."""
+"""Reference numbers of the suite: CSV files in `reference/`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Reference:
         return len(self._rows)
 
     def __getitem__(self, column: str) -> FloatArray:
-        """Values (n,) of a column in its unit; nan where the file has none."""
+        """Values (n,) of a column in its unit; nan if the file lacks the column."""
         return np.array([float(row[column] or "nan") for row in self._rows])
 
     def where(self, **texts: str) -> Reference:
@@ -44,11 +44,11 @@ class Reference:
         return Reference([row for row in self._rows if np.isclose(float(row[column]), values, rtol=1e-9).any()])
 
     def joined(self, other: Reference) -> Reference:
-        """Rows of both."""
+        """Rows of the two references."""
         return Reference([*self._rows, *other._rows])
 
     def labels(self, *columns: str) -> list[str]:
-        """What distinguishes the rows: their texts in these columns."""
+        """Labels of the rows: their texts in these columns."""
         return [", ".join(row[column] for column in columns) for row in self._rows]
 
 

@@ -1,4 +1,4 @@
-"""Run cases of the suite and keep what each one says."""
+"""Run of the suite's cases, with their outcomes."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from palpate.verify.cases import CASES
 
 @dataclass(frozen=True)
 class CaseOutcome:
-    """What a case found.
+    """Outcome of a case.
 
     Attributes
     ----------
     case
         The case.
     rows
-        Its rows; none where it failed.
+        Its rows; empty if it failed.
     cpu_s
         CPU seconds.
     failure
-        Why it ended without rows; empty where it did not.
+        Reason of the failure; empty otherwise.
     """
 
     case: Case
@@ -40,12 +40,12 @@ class CaseOutcome:
 
 
 def choose_cases(only: str | None = None, *, quick: bool = False) -> tuple[Case, ...]:
-    """Choose the cases whose name holds a pattern (``*`` and ``?`` allowed); `quick`: without the slow ones.
+    """Choose the cases whose name matches a pattern (``*`` and ``?`` allowed); `quick`: without slow ones.
 
     Raises
     ------
     PalpateError
-        If none is left.
+        If no case matches.
     """
     named = [case for case in CASES if only is None or fnmatch(case.name, f"*{only}*")]
     if not named:

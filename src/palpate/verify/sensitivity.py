@@ -1,4 +1,4 @@
-"""Derivatives of a press against what symmetry and scaling demand of them, and against presses beside it."""
+"""Derivatives of a press compared with symmetry, scaling, and differences of presses."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _STEPS = {"tilt_deg": 0.02, "thickness": 0.005, "height": 0.02, "base_radius": 0
 
 
 def derivatives() -> list[Row]:
-    """A frictionless press: its force turned about the axis, Euler's theorem, differences of whole presses."""
+    """Compare derivatives of a frictionless press: rotated force, Euler's theorem, finite differences."""
     constants = SILICONE.key_data()["constants"]
     solver = SolverSpec(tolerance=1e-8, derivatives=(*_STEPS, "across_deg", *constants))
     mesh = _mesh(_SKIN)

@@ -1,8 +1,8 @@
-"""A thin sphere between two plates: flat contact, and the cap turned inside out (Updike & Kalnins 1970).
+"""Thin sphere between two plates: flat contact, and the inverted cap (Updike & Kalnins 1970).
 
 The upper half of the shell, an eighth of it by symmetry, is pressed by one plate. Reference: a geometrically exact
-axisymmetric shell code, forces in ``E h³/R``, energies in ``E h⁴/R``, R the mean radius. The inverted branch is
-reached from the shell mirrored at the plate, and followed from deep back to where it ends.
+axisymmetric shell code, forces in ``E h³/R``, energies in ``E h⁴/R``, R the mean radius. The inverted branch starts
+from the shell mirrored at the plate, and is followed from large depth back to its end.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ _POISSON = (0.3, 0.5)
 RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
-"""Tolerance of forces, and the R/h at which h/R is added to it: so far is thin-shell theory off (Koiter 1960)."""
+"""Tolerance of forces, and R/h up to which h/R is added, the error of thin shells (Koiter 1960)."""
 _ONSET, _EXACT = 0.1, 0.02
-"""Tolerance of the travel from which the cap stays inverted, over h; last increments of drawing back, over h/2."""
+"""Tolerance of the onset depth of the inverted cap, over h; last increments of unloading, over h/2."""
 _DRAWN_BACK = 4.0
-"""Travel over h from which the plate is drawn back."""
+"""Displacement over h from which the plate is retracted."""
 _CELLS = {"flat": 40, "dimple": 110}
 """Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
 _TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
-"""Travel of the plate over the thickness at which forces are compared."""
+"""Displacements of the plate over the thickness at which forces are compared."""
 
 
 def make_shell(thickness: float, cells: int) -> Grid:
-    """Mesh an eighth of a sphere with `cells` from pole to equator, half of them in the part that is pressed."""
+    """Mesh an eighth of a sphere with `cells` from pole to equator, half of them in the pressed part."""
 
     def section(q: FloatArray) -> FloatArray:
         polar, r = 0.5 * np.pi * q[:, 0], RADIUS + thickness * (q[:, 1] - 0.5)
@@ -78,7 +78,7 @@ def against_shell(branch: str, ratio: float) -> list[Row]:
 
 
 def dimple_onset(ratio: float) -> list[Row]:
-    """Travel over the thickness from which the inverted cap exists, found by drawing the plate back from it."""
+    """Compare the onset depth of the inverted cap over the thickness, found by retracting the plate."""
     rows: list[Row] = []
     shape: FloatArray | None = None
     for poisson in _POISSON:
@@ -97,7 +97,7 @@ def dimple_onset(ratio: float) -> list[Row]:
 
 
 def thin_limit(branch: str) -> list[Row]:
-    """Ratio to the reference, a shell without thickness, carried to h/R = 0 by a line through three shells."""
+    """Compare the ratio to a shell without thickness, extrapolated to h/R = 0 by three shells."""
     rows = []
     for poisson in _POISSON:
         shares = [np.divide(*_solve(branch, ratio)[poisson]) for ratio in RATIOS]
@@ -113,7 +113,7 @@ def _labels(branch: str) -> list[str]:
 
 @cache
 def _solve(branch: str, ratio: float) -> dict[float, tuple[FloatArray, FloatArray]]:
-    """Forces over ``E h³ / R``, ours and the reference's, by Poisson's ratio; 0.5 may start from 0.3."""
+    """Forces over ``E h³ / R``, palpate's and the reference's, by Poisson's ratio; 0.5 may start from 0.3."""
     solve = {"flat": _follow_flat, "dimple": _relax_inverted}[branch]
     shapes: list[FloatArray] = []
     forces = {}
@@ -147,7 +147,7 @@ def _name(ratio: float, poisson: float, branch: str) -> dict[str, str]:
 
 
 def _mirrored(pressing: Pressing, depth: float) -> FloatArray:
-    """Displacement (n, 3) mm that mirrors the cap above the plate at a depth, its ridge rounded over a thickness."""
+    """Displacement (n, 3) mm that mirrors the cap above the plate at a depth, with a rounded ridge."""
     nodes = pressing.solid.nodes
     radius, across = np.linalg.norm(nodes, axis=1), np.hypot(nodes[:, 0], nodes[:, 1])
     outward = np.divide(nodes[:, :2], across[:, None], out=np.zeros((len(nodes), 2)), where=across[:, None] > 0)

@@ -1,4 +1,4 @@
-"""Viewer: what people see: the grid, the pressed dome and the live sensor in a browser."""
+"""Viewer: specification grid, pressed skin and live sensor in a browser."""
 
 from palpate.core import lazy_front
 

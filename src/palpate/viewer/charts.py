@@ -1,4 +1,4 @@
-"""Charts of the page as data for ECharts: nothing is drawn here."""
+"""Charts of the page as data for ECharts."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ VIRIDIS = (
     "#bddf26",
     "#fde725",
 )
-"""Eleven steps of the colour map viridis: perceptually uniform, and safe for people who do not see all colours."""
+"""Eleven steps of the colour map viridis: perceptually uniform and safe for colour-blind users."""
 FIRST, SECOND, LIMIT = "#0072b2", "#d55e00", "#999999"
-"""Colours of the design shown, of the one beside it, and of limits (Okabe and Ito)."""
+"""Colours of the design shown, of the compared one, and of bounds (Okabe and Ito)."""
 
 Chart = dict[str, Any]
 
@@ -47,7 +47,7 @@ DARK = Theme("#e4e9ee", "#9aa8b5", "#3a4550", "#1b2229")
 
 @dataclass(frozen=True)
 class Selection:
-    """Which rows stand out: those that answer the question, the design shown and the one beside it (or -1)."""
+    """Highlighted rows: those that match the query, the design shown and the compared one (or -1)."""
 
     selected: Collection[int]
     design: int
@@ -65,7 +65,7 @@ class ChartCurve:
 
 
 def heat_chart(grid: SpecificationGrid, metric: str, chosen: Selection, ink: Theme) -> Chart:
-    """Heat maps of a column, one a marker layout, heights over thicknesses; each cell's value ends in its row."""
+    """Heat maps of a column, one a marker layout, heights over thicknesses; each value ends in its row."""
     panels = cut_panels(grid, metric)
     figures = [float(value) for panel in panels for value in panel.values.flat if math.isfinite(value)]
     low, high = min(figures, default=0.0), max(figures, default=1.0)
@@ -174,7 +174,7 @@ def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Theme)
 
 
 def pareto_front(points: Sequence[tuple[int, float, float]]) -> list[int]:
-    """Numbers of the points (number, x, y) that no other beats in both, by rising x; small is good."""
+    """Numbers of the non-dominated points (number, x, y), ascending in x; both are minimised."""
     front: list[int] = []
     least = math.inf
     for number, _, y in sorted(points, key=lambda point: (point[1], point[2])):
@@ -185,7 +185,7 @@ def pareto_front(points: Sequence[tuple[int, float, float]]) -> list[int]:
 
 
 def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Selection, ink: Theme) -> Chart:
-    """All designs by two columns, with the front that no other kept design beats in both."""
+    """Scatter chart of all designs by two columns, with the Pareto front of the matching ones."""
     points = [
         (i, x, y)
         for i, row in enumerate(grid.designs)
@@ -249,7 +249,7 @@ def _scatter_dot(
 def line_chart(
     curves: Sequence[ChartCurve], axes: tuple[str, str], ink: Theme, marks: Sequence[ChartCurve] = ()
 ) -> Chart:
-    """Curves over one pair of axes; of each mark the first point becomes an upright line with its name."""
+    """Curves over one pair of axes; each mark becomes a vertical line with its name at its first point."""
     uprights = [
         {
             "xAxis": mark.points[0][0],
@@ -293,7 +293,7 @@ def _line(curve: ChartCurve) -> Chart:
 
 
 def value_axis(name: str, ink: Theme, gap: int) -> Chart:
-    """An axis of numbers with its name, so many px from it."""
+    """Axis of numbers with its name at a distance in px."""
     return {
         "type": "value",
         "scale": True,

@@ -1,4 +1,4 @@
-"""What a design does as the wall goes down: its force, its errors and what limits them."""
+"""Curves of a design by depth: force, errors and error bounds."""
 
 from __future__ import annotations
 

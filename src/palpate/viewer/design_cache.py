@@ -1,4 +1,4 @@
-"""Every design that the page can show: those of the result folder, and those that somebody made on the page."""
+"""Designs that the page can show: those of the result folder, and those made on the page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.viewer.library import DesignLibrary, RenderedSkin
 from palpate.viewer.results import GridDesign
 
 CACHE_SIZE = 24
-"""Designs made on the page that are kept; a dome at rest takes about 1 MB."""
+"""Number of cached designs of the page; a skin at rest takes about 1 MB."""
 
 
 @dataclass(eq=False)
@@ -30,7 +30,7 @@ class DesignCache:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def put(self, design: GridDesign, specimen: RenderedSkin) -> str:
-        """Keep a design made on the page and return its name."""
+        """Store a design made on the page and return its name."""
         with self._lock:
             self._count += 1
             name = f"made-{self._count}"
@@ -40,12 +40,12 @@ class DesignCache:
             return name
 
     def find(self, name: str) -> tuple[GridDesign, RenderedSkin]:
-        """A design with its presses.
+        """Return a design with its presses.
 
         Raises
         ------
         PalpateError
-            If there is no such design, or its presses are missing or broken.
+            If the design does not exist, or its presses are missing or broken.
         """
         if name in self._made:
             return self._made[name]

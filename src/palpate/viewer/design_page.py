@@ -1,4 +1,4 @@
-"""The design page: a dome made up with sliders, pressed by the real solver, and made as a fabrication pack."""
+"""Design page: a skin set by sliders, pressed by the solver, and exported as a fabrication pack."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from palpate.viewer.sketch import DesignDraft
 from palpate.viewer.workbench import Workbench
 
 _RINGS = 8
-"""Most rings that the slider offers."""
+"""Maximum number of rings of the slider."""
 _DOME = (("height", "Height H", 0.5), ("base_radius", "Base radius B", 0.5), ("thickness", "Thickness T", 0.1))
 
 
 class DesignPage:
-    """One visitor's design.
+    """Design of one visitor.
 
     Parameters
     ----------
     shelf
-        Where the drawn design is put for the browser to ask for.
+        Cache from which the browser requests the design.
     request
-        Of the page.
+        Request of the page.
     """
 
     def __init__(self, shelf: DesignCache, request: Request) -> None:
@@ -63,7 +63,7 @@ class DesignPage:
         with ui.element("div").classes("card"):
             heading("Markers")
             rings = NumberField.free("rings", "Rings", (0, _RINGS, 1), self._rings, self._set_rings)
-            rings.note("a dot at the apex, 6 k on ring k")
+            rings.note("a marker at the apex, 6 k on ring k")
             self._own_rings = ui.input(
                 "Diameters of the rings, mm",
                 placeholder="even; or your own: 6, 14, 25",
@@ -85,13 +85,13 @@ class DesignPage:
         return lambda value: self._set(part, name, value)
 
     def _set_rings(self, rings: float) -> None:
-        """As many even rings."""
+        """Set this many evenly spaced rings."""
         self._rings = int(rings)
         self._own_rings.set_value("")
         self._set_diameters("")
 
     def _set_diameters(self, text: str | None) -> None:
-        """Rings of one's own, from the apex outward; an emptied field gives the slider's again."""
+        """Set ring diameters, from the apex outward; an empty field restores the slider's rings."""
         words = (text or "").replace(",", " ").split()
         self._chosen["markers"]["ring_diameters"] = words or None
         self._set("markers", "count", markers_in_rings(len(words) or self._rings))

@@ -1,4 +1,4 @@
-"""The pose dial: where the wall leans, with the interval of the estimate, against a tolerance, as SVG."""
+"""Pose dial: tilt of the wall, interval of the estimate, and tolerance, as SVG."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ COLOURS = {
     LiveVerdict.UNSURE: "#b8860b",
     LiveVerdict.NO_TOUCH: "#7a8793",
 }
-"""Safe for people who do not see all colours; the verdict is written beside it as well."""
+"""Safe for colour-blind users; the verdict is also written as text."""
 _SIZE = 100.0
 _WIDE_DEG = 15.0
-"""Reach beyond which circles stand for every 10° instead of 3°."""
+"""Range beyond which circles are drawn every 10° instead of 3°."""
 
 
 def draw_dial(
@@ -35,9 +35,9 @@ def draw_dial(
     tolerance_deg
         Radius of the tolerance circle.
     verdict
-        Chooses the colour.
+        Selects the colour.
     truth
-        rx, ry (degrees) and depth (mm), drawn as a cross where they are known.
+        rx, ry (degrees) and depth (mm), drawn as a cross if known.
     reach_deg
         Tilt at the dial's edge.
     """

@@ -1,4 +1,4 @@
-"""The page's own elements: the dome in 3-D, the camera's view and the pose of the wall, all on one stage."""
+"""Custom elements of the page: skin in 3-D, camera image and pose of the wall, on one stage."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from nicegui.element import Element
 
 
 class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": "scripts"}):
-    """The dome in 3-D; `slot` is ``"a"`` for the design shown and ``"b"`` for the one beside it."""
+    """Skin in 3-D; `slot` is ``"a"`` for the design shown and ``"b"`` for the compared one."""
 
     def __init__(self, slot: str, label: str) -> None:
         super().__init__()
@@ -16,16 +16,16 @@ class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": 
         self._props["label"] = label
 
     def look(self, side: str) -> None:
-        """Look from the ``"side"``, ``"front"``, ``"top"`` or ``"below"``."""
+        """Set the view from the ``"side"``, ``"front"``, ``"top"`` or ``"below"``."""
         self.run_method("look", side)
 
     def save(self, name: str) -> None:
-        """Let the browser save what is seen as a PNG file."""
+        """Save the view as a PNG file in the browser."""
         self.run_method("savePicture", name)
 
 
 class CameraView(Element, component="scripts/camera_view.js"):
-    """What the camera below the dome sees; for `slot` see `DomeView`."""
+    """Image of the camera below the skin; for `slot` see `DomeView`."""
 
     def __init__(self, slot: str, label: str) -> None:
         super().__init__()
@@ -33,12 +33,12 @@ class CameraView(Element, component="scripts/camera_view.js"):
         self._props["label"] = label
 
     def save(self, name: str) -> None:
-        """Let the browser save what is seen as an SVG file."""
+        """Save the image as an SVG file in the browser."""
         self.run_method("saveDrawing", name)
 
 
 class PoseBar(Element, component="scripts/pose_bar.js"):
-    """Sliders for depth (mm), tilt and azimuth (degrees); emits ``rest`` with all three when they come to rest."""
+    """Sliders for depth (mm), tilt and azimuth (degrees); emits ``rest`` with all three after a change."""
 
     def __init__(self, depth: float, tilt: float, azimuth: float) -> None:
         super().__init__()
@@ -49,11 +49,11 @@ class PoseBar(Element, component="scripts/pose_bar.js"):
         self.run_method("show", name, slot)
 
     def look(self, **look: Any) -> None:
-        """Choose what is drawn: `colour`, `cut`, `dots`, `trails`, `wall`."""
+        """Select the visible parts: `colour`, `cut`, `dots`, `trails`, `wall`."""
         self.run_method("look", look)
 
     def animate(self, tilt_deg: float, azimuth_deg: float) -> None:
-        """Go to a pose and play the press that was just put on the stage, as soon as it is there."""
+        """Set a pose and animate the press that was put on the stage, as soon as it is loaded."""
         self.run_method("pose", {"depth": 0.0, "tilt": tilt_deg, "azimuth": azimuth_deg})
         self.run_method("playWhenReady")
 
@@ -70,7 +70,7 @@ class LiveView(Element, component="scripts/live_view.js"):
         self.run_method("begin", width, height, rest)
 
     def show(self, picture: str, positions: list[list[float]], found: list[bool], stretch: float) -> None:
-        """Show an image (a data link) with markers (m, 2) px, whether each was found, and arrows so much longer."""
+        """Show an image (a data link) with markers (m, 2) px, whether each was found, and scaled arrows."""
         self.run_method("show", picture, positions, found, stretch)
 
     def number(self, shown: bool) -> None:

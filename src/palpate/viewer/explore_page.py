@@ -1,4 +1,4 @@
-"""The explorer's page: the grid on the left, the pressed dome in the middle, camera and curves on the right."""
+"""Explorer page: grid on the left, pressed skin in the middle, camera and curves on the right."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
 
 
 class ExplorePage:
-    """One visitor's explorer.
+    """Explorer of one visitor.
 
     Parameters
     ----------
     library
         The result folder.
     request
-        Its query is the link to a view.
+        Request of the page; its query encodes the view.
     """
 
     def __init__(self, library: DesignLibrary, request: Request) -> None:
@@ -127,7 +127,7 @@ class ExplorePage:
                 ui.select(
                     {-1: "nothing", **self._names},
                     value=view.other,
-                    label="Beside it",
+                    label="Compare with",
                     with_input=True,
                 )
                 .props('dense outlined options-dense data-testid="second-design"')
@@ -137,7 +137,7 @@ class ExplorePage:
         self._fault = error_label()
         with ui.element("div").classes("domes") as self._domes:
             self._dome = DomeView("a", "Design shown")
-            self._second = DomeView("b", "Design beside it")
+            self._second = DomeView("b", "Compared design")
             with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
                 for side in ("side", "front", "top", "below"):
                     ui.button(side, on_click=lambda side=side: self._look_from(side)).props("flat dense no-caps")
@@ -160,10 +160,10 @@ class ExplorePage:
 
     def _build_curves(self) -> None:
         with ui.element("div").classes("card"):
-            heading("What the camera sees")
+            heading("Camera image")
             with ui.element("div").classes("cameras"):
                 self._camera = CameraView("a", "Design shown")
-                self._camera_second = CameraView("b", "Design beside it")
+                self._camera_second = CameraView("b", "Compared design")
         with ui.element("div").classes("card"):
             heading("Force on the wall")
             self._force = ui.echart({}, renderer="svg").classes("curve")
@@ -191,7 +191,7 @@ class ExplorePage:
         set_chart(self._scatter, scatter_chart(self._grid, axes, self._chosen()[0], self._head.ink))
 
     def _chosen(self) -> tuple[Selection, PalpateError | None]:
-        """Rows that stand out, and what is wrong with the question."""
+        """Return highlighted rows, and the error of the query."""
         wrong = None
         try:
             kept = selected_rows(self._grid, self._view.where)
@@ -200,7 +200,7 @@ class ExplorePage:
         return Selection(kept, self._view.design, self._view.other), wrong
 
     def _draw_design(self) -> None:
-        """Put the chosen designs on the stage, with their curves."""
+        """Put the selected designs on the stage, with their curves."""
         self._domes.classes(add="two") if self._view.other >= 0 else self._domes.classes(remove="two")
         for element in (self._second, self._camera_second):
             element.set_visibility(self._view.other >= 0)
@@ -311,14 +311,14 @@ class ExplorePage:
 
 
 def set_chart(chart: ui.echart, data: dict[str, Any]) -> None:
-    """Give a chart other data."""
+    """Replace the data of a chart."""
     chart.options.clear()
     chart.options.update(data)
     chart.update()
 
 
 def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | None:
-    """Number of the row that a clicked point carries."""
+    """Return the row of a clicked point."""
     value: Any = event.value
     return int(value[place]) if isinstance(value, list) and len(value) > place else None
 

@@ -1,4 +1,4 @@
-"""What is seen at one pose, as rows of a table and as parts of a 3-D model."""
+"""Export of the view at one pose: marker table and 3-D model."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from palpate.viewer.results import GridDesign
 def marker_rows(
     design: GridDesign, specimen: RenderedSkin, tilt_deg: float, azimuth_deg: float
 ) -> list[dict[str, Any]]:
-    """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
+    """Return one row a depth and marker: pose (degrees, mm), position (mm), pixel, and visibility."""
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
     seen = specimen.pressed.markers(design.design.layout, design.design.camera, motion, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
@@ -36,7 +36,7 @@ def marker_rows(
 
 
 def dome_parts(design: GridDesign, specimen: RenderedSkin, pose: tuple[float, float, float]) -> list[Part]:
-    """Skin, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the skin's frame.
+    """Return skin, markers and wall at a pose (depth mm, tilt and azimuth in degrees), skin's frame.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def dome_parts(design: GridDesign, specimen: RenderedSkin, pose: tuple[float, fl
 
 
 def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatArray:
-    """A field (k, …) at a depth between its images, on straight lines."""
+    """Interpolate a field (k, …) linearly at a depth between its increments."""
     place = float(np.interp(depth, motion.depths_mm, np.arange(len(motion.depths_mm))))
     low = min(int(place), len(motion.depths_mm) - 1)
     high = min(low + 1, len(motion.depths_mm) - 1)
@@ -81,7 +81,7 @@ def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatA
 def _markers(
     design: GridDesign, specimen: RenderedSkin, motion: SurfaceMotion, pose: tuple[float, float, float]
 ) -> Part:
-    """Each marker as an octahedron as wide as its dot."""
+    """Return each marker as an octahedron of the marker's width."""
     centres = _between(motion, specimen.pressed.positions(design.design.layout, motion, pose[2]), pose[0])
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])

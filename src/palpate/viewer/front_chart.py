@@ -1,4 +1,4 @@
-"""The front of a search as data for ECharts: error over another objective, tried skins grey, the winner marked."""
+"""Front of a search as data for ECharts: error over another objective, with trials and winner."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_ax
 from palpate.viewer.labels import column_label
 
 ERROR = "p95_deg"
-"""Column of the error that is made least."""
+"""Column of the minimised error."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
-"""Columns of the other objectives."""
+"""Columns of the remaining objectives."""
 
 
 def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> Chart:
@@ -61,12 +61,12 @@ def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
 
 
 def design_words(search: SearchFolder, number: int) -> str:
-    """A design in a few words, e.g. ``"skin 12, 91 markers: winner"``."""
+    """Return the label of a design, e.g. ``"skin 12, 91 markers: winner"``."""
     row, role = search.rows[number], role_of(search, number)
     words = "tried, breaks a limit" if role == "tried" and not row["feasible"] else role
     return f"skin {row['skin']}, {row['markers']} markers: {words}"
 
 
 def role_of(search: SearchFolder, number: int) -> str:
-    """The part of a design in its search: ``"winner"``, ``"front"`` or ``"tried"``."""
+    """Return the role of a design in its search: ``"winner"``, ``"front"`` or ``"tried"``."""
     return "winner" if number == search.winner else "front" if number < search.front else "tried"

@@ -1,4 +1,4 @@
-"""A pressed dome as a binary glTF file, for any program that shows 3-D models.
+"""A pressed skin as a binary glTF file.
 
     "glTF" 2 length | length "JSON" head | length "BIN" positions, colours, triangles
 
@@ -28,7 +28,7 @@ class Part:
     Attributes
     ----------
     name
-        For people.
+        Name of the mesh.
     points
         (v, 3) mm, dome's frame.
     triangles

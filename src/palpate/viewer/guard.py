@@ -1,9 +1,8 @@
-"""The guard at the door of the server: who may come in, and how much they may carry.
+"""Access control of the server: origin, token and body size of requests.
 
-Without a token only this machine's own pages are answered: the address in ``Host`` must be a loopback one, which
-stops pages of other names that point here, and ``Origin`` must be the same, which stops other pages, on websockets
-too. With a token, every request must bring it; it is compared in constant time, and a link that brings it gets a
-cookie and is sent on without it.
+Without a token only local pages are answered: ``Host`` must be a loopback address, which stops names that resolve to
+it, and ``Origin`` must be the same, which stops other sites, also on websockets. With a token, every request must
+carry it; it is compared in constant time, and a link with the token sets a cookie and is redirected without it.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_BODY = 1_000_000
-"""Bytes of the largest body that is taken; nothing is ever uploaded, clicks and texts are small."""
+"""Maximum size of a body, bytes; uploads are not used, clicks and texts are small."""
 LONGEST_QUERY = 8_000
 _METHODS = ("GET", "HEAD", "POST")
 _HEADERS = {
@@ -40,7 +39,7 @@ _HEADERS = {
 
 @dataclass(frozen=True)
 class ServerAddress:
-    """Where the server listens, and the token that opens it (empty: none is asked for)."""
+    """Address of the server, and its token (empty: none is required)."""
 
     host: str
     port: int
@@ -48,17 +47,17 @@ class ServerAddress:
 
     @property
     def cookie(self) -> str:
-        """Name of the cookie that carries the token; two servers of one machine do not mix theirs up."""
+        """Name of the cookie of the token, different for servers on one machine."""
         return f"palpate_{self.port}"
 
 
 class Guard:
-    """Wraps a server application and lets in what may come in.
+    """Server application with access control.
 
     Parameters
     ----------
     app
-        What is guarded.
+        Guarded application.
     door
         Address and token.
     """
@@ -84,7 +83,7 @@ class Guard:
             await self._serve(scope, receive, send)
 
     def _refuse(self, scope: Scope, headers: MutableMapping[str, str]) -> tuple[int, str] | None:
-        """Status and sentence for what may not come in."""
+        """Return status and message for a rejected request."""
         host, origin = headers.get("host", ""), headers.get("origin")
         if scope["type"] == "http" and scope["method"] not in _METHODS:
             return 405, "This method is not answered."
@@ -111,7 +110,7 @@ class Guard:
         return sum(hmac.compare_digest(text.encode(), expected) for text in (kept, given)) > 0
 
     async def _send_on(self, scope: Scope, send: Send) -> None:
-        """Keep the token in a cookie and go on without it in the address."""
+        """Set the token as a cookie and redirect to the address without it."""
         rest = urlencode([(name, value) for name, value in _query(scope) if name != "token"])
         path = "/" + scope["path"].lstrip("/")  # two slashes would lead to another machine
         place = path + (f"?{rest}" if rest else "")
@@ -125,7 +124,7 @@ class Guard:
         await send({"type": "http.response.body", "body": b""})
 
     async def _serve(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request through while its body stays small; one that grows is refused and forgotten."""
+        """Pass a request on while its body is small enough; reject a larger one."""
         taken, started, refused = 0, False, False
 
         async def counted() -> Message:

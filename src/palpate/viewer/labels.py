@@ -8,7 +8,7 @@ from palpate.study import SpecificationGrid, design_spec, grid_column
 
 
 def find_column(name: str) -> Column:
-    """Column of a search by its name; a column of the grid if the search has no words for it."""
+    """Column of a search by its name, or else the column of the grid."""
     return next((column for column in FRONT_COLUMNS if column.name == name), None) or grid_column(name)
 
 
@@ -18,7 +18,7 @@ def column_label(name: str) -> str:
 
 
 def jitter_words(grid: SpecificationGrid) -> str:
-    """How far the pixels of a grid's studies were moved for the errors with jitter, e.g. ``"2 px jitter"``."""
+    """Jitter of a grid's studies in the errors with jitter, as text, e.g. ``"2 px jitter"``."""
     specs = (design_spec(row) for row in grid.designs)
     found = {spec["dataset"]["jitter_px"] for spec in specs if "jitter_px" in spec.get("dataset", {})}
     return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"

@@ -1,4 +1,4 @@
-"""Pressed domes of a result folder, read when they are asked for and kept while there is room."""
+"""Cache of pressed skins of a result folder, read on demand."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from palpate.viewer.results import GridDesign, Results, read_design, read_presse
 from palpate.viewer.shell import Shell, build_shell
 
 CACHE_SIZE = 4
-"""Domes that are kept: a dome of the finest standard mesh takes about 60 MB."""
+"""Number of cached skins: one of the finest standard mesh takes about 60 MB."""
 
 
 @dataclass(frozen=True, eq=False)
 class RenderedSkin:
-    """A dome with its presses, ready to be drawn.
+    """Skin with its presses, ready to be drawn.
 
     Attributes
     ----------
     pressed, shell
-        Its presses and what is drawn of its mesh.
+        Its presses, and the drawn surface of its mesh.
     """
 
     pressed: PressedSkin
@@ -30,7 +30,7 @@ class RenderedSkin:
 
 @dataclass(eq=False)
 class DesignLibrary:
-    """The designs of a result folder; may be asked from several threads.
+    """Designs of a result folder; safe for use from several threads.
 
     Attributes
     ----------
@@ -43,11 +43,11 @@ class DesignLibrary:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def design(self, number: int) -> GridDesign:
-        """The design of one row; see `read_design` for what may be wrong."""
+        """Return the design of one row; for errors see `read_design`."""
         return read_design(self.results, number)
 
     def specimen(self, design: GridDesign) -> RenderedSkin:
-        """Dome and presses of a design; see `read_presses` for what may be wrong."""
+        """Return skin and presses of a design; for errors see `read_presses`."""
         with self._lock:
             found = self._cache.get(design.press_keys)
             if found is None:

@@ -1,4 +1,4 @@
-"""A link to a view: everything that is chosen on the explorer's page, as the query of its address."""
+"""Link to a view: all settings of the explorer page, as the query of its address."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from palpate.study import SpecificationGrid, filter_rows, ranking_column
 
 
 class ColourQuantity(StrEnum):
-    """What the colour of the dome shows."""
+    """Quantity shown by the colour of the skin."""
 
     DISPLACEMENT = "displacement"
     STRESS = "stress"
@@ -23,22 +23,22 @@ class ColourQuantity(StrEnum):
 
 @dataclass(frozen=True)
 class View:
-    """What is chosen on the explorer's page.
+    """Settings of the explorer page.
 
     Attributes
     ----------
     design, other
-        Numbers of the design shown and of the one beside it; -1 for none.
+        Numbers of the design shown and of the compared one; -1 for none.
     metric, across, up
-        Columns of the heat maps and of the two axes of the scatter.
+        Columns of the heat maps and of the two axes of the scatter chart.
     where
-        Question that designs must answer; empty for all.
+        Query that selects designs; empty for all.
     depth, tilt, azimuth
         Pose of the wall: mm, degrees, degrees.
     colour
-        What the colour shows.
+        Quantity shown by the colour.
     cut, dots, trails, wall
-        What is drawn: half the dome only, markers, their trails, the wall.
+        Visible parts: half the skin only, markers, their trails, the wall.
     """
 
     design: int = 0
@@ -58,7 +58,7 @@ class View:
 
 
 def write_link(view: View, usual: View) -> str:
-    """The query of a view, without the question mark; what is as in the grid's first view, `usual`, is left out."""
+    """Return the query of a view, without the question mark and without the values of the view `usual`."""
     chosen = {
         field.name: _write(getattr(view, field.name))
         for field in fields(View)
@@ -68,12 +68,12 @@ def write_link(view: View, usual: View) -> str:
 
 
 def read_link(query: Mapping[str, str], grid: SpecificationGrid) -> tuple[View, tuple[str, ...]]:
-    """Read a view back, with a sentence for each part that is not understood and was left out.
+    """Read a view from a query, with a message for each invalid part, which is left out.
 
     Parameters
     ----------
     query
-        Names and values; unknown names are passed over.
+        Names and values; unknown names are ignored.
     grid
         The grid that is shown, with at least one row.
     """
@@ -93,7 +93,7 @@ def read_link(query: Mapping[str, str], grid: SpecificationGrid) -> tuple[View, 
 
 
 def first_view(grid: SpecificationGrid) -> View:
-    """What a grid shows first: the best design, its error over all heights and thicknesses."""
+    """Return the initial view of a grid: the best design, its error over all heights and thicknesses."""
     known = numeric_columns(grid)
     metric = ranking_column(known)
     if metric not in known:
@@ -105,7 +105,7 @@ def first_view(grid: SpecificationGrid) -> View:
 
 
 def numeric_columns(grid: SpecificationGrid) -> list[str]:
-    """Columns that have a number in some row and a text in none, in the grid's order; the main ones come first."""
+    """Columns with numbers and without text, in the grid's order, the main ones first."""
     found = []
     for name in grid.columns:
         cells = [row[name] for row in grid.designs]
@@ -115,12 +115,12 @@ def numeric_columns(grid: SpecificationGrid) -> list[str]:
 
 
 def selected_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
-    """Numbers of the rows for which a question is true; all for an empty one.
+    """Return the numbers of the rows for which a query is true; all for an empty one.
 
     Raises
     ------
     PalpateError
-        If the question is not understood.
+        If the query is invalid.
     """
     if not where.strip():
         return frozenset(range(len(grid.designs)))
@@ -141,7 +141,7 @@ def _read(text: str, usual: Any) -> Any:
         return text == "1"
     if isinstance(usual, ColourQuantity):
         if text not in list(ColourQuantity):
-            raise ValueError(f"'{text[:40]}' is none of {', '.join(ColourQuantity)}.")
+            raise ValueError(f"'{text[:40]}' is not one of {', '.join(ColourQuantity)}.")
         return ColourQuantity(text)
     if isinstance(usual, int | float):
         try:

@@ -1,4 +1,4 @@
-"""A sensor at work, image by image, with everything that the page shows of it."""
+"""Live sensor: images, markers and readings for the page."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from palpate.surrogate import Twin
 from palpate.viewer.results import GridDesign
 
 LONGEST = 100_000
-"""Readings of the longest record."""
+"""Maximum number of recorded readings."""
 
 
 class LiveVerdict(StrEnum):
-    """Whether the wall stands upright to within a tolerance."""
+    """Whether the wall is perpendicular to within a tolerance."""
 
     GO = "go"
     NO_GO = "no go"
@@ -36,18 +36,18 @@ class LiveVerdict(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class LiveImage:
-    """What one image gave.
+    """Result of one image.
 
     Attributes
     ----------
     image
-        (h, w) grey levels; `None` where it could not be read.
+        (h, w) grey levels; `None` for an unreadable image.
     reading
         The pose.
     positions_px, found
-        (m, 2) px and (m,) where the markers are, and whether a dot was found there.
+        (m, 2) px and (m,) marker positions, and whether a blob was found at each.
     truth
-        rx, ry (degrees) and depth (mm) where they are known.
+        rx, ry (degrees) and depth (mm) if known.
     """
 
     image: NDArray[np.uint8] | None
@@ -58,14 +58,14 @@ class LiveImage:
 
 
 class Live:
-    """A sensor that reads one image of a source after another until `close`.
+    """Sensor that reads the images of a source until `close`.
 
     Parameters
     ----------
     sensor
-        What reads: a unit of a design, or a model that was learnt from a recording.
+        A unit of a design, or a model trained on a recording.
     source, images
-        Where images come from, and those that are yet to be read.
+        Source of images, and images already taken from it.
     size_px
         Height and width of the images.
     rest_px
@@ -101,7 +101,7 @@ class Live:
         return LiveImage(image, reading, seen.positions_px, seen.found, truth)
 
     def _next(self) -> NDArray[Any] | PalpateError | None:
-        """The next image; what a camera's library raises stands in the place of one."""
+        """Return the next image; an exception of the camera's library is returned as an error."""
         try:
             return next(self._images, None)
         except PalpateError:
@@ -116,18 +116,18 @@ class Live:
         return replace(next(iter(run_sensor(self.sensor, [item]))), image=self._count)
 
     def close(self) -> None:
-        """Give the camera or file back."""
+        """Release the camera or file."""
         with self._lock:
             self._source.close()
 
 
 def open_live(design: GridDesign, model: Predictor | Twin, source: Source, *, marked: bool = True) -> Live:
-    """Open a unit of a design on the first image of a source, which shows it untouched.
+    """Open a unit of a design on the first image of a source, which must be a rest image.
 
     Parameters
     ----------
     design, model
-        The unit's design and what reads it.
+        The unit's design and its estimator.
     source
         Images.
     marked
@@ -136,7 +136,7 @@ def open_live(design: GridDesign, model: Predictor | Twin, source: Source, *, ma
     Raises
     ------
     PalpateError
-        If there is no image, or the dots are not those of the design.
+        If there is no image, or the blobs do not match the design.
     """
     images = source.images()
     first = _first_of(images, "Record the untouched dome first.")
@@ -148,7 +148,7 @@ def open_live(design: GridDesign, model: Predictor | Twin, source: Source, *, ma
 
 
 def open_recorded_live(model: RecordedModel, source: Source) -> Live:
-    """Open a sensor that was learnt from a recording; every image is read by itself, the first as well.
+    """Open a sensor trained on a recording; it needs no rest image.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
 
 
 def _shown(item: NDArray[Any] | PalpateError) -> NDArray[np.uint8] | None:
-    """Grey levels of an image; `None` where it is none."""
+    """Grey levels of an image; `None` for an error."""
     if isinstance(item, PalpateError):
         return None
     try:
@@ -182,9 +182,9 @@ def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDA
 
 
 def rate_reading(reading: Reading, tolerance_deg: float) -> LiveVerdict:
-    """Hold the tilt of a reading, with its interval, against a tolerance in degrees.
+    """Compare the tilt of a reading, with its interval, with a tolerance in degrees.
 
-    The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.
+    The interval of the tilt is the range of the tilt over the intervals |rx ± a| and |ry ± b| of its components.
     """
     if not reading.touching or math.isnan(reading.pose[0]):
         return LiveVerdict.NO_TOUCH
@@ -195,7 +195,7 @@ def rate_reading(reading: Reading, tolerance_deg: float) -> LiveVerdict:
 
 
 def tilt_interval(reading: Reading) -> tuple[float, float]:
-    """Least and greatest tilt (degrees) within the intervals of both components."""
+    """Minimum and maximum tilt (degrees) within the intervals of the two components."""
     pairs = [(abs(value), half) for value, half in zip(reading.pose[:2], reading.half_width, strict=False)]
     least = math.hypot(*(max(size - half, 0.0) for size, half in pairs))
     most = math.hypot(*(size + half for size, half in pairs))

@@ -1,4 +1,4 @@
-"""What can be opened on the live page: a unit of a design of a grid, or a sensor that was learnt from a recording."""
+"""Selection of a sensor on the live page: a unit of a design, or a model trained on a recording."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _CAMERAS = {"camera 0": "0", "camera 1": "1"}
 
 
 class LiveOpening(ABC):
-    """One visitor's choice of what to open; `build` places the fields, `open` opens what they say.
+    """Selection of a sensor by one visitor; `build` places the fields, `open` opens the sensor.
 
     Attributes
     ----------
@@ -49,16 +49,16 @@ class LiveOpening(ABC):
 
     @abstractmethod
     def open(self) -> Live:
-        """Open what the fields say.
+        """Open the selected sensor.
 
         Raises
         ------
         PalpateError
-            If it cannot be.
+            If it cannot be opened.
         """
 
     def _build_sources(self, more: tuple[str, ...]) -> ui.select:
-        """The field for where images come from: those given, recordings below the folder, cameras."""
+        """Return the field of the image source: those given, recordings below the folder, cameras."""
         names = [*more, *find_recordings(self.folder), *_CAMERAS]
         field = ui.select(names, value=names[0], label="Images").classes("wide")
         return field.props(_FIELD + ' data-testid="source"')
@@ -74,7 +74,7 @@ class DesignOpening(LiveOpening):
     Parameters
     ----------
     library
-        Designs with their models, and recordings in folders of their own.
+        Designs with their models, and recordings in their folders.
     """
 
     def __init__(self, library: DesignLibrary) -> None:
@@ -117,7 +117,7 @@ class DesignOpening(LiveOpening):
 
 @final
 class TrainedOpening(LiveOpening):
-    """A sensor that was learnt from a recording.
+    """A sensor trained on a recording.
 
     Parameters
     ----------

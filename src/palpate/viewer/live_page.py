@@ -1,4 +1,4 @@
-"""The live page: images of a unit, its markers, the pose of the wall, and whether it is upright enough."""
+"""Live page: images of a unit, markers, pose of the wall, and comparison with a tolerance."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _PERIOD_S = 0.1
 
 
 class LivePage:
-    """One visitor's sensor.
+    """Sensor of one visitor.
 
     Parameters
     ----------
     opening
-        What can be opened.
+        Selection of the sensor.
     request
-        Of the page.
+        Request of the page.
     """
 
     def __init__(self, opening: LiveOpening, request: Request) -> None:
@@ -201,7 +201,7 @@ class LivePage:
 
 
 def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tuple[str, float, float, str, str]]:
-    """Rows of the table beside the dial: name, value, half-width, unit, and what is to be known of it."""
+    """Return rows of the table next to the dial: name, value, half-width, unit, and note."""
     least, most = tilt_interval(reading)
     rows = [
         (item.axis, value, half, item.unit_symbol.strip(), f"true {truth[i]:.2f}" if truth else "")
@@ -234,6 +234,6 @@ def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tupl
 
 
 def _as_link(image: NDArray[np.uint8]) -> str:
-    """An image (h, w) as a link that holds it whole, as PNG."""
+    """Return an image (h, w) as a data link, as PNG."""
     png = load_opencv().imencode(".png", image)[1]
     return "data:image/png;base64," + base64.b64encode(png).decode()

@@ -1,4 +1,4 @@
-"""Arrays on their way to the browser: a line of JSON that names them, then their bytes.
+"""Binary message of arrays for the browser: a JSON header, then their bytes.
 
 4 bytes    length n of the head, little-endian
 n bytes    JSON: {"meta": …, "arrays": {name: [kind, offset, [shape]]}}, padded with blanks to a multiple of 4

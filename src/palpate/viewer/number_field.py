@@ -25,11 +25,11 @@ class NumberField:
     label
         Name on the page.
     step
-        Of the slider.
+        Step of the slider.
     change
         Called with each new value that is within the bounds.
     ends
-        Least and greatest value that the page offers; without them, the bounds.
+        Minimum and maximum on the page; by default the bounds.
     """
 
     def __init__(
@@ -51,18 +51,18 @@ class NumberField:
     def free(
         cls, name: str, label: str, ends: tuple[float, float, float], value: float, change: Change
     ) -> NumberField:
-        """A number that no spec declares: least, most and step of it are given."""
+        """Make a field for a number without a spec, from its minimum, maximum and step."""
         field = cls.__new__(cls)
         field._place(label, ends, value, change, name)
         return field
 
     def note(self, text: str) -> None:
-        """Say more about the number."""
+        """Add a note to the number."""
         with self._row:
             ui.label(text).classes("faint field-note")
 
     def put(self, value: float) -> None:
-        """Give it a value as a visitor does: the change is called."""
+        """Set a value as a visitor does: the callback is called."""
         self._box.value = value
 
     def _place(self, label: str, ends: tuple[float, float, float], value: float, change: Change, name: str) -> None:

@@ -1,4 +1,4 @@
-"""The head of every page: name, ways to the other pages, light and dark."""
+"""Header of every page: name, navigation, light and dark theme."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ PAGES = (("/", "Explore"), ("/design", "Design"), ("/live", "Live"))
 
 
 class PageHeader:
-    """The head of one page.
+    """Header of one page.
 
     Parameters
     ----------
     request
-        Says whether the browser wants the dark page.
+        Request of the page, with the preferred theme.
     here
         Path of this page.
     about
-        What is shown, e.g. the name of the result folder.
+        Subject of the page, e.g. the name of the result folder.
     """
 
     def __init__(self, request: Request, here: str, about: str) -> None:
@@ -52,7 +52,7 @@ class PageHeader:
         return DARK if self._dark.value else LIGHT
 
     def watch(self, redraw: Callable[[], None]) -> None:
-        """Call `redraw` when light turns to dark or back."""
+        """Call `redraw` when the theme changes."""
         self._watchers.append(redraw)
 
     def _icon(self) -> str:
@@ -69,14 +69,14 @@ class PageHeader:
 
 
 def show_error(box: ui.label, sentence: str, code: str = "") -> None:
-    """Show a sentence in place, or nothing; `code` is the kind of error, for programs that read the page."""
+    """Show a message in place, or nothing; `code` is the kind of error, for programs that read the page."""
     box.text = sentence
     box.props(f'data-code="{code}"')
     box.set_visibility(bool(sentence))
 
 
 def error_label() -> ui.label:
-    """A place for a sentence about what went wrong; hidden while it is empty."""
+    """Place for an error message; hidden while it is empty."""
     box = ui.label("").classes("complaint").props('role="alert" data-testid="fault"')
     box.set_visibility(False)
     return box

@@ -1,4 +1,4 @@
-"""All pages of the viewer put together as one application."""
+"""Application with all pages of the viewer."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TITLE = "palpate"
 
 
 def build_app(folder: Path | None) -> FastAPI:
-    """The application for a result folder; without one, or with one that cannot be read, its page says so."""
+    """Return the application for a result folder; without a readable one, its page reports the reason."""
     shelf, learnt = DesignCache(), None
     reason = PalpateError("No result folder was given.", "Give one to `palpate view`.", code="results-missing")
     search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
@@ -76,7 +76,7 @@ def build_app(folder: Path | None) -> FastAPI:
 
 
 def show_search(request: Request, folder: Path, shelf: DesignCache) -> None:
-    """The page of a search as its folder is now; a search that runs has found more when it is loaded again."""
+    """Show the page of a search in the present state of its folder."""
     try:
         SearchPage(read_search(folder), shelf, request).build()
     except PalpateError as error:
@@ -84,7 +84,7 @@ def show_search(request: Request, folder: Path, shelf: DesignCache) -> None:
 
 
 def show_reason(request: Request, here: str, reason: PalpateError) -> None:
-    """A page without results: why, and what to do."""
+    """Show a page without results: reason and remedy."""
     PageHeader(request, here, "no results")
     with ui.element("div").classes("empty"):
         show_error(error_label(), str(reason), reason.code)

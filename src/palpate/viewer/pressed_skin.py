@@ -1,7 +1,7 @@
-"""A skin as the page draws it at any pose of the wall: surface, markers and force, interpolated as in a dataset.
+"""Drawable skin at any pose of the wall: surface, markers and force, interpolated as in a dataset.
 
-All of them are read from the `palpate.surrogate.PressField` of the solved presses. Only the wall of the skin is
-drawn, so fields are of its nodes, which are a mesh's first; a gel inside is left out.
+All of them are read from the `palpate.surrogate.PressField` of the solved presses. Only the skin is drawn, so fields
+are of its nodes, which are a mesh's first; a gel inside is left out.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _SAME_MM, _SAME_DEG = 1e-6, 1e-9
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMotion:
-    """One press at one pose of the wall, from first contact as deep as it is known.
+    """One press at one pose of the wall, from first contact to the maximum depth.
 
     Attributes
     ----------
     tilt_deg, azimuth_deg
-        Of the wall; the azimuth is 0 if one motion is turned to all of them.
+        Tilt and azimuth of the wall; the azimuth is 0 if one motion is rotated to all of them.
     depths_mm
         (k,) depths, from 0.
     displacement
@@ -41,7 +41,7 @@ class SurfaceMotion:
     branch
         (k,) label of each depth.
     ended
-        Why it goes no deeper.
+        Reason of the end.
     normal, touch, way
         The wall's outward unit normal (3,), the point (3,) mm of first contact, and the unit vector (3,) against
         which the wall comes.
@@ -127,12 +127,12 @@ class PressedSkin:
         return self.mesh.nodes[: len(self.mesh.inner_disc)]
 
     def at(self, tilt_deg: float, azimuth_deg: float = 0.0) -> SurfaceMotion:
-        """The press at a tilt (degrees) between the minimum and the maximum that were solved, and at an azimuth.
+        """Return the press at a tilt (degrees) within the solved range, and at an azimuth.
 
         Raises
         ------
         PalpateError
-            If the tilt is not finite or beyond them, or the azimuth is not a finite angle.
+            If the tilt is not finite or out of range, or the azimuth is not finite.
         """
         first, last = float(self.tilts_deg[0]), float(self.tilts_deg[-1])
         if not first - _SAME_DEG <= tilt_deg <= last + _SAME_DEG:
@@ -166,7 +166,7 @@ class PressedSkin:
         )
 
     def stress(self, motion: SurfaceMotion) -> Array32:
-        """Von Mises stress (k, n) in MPa for a motion, interpolated like the displacement; slow the first time."""
+        """Von Mises stress (k, n) in MPa for a motion, interpolated like displacement; slow at first."""
         deep = len(motion.depths_mm)
         if self.press_field is None:
             return np.zeros((deep, len(self.nodes)), np.float32)
@@ -232,7 +232,7 @@ class PressedSkin:
         return [(str(branch[0]), str(reason[0])) for branch, reason in labels]
 
     def _end(self, tilt_deg: float) -> str:
-        """Why the presses next to a tilt go no deeper: the reason of the one that ended first."""
+        """Reason why the presses next to a tilt go no deeper: that of the one that ended first."""
         if self.press_field is None:
             return "not pressed yet"
         runs = self.press_field.runs
@@ -252,7 +252,7 @@ def build_pressed_skin(presses: Sequence[Press]) -> PressedSkin:
     Raises
     ------
     PalpateError
-        If there is none, they differ by more than the pose of a wall, or the skin has neither symmetry or, of
+        If there is no press, they differ by more than the pose of a wall, or the skin has neither symmetry or, of
         revolution, was meshed whole.
     """
     if not presses:

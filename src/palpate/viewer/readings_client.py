@@ -1,4 +1,4 @@
-"""A tiny client: every reading that a server sends, as a dictionary."""
+"""Client of a readings server: yields every reading as a dictionary."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from palpate.core import PalpateError, load_extra
 
 
 def follow_readings(link: str) -> Iterator[dict[str, Any]]:
-    """Readings of a server as they come, until it ends.
+    """Yield the readings of a server until it ends.
 
     Parameters
     ----------
     link
-        What `palpate sensor serve` printed, with its token.
+        Link printed by `palpate sensor serve`, with its token.
 
     Raises
     ------
     PalpateError
-        If nothing answers there, or the token is wrong.
+        If no server answers, or the token is wrong.
     MissingExtraError
         If the package websockets is not installed.
 

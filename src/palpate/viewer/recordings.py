@@ -1,4 +1,4 @@
-"""Recordings inside a result folder: folders of images, and whatever file a source of images opens."""
+"""Recordings inside a result folder: folders of images, and files that a source of images opens."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from palpate.camera import list_images, recording_suffixes
 from palpate.core import PalpateError
 
 _DEEPEST_SEARCH = 2
-"""Folders below the result folder in which recordings are looked for."""
+"""Depth of folders in which recordings are searched."""
 
 
 def find_recordings(folder: Path) -> tuple[str, ...]:
-    """Names of folders of images and of files that a source opens, relative to a result folder; not in its store."""
+    """Names of image folders and source files, relative to a result folder, without its store."""
     found = []
     places = [(folder, 0)]
     while places:
@@ -30,12 +30,12 @@ def find_recordings(folder: Path) -> tuple[str, ...]:
 
 
 def inside(folder: Path, name: str) -> Path:
-    """A folder or recording inside a folder by its relative name.
+    """Return a folder or recording inside a folder by its relative name.
 
     Raises
     ------
     PalpateError
-        If it would lie outside, links followed, or is none.
+        If it is outside, after links are resolved, or is not a recording.
     """
     root = folder.resolve()
     try:

@@ -1,4 +1,4 @@
-"""A finished result folder as the explorer reads it: the grid, and the presses of one design.
+"""Finished result folder for the explorer: grid, and presses of one design.
 
 Nothing is written, and every path is built here from the folder and a key of hexadecimal digits.
 """
@@ -22,10 +22,10 @@ from palpate.material import material_from_data
 from palpate.study import Cell, SpecificationGrid, design_label, design_spec, read_grid
 
 _LARGEST_MANIFEST = 8_000_000
-"""Bytes of the largest manifest that is read."""
+"""Maximum size of a manifest, bytes."""
 _AGAIN = "Run the study again."
 _SIZES = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
-"""Columns without which a row is no design."""
+"""Required columns of a design."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Results:
     Attributes
     ----------
     folder
-        Where it is.
+        The folder.
     grid
         Its specification grid, with at least one row.
     """
@@ -46,7 +46,7 @@ class Results:
 
 @dataclass(frozen=True, eq=False)
 class GridDesign:
-    """One row of a grid, as things that can be drawn.
+    """One row of a grid as objects that can be drawn.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class GridDesign:
     design
         Skin, markers, camera and elastomer.
     press_keys
-        Keys of its presses in the store; empty where the chain broke before them.
+        Keys of its presses in the store; empty for a design that failed before them.
     """
 
     number: int
@@ -96,12 +96,12 @@ def read_results(folder: Path) -> Results:
 
 
 def read_design(results: Results, number: int) -> GridDesign:
-    """The design of one row.
+    """Return the design of one row.
 
     Raises
     ------
     PalpateError
-        If there is no such row, or it says too little to build the design again.
+        If the row does not exist, or is incomplete.
     """
     if not 0 <= number < len(results.grid.designs):
         raise PalpateError(
@@ -125,12 +125,12 @@ def read_design(results: Results, number: int) -> GridDesign:
 
 
 def read_presses(results: Results, design: GridDesign) -> tuple[Press, ...]:
-    """Every press of a design, by rising tilt.
+    """Return all presses of a design, by ascending tilt.
 
     Raises
     ------
     PalpateError
-        If there is none, or one is missing or broken.
+        If there are no presses, or one is missing or broken.
     """
     if not design.press_keys:
         reason = design.row.get("failure") or "its chain broke before the first press"
@@ -140,12 +140,12 @@ def read_presses(results: Results, design: GridDesign) -> tuple[Press, ...]:
 
 
 def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
-    """Path of an artefact in the store of a result folder.
+    """Return the path of an artefact in the store of a result folder.
 
     Raises
     ------
     PalpateError
-        If the key is none, or there is no such file.
+        If the key is invalid, or the file is missing.
     """
     path = ArtefactStore(results.folder / "store").locate(kind, key, suffix)
     if not path.is_file():
@@ -156,12 +156,12 @@ def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
 
 
 def model_path(results: Results, design: GridDesign) -> Path:
-    """Path of a design's trained estimator, an ONNX file.
+    """Return the path of a design's trained estimator, an ONNX file.
 
     Raises
     ------
     PalpateError
-        If it has none.
+        If the design has no estimator.
     """
     kind = "forces" if _keys(design.row, "forces") else "estimator"
     keys = _keys(design.row, kind)
@@ -177,7 +177,7 @@ def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
 
 
 def _read_layout(results: Results, row: Mapping[str, Cell], skin: Skin) -> MarkerLayout:
-    """Markers as the dataset has them; without a dataset, as the design's spec says, or rings of as many markers."""
+    """Markers of the dataset; without one, of the design's spec, or rings of the same number of markers."""
     spec = design_spec(row)
     markers = spec.get("markers", {})
     for key in _keys(row, "dataset"):

@@ -1,4 +1,4 @@
-"""What the browser asks for while it draws: messages of one design, and files of what is seen."""
+"""Routes of the browser's requests: messages of one design, and exported files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BINARY = "application/octet-stream"
 
 
 def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> APIRouter:
-    """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
+    """Make the routes below ``/data``: ``name`` of a cached design, tilt and azimuth in degrees."""
     router = APIRouter(prefix="/data")
 
     @router.get("/shell/{name}")
@@ -74,7 +74,7 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
 
 
 def answer_errors(app: FastAPI) -> None:
-    """Let every error that a person can mend become an answer with its sentence and remedy."""
+    """Answer every `PalpateError` with its message and remedy."""
 
     @app.exception_handler(PalpateError)
     def _respond(_: Request, error: PalpateError) -> JSONResponse:

@@ -1,4 +1,4 @@
-"""What the page draws of one design, as messages: the shell once, then motion and markers for each pose."""
+"""Messages that draw one design: the surface once, then motion and markers for each pose."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from palpate.viewer.message import write_message
 from palpate.viewer.pressed_skin import SurfaceMotion, VisibleMarkers
 
 _EDGE = 97
-"""Points of an edge, the first and the last in one place."""
+"""Points of an edge; the first and the last coincide."""
 
 
 def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera) -> bytes:
-    """What does not change with the pose: rest (v, 3) mm, triangles (k, 3), seam (v,), dots at rest; skin and camera.
+    """Message of the constant parts: rest (v, 3) mm, triangles (k, 3), seam (v,), markers, skin, camera.
 
-    The triangles lie part after part, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
-    what is clamped.
+    The triangles are ordered by parts, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
+    the clamped parts.
     """
     pressed, shell = specimen.pressed, specimen.shell
     skin = pressed.mesh.skin
@@ -62,7 +62,7 @@ def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, *, stress: bo
 
 
 def describe_markers(seen: VisibleMarkers) -> bytes:
-    """Markers at one pose: positions (k, m, 3) mm in the dome's frame, pixels (k, m, 2), radius, and who is seen."""
+    """Message of the markers at one pose: positions (k, m, 3) mm, pixels (k, m, 2), radius, visibility."""
     return write_message(
         {},
         {

@@ -1,4 +1,4 @@
-"""The page of a search: the front on the left, the design that was clicked on the workbench."""
+"""Page of a search: the front on the left, the selected design on the workbench."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0
-"""Greatest depth that the page offers, mm."""
+"""Maximum depth on the page, mm."""
 
 
 class SearchPage:
-    """One visitor's search.
+    """Search of one visitor.
 
     Parameters
     ----------
     search
-        What the folder holds.
+        Contents of the folder.
     shelf
-        Where drawn designs are put for the browser to ask for.
+        Cache from which the browser requests designs.
     request
-        Of the page; `design` in its query is the number of the design shown.
+        Request of the page; `design` in its query is the number of the design shown.
     """
 
     def __init__(self, search: SearchFolder, shelf: DesignCache, request: Request) -> None:
@@ -47,7 +47,7 @@ class SearchPage:
         """Place every element and show the winner."""
         if not self._search.rows:
             with ui.element("div").classes("empty"):
-                ui.label("No skin was judged yet. Load the page again in some minutes.").props('role="status"')
+                ui.label("No skin was evaluated yet. Load the page again in some minutes.").props('role="status"')
             return
         with ui.element("div").classes("explorer search"):
             with ui.element("section").classes("side").props('aria-label="Front"'):
@@ -84,7 +84,7 @@ class SearchPage:
             set_chart(self._chart, front_chart(self._search, self._across, self._shown, self._head.ink))
 
     def _show(self) -> None:
-        """Put the chosen design on the workbench."""
+        """Put the selected design on the workbench."""
         self._title.text = design_words(self._search, self._shown)
         self._title.props(f'data-design={self._shown} data-role="{role_of(self._search, self._shown)}"')
         self._figures.clear()
@@ -134,11 +134,11 @@ class SearchPage:
 
 
 def _state(search: SearchFolder) -> str:
-    """How far the search is, in a sentence."""
+    """Progress of the search, as a sentence."""
     if not search.finished:
         return (
-            f"{search.skins} of {search.spec.skins} skins so far, by coarse presses. The search goes on, or was "
+            f"{search.skins} of {search.spec.skins} skins so far, by coarse presses. The search is running, or was "
             "stopped; load the page again to see more."
         )
     found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
-    return f"{found}; errors are foreseen of built units after {search.spec.calibration_presses} known presses."
+    return f"{found}; errors are predicted after {search.spec.calibration_presses} calibration presses."

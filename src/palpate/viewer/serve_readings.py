@@ -1,8 +1,8 @@
-"""Readings over HTTP and a websocket, behind the same guard as the viewer.
+"""Readings over HTTP and a websocket, with the viewer's access control.
 
 GET  /reading    the newest reading, 204 before the first
-POST /image      an image file (PNG, JPEG) is read as the next one; answers its reading
-WS   /readings   every reading as it comes; `lost` says how many made way for a client that was too slow
+POST /image      an image file (PNG, JPEG) is read as the next one; returns its reading
+WS   /readings   every reading; `lost` counts the readings that a slow client missed
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from palpate.viewer.guard import Guard
 from palpate.viewer.server import ServeSpec, bind_server, page_url
 
 _BACKLOG_BYTES = 32_768
-"""Some fifty readings, that the system keeps for each client."""
+"""Send buffer of each client, some fifty readings."""
 SCHEMA_VERSION = 2
 """Version of the keys of a reading, its key `schema`; 1, of 0.2, had none."""
 
 
 @dataclass(frozen=True)
 class Feed:
-    """Where a server's images come from, beside those that clients send.
+    """Image source of a server, in addition to the images that clients send.
 
     Attributes
     ----------
     open_source
-        Opens it; `None` where clients alone send images.
+        Opens the source; `None` if only clients send images.
     again
-        Whether it is opened again where it ends.
+        Whether the source is reopened at its end.
     retry_s
         Time between two tries, s.
     """
@@ -47,7 +47,7 @@ class Feed:
 
 
 def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
-    """The application of an open sensor (ASGI), unguarded.
+    """Build the ASGI application of an open sensor, without access control.
 
     Raises
     ------
@@ -114,19 +114,19 @@ def _with_schema(row: dict[str, Any]) -> dict[str, Any]:
 
 
 async def _until_gone(socket: Any) -> None:
-    """Return when a client closes; what it says is not listened to."""
+    """Return when a client closes; messages of the client are ignored."""
     while (await socket.receive())["type"] != "websocket.disconnect":
         pass
 
 
 def _hand_over(loops: list[asyncio.AbstractEventLoop], hub: Broadcast, row: dict[str, Any]) -> None:
-    """Publish in the loop of the server, from the thread that read."""
+    """Publish a reading in the event loop of the server, from the reading thread."""
     with suppress(RuntimeError):  # the server has been closed meanwhile
         loops[-1].call_soon_threadsafe(hub.publish, row)
 
 
 def bound_backlog(listener: socket.socket) -> None:
-    """Let the system keep little for a client that stalls: what waits there is older than what waits here."""
+    """Limit the send buffer of the system, so that a slow client gets recent readings."""
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _BACKLOG_BYTES)
 
 
@@ -136,7 +136,7 @@ def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callab
     Parameters
     ----------
     sensor, feed
-        The sensor, opened, and where its images come from.
+        The opened sensor, and its image source.
     spec
         Where to listen.
     announce
@@ -145,7 +145,7 @@ def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callab
     Raises
     ------
     PalpateError
-        If the address cannot be listened at.
+        If the address is not available.
     MissingExtraError
         If Starlette or uvicorn is not installed.
     """

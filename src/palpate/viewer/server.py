@@ -1,4 +1,4 @@
-"""The server of the viewer: one process, one result folder, one door with a guard."""
+"""Server of the viewer: one process, one result folder, access control."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from palpate.viewer.guard import LOOPBACK, Guard, ServerAddress
 
 _GIVE = "Give the result folder of a study or of a search, or none to design a dome."
 SHORTEST_TOKEN = 16
-"""Characters of the shortest token that is taken."""
+"""Minimum number of characters of a token."""
 
 
 @dataclass(frozen=True)
 class ServeSpec:
-    """Where the viewer listens.
+    """Address of the viewer.
 
     Attributes
     ----------
     host, port
         Address and port; port 0 is any that is free.
     token
-        What a visitor must bring; empty: none on this machine's own address, a fresh one on any other.
+        Token of visitors; empty: none on a loopback address, a new one on any other.
     """
 
     host: str = "127.0.0.1"
@@ -36,12 +36,12 @@ class ServeSpec:
 
 
 def bind_server(spec: ServeSpec) -> tuple[ServerAddress, socket.socket]:
-    """Take the port, and decide on the token.
+    """Bind the port, and decide on the token.
 
     Raises
     ------
     PalpateError
-        If the token is too short to be one, or the address is not this machine's or taken.
+        If the token is too short, or the address is not this machine's or in use.
     """
     if spec.token and (len(spec.token) < SHORTEST_TOKEN or not spec.token.isascii() or not spec.token.isalnum()):
         raise PalpateError(
@@ -70,7 +70,7 @@ def bind_server(spec: ServeSpec) -> tuple[ServerAddress, socket.socket]:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether an address is reached from this machine alone."""
+    """Whether an address is reachable from this machine only."""
     if host in LOOPBACK:
         return True
     try:
@@ -80,7 +80,7 @@ def is_loopback(host: str) -> bool:
 
 
 def page_url(door: ServerAddress, page: str = "") -> str:
-    """The link that opens a door on a page."""
+    """Return the link to a page with the token."""
     host = f"[{door.host}]" if ":" in door.host else door.host
     return f"http://{host}:{door.port}/{page}" + (f"?token={door.token}" if door.token else "")
 
@@ -91,7 +91,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Parameters
     ----------
     folder
-        Result folder of a study or a search; without one, only the pages that need none show something.
+        Result folder of a study or a search; without one, only pages that need no results are shown.
     spec
         Where to listen.
     announce
@@ -100,7 +100,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Raises
     ------
     PalpateError
-        If there is no such folder, or it holds nothing that can be shown; and as `bind_server`.
+        If the folder does not exist, or contains nothing to show; and as `bind_server`.
     MissingExtraError
         If NiceGUI is not installed.
     """
@@ -115,7 +115,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
 
     if folder is not None and not (is_grid(folder) or is_search(folder) or is_trained_sensor(folder)):
         raise PalpateError(
-            f"{folder} holds no grid, no search and no model that was learnt.", _GIVE, code="results-missing"
+            f"{folder} contains no grid, no search and no model of a recording.", _GIVE, code="results-missing"
         )
     door, listener = bind_server(spec)
     try:

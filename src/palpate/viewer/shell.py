@@ -1,4 +1,4 @@
-"""What of a mesh is drawn: the wall's two surfaces, what is clamped and the cut in the mirror plane, as triangles."""
+"""Drawn surface of a mesh as triangles: outer and inner side, clamped base, and cut."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TRIANGLES = np.concatenate([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])
 
 @dataclass(frozen=True, eq=False)
 class Shell:
-    """Triangles of a skin's wall; of a half one the other half is the mirror image x → −x, a whole one has no cut.
+    """Triangles of a skin; a half skin is completed by the mirror image x → −x, a whole one has no cut.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Shell:
     triangles
         (k, 3) numbers of vertices.
     parts
-        For each of `PARTS` its first triangle and how many there are.
+        First triangle and number of triangles, for each of `PARTS`.
     seam
         (v,) whether a vertex lies in the mirror plane.
     """
@@ -40,7 +40,7 @@ class Shell:
 
 
 def build_shell(mesh: Mesh) -> Shell:
-    """Triangulate what is seen of a mesh; nodes of faces and mid-points all become vertices."""
+    """Triangulate the visible surface of a mesh; nodes of faces and mid-points all become vertices."""
     faces = _cell_faces(mesh)
     pieces = (
         mesh.outer_faces,
@@ -63,7 +63,7 @@ def build_shell(mesh: Mesh) -> Shell:
 
 
 def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -> IntArray:
-    """The same triangles (k, 3), numbers of `nodes`, each counter-clockwise for whoever looks at the silicone."""
+    """Return triangles (k, 3), numbers of `nodes`, counter-clockwise seen from outside the solid."""
     a, b, c = mesh.nodes[nodes][triangles].transpose(1, 0, 2)
     arm = mesh.skin.normal((a + b + c) / 3.0)
     below = a[:, 2:] < mesh.skin.height / 2  # where a skin is open at its far end, that is clamped as well
@@ -75,7 +75,7 @@ def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -
 
 
 def _cell_faces(mesh: Mesh) -> IntArray:
-    """(6 c, 9) faces of the wall's cells, each with its nodes in lexicographic order."""
+    """(6 c, 9) faces of the skin's cells, each with its nodes in lexicographic order."""
     number = np.arange(27).reshape(3, 3, 3)
     sides = [number[0], number[2], number[:, 0], number[:, 2], number[:, :, 0], number[:, :, 2]]
     return np.concatenate([mesh.cells[mesh.filling :, side.reshape(-1)] for side in sides])

@@ -1,4 +1,4 @@
-"""A sketch: a design that somebody is making up on the page, and what is wrong with it."""
+"""Draft of a design on the page, with its findings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from palpate.viewer.results import GridDesign
 from palpate.viewer.shell import build_shell
 
 REST_CELLS = 16
-"""Cells from pole to rim of a dome that is only looked at."""
+"""Cells from pole to rim of a skin that is only displayed."""
 
 
 def _as_skin(given: Any) -> Any:
@@ -38,7 +38,7 @@ def _as_skin(given: Any) -> Any:
 
 
 class DesignDraft(Spec):
-    """A design with the press that is asked of it, and how it is made."""
+    """Design with its press and its fabrication settings."""
 
     skin: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
     markers: MarkerSpec = MarkerSpec()
@@ -55,7 +55,7 @@ class DesignDraft(Spec):
 
 @dataclass(frozen=True, eq=False)
 class DesignPreview:
-    """A sketch as it is shown: the design, its dome at rest, and what was found about it, errors first."""
+    """Displayed draft: the design, its skin at rest, and findings, errors first."""
 
     design: GridDesign
     specimen: RenderedSkin
@@ -63,12 +63,12 @@ class DesignPreview:
 
 
 def build_preview(sketch: DesignDraft) -> DesignPreview:
-    """Build the dome of a sketch at rest and check it, in milliseconds.
+    """Build the skin of a draft at rest and check it, in milliseconds.
 
     Raises
     ------
     PalpateError
-        If the dome cannot be built or its markers not be placed on it.
+        If the skin cannot be built or its markers cannot be placed.
     """
     skin, layout, camera = sketch.design.skin, sketch.design.layout, sketch.design.camera
     if not layout.on_dome.all():
@@ -91,7 +91,7 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
 
 
 def sketch_row(sketch: DesignDraft) -> dict[str, float | int | str | None]:
-    """The figures of a sketch that a grid would have as well."""
+    """Return the figures of a draft that a grid has as well."""
     return {
         "height_mm": sketch.skin.height,
         "base_radius_mm": sketch.skin.base_radius,
@@ -101,7 +101,7 @@ def sketch_row(sketch: DesignDraft) -> dict[str, float | int | str | None]:
 
 
 def bounds_of(spec: type[BaseModel], name: str) -> tuple[float, float]:
-    """Least and greatest value of a spec's field, as declared there; infinite where nothing is."""
+    """Minimum and maximum of a spec's field, as declared; infinite if undeclared."""
     low, high = -np.inf, np.inf
     for item in spec.model_fields[name].metadata:
         low = max(low, *(float(_bound(item, word, -np.inf)) for word in ("ge", "gt")))

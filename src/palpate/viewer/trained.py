@@ -1,4 +1,4 @@
-"""What `palpate recording train` left in a folder: a model, and the data and pictures of its report."""
+"""Result of `palpate recording train` in a folder: a model, and data and figures of its report."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from palpate.learn import RecordedModel, is_recorded_model, read_model
 MODEL = "model.h5"
 _AGAIN = "Make it again by palpate recording train."
 PICTURES = {
-    "correspondence.png": "Dots of six images, with their ways from rest",
-    "errors.png": "Errors over the truth, and over the presses that taught",
+    "correspondence.png": "Markers of six images, with their displacements",
+    "errors.png": "Errors by true value, and by number of training presses",
 }
-"""Pictures of a report, and what they show."""
+"""Figures of a report, with their captions."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrainedSensor:
-    """A folder of `palpate recording train`.
+    """Folder of `palpate recording train`.
 
     Attributes
     ----------
     folder
-        It.
+        The folder.
     model
-        What reads images.
+        The estimator of images.
     report
-        Data of the report, as `palpate.learn.recording_report` gives them.
+        Data of the report, from `palpate.learn.recording_report`.
     """
 
     folder: Path
@@ -39,17 +39,17 @@ class TrainedSensor:
 
     @property
     def pictures(self) -> dict[str, Path]:
-        """Files of the pictures that are there, by name."""
+        """Existing figures by name."""
         return {name: self.folder / name for name in PICTURES if (self.folder / name).is_file()}
 
 
 def is_trained_sensor(folder: Path) -> bool:
-    """Whether a folder holds a model that was learnt from a recording."""
+    """Whether a folder contains a model trained on a recording."""
     return (folder / MODEL).is_file() and is_recorded_model(folder / MODEL)
 
 
 def read_trained_sensor(folder: Path) -> TrainedSensor:
-    """Read what `palpate recording train` left.
+    """Read the result of `palpate recording train`.
 
     Raises
     ------
@@ -67,18 +67,18 @@ def read_trained_sensor(folder: Path) -> TrainedSensor:
 
 
 def error_columns(sensor: TrainedSensor) -> list[str]:
-    """Heads of the table of errors."""
+    """Headings of the table of errors."""
     names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in sensor.model.outputs]
     return ["estimator", "images read", *(f"{name}: RMSE" for name in names), *(f"{name}: most" for name in names)]
 
 
 def error_rows(sensor: TrainedSensor) -> list[list[str]]:
-    """The table of errors on held-out presses, an estimator a row; the one that is kept first.
+    """Table of errors on held-out presses, an estimator a row, the selected one first.
 
     Raises
     ------
     PalpateError
-        If the report lacks what a row needs.
+        If the report is incomplete.
     """
     axes = [axis for axis, _, _ in sensor.model.outputs]
     try:

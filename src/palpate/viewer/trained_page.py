@@ -1,4 +1,4 @@
-"""The page of a sensor that was learnt from a recording: what every estimator reads, and how its dots were found."""
+"""Page of a sensor trained on a recording: errors of the estimators, and marker assignment."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from palpate.viewer.trained import PICTURES, TrainedSensor, error_columns, error
 
 
 class TrainedPage:
-    """One visitor's report.
+    """Report of one visitor.
 
     Parameters
     ----------
     sensor
         The folder of `palpate recording train`.
     request
-        Of the page.
+        Request of the page.
     """
 
     def __init__(self, sensor: TrainedSensor, request: Request) -> None:
@@ -28,10 +28,10 @@ class TrainedPage:
         """Place the report."""
         report, about = self._learnt.report, self._learnt.model.about
         with ui.element("div").classes("report"):
-            heading(f"What the recording {about['recording']} gave")
+            heading(f"Results of the recording {about['recording']}")
             ui.label(
-                f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
-                f"{about['validation']} chose, {about['test']} judged. No press is in two of these."
+                f"{about['images']} images of {about['presses']} presses: {about['train']} training images, "
+                f"{about['validation']} for validation, {about['test']} test images. No press is in two sets."
             )
             self._build_errors()
             for sentence in [*report.get("notes", []), report.get("enough", "")]:

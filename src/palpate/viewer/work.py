@@ -1,4 +1,4 @@
-"""Long work of the design page, done in processes of its own: a press, a fabrication pack."""
+"""Long computations of the design page in separate processes: a press, a fabrication pack."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from palpate.viewer.sketch import DesignDraft
 
 
 def press_sketch(sketch: DesignDraft, progress: Progress) -> Press:
-    """Solve the press of a sketch by its obstacle; the cost is the depth, mm."""
+    """Solve the press of a draft by its obstacle; the cost is the depth, mm."""
     mesh = mesh_skin(sketch.design.skin, sketch.material.mesh(MeshSpec()))
     wall, what = sketch.obstacle, "press"
     progress.plan(wall.depth)
@@ -23,7 +23,7 @@ def press_sketch(sketch: DesignDraft, progress: Progress) -> Press:
 
 
 def pack_sketch(sketch: DesignDraft, progress: Progress) -> bytes:
-    """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
+    """Make the fabrication pack of a draft as a zip file, without progress reports."""
     with tempfile.TemporaryDirectory(prefix="palpate-pack-") as name:
         folder, archive = Path(name) / "pack", Path(name) / "pack.zip"
         write_pack(folder, sketch.design, sketch.process)

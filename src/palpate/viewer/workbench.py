@@ -1,6 +1,6 @@
-"""The workbench: a sketch on the stage, pressed by the real solver, and made as a fabrication pack.
+"""Workbench: a draft on the stage, pressed by the solver, and exported as a fabrication pack.
 
-The design page shows on it what its fields say, the page of a search the design that was clicked.
+The design page shows the design of its fields on it, the page of a search the selected design.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ _WALL = (("tilt_deg", "Tilt", 0.5), ("azimuth_deg", "Azimuth", 5.0), ("depth", "
 
 
 class Workbench:
-    """One visitor's workbench.
+    """Workbench of one visitor.
 
     Parameters
     ----------
     shelf
-        Where the drawn design is put for the browser to ask for.
+        Cache from which the browser requests the design.
     head
-        Of the page.
+        Header of the page.
     """
 
     def __init__(self, shelf: DesignCache, head: PageHeader) -> None:
@@ -111,7 +111,7 @@ class Workbench:
     def build_right(self) -> None:
         """Place the camera's view, findings and the force."""
         with ui.element("div").classes("card"):
-            heading("What the camera sees")
+            heading("Camera image")
             CameraView("a", "The design")
         with ui.element("div").classes("card"):
             heading("Findings")
@@ -122,7 +122,7 @@ class Workbench:
             self._force_note = ui.label("Not pressed yet.").classes("faint").props('data-testid="force-note"')
 
     def show(self, chosen: Mapping[str, Any]) -> None:
-        """Draw the sketch of these parts at rest; what cannot be drawn is reported, and the last one stays."""
+        """Draw the draft of these parts at rest; an error is reported and keeps the previous drawing."""
         try:
             self._sketch = DesignDraft.model_validate(chosen)
             self._drawn = build_preview(self._sketch)
@@ -137,7 +137,7 @@ class Workbench:
         self._draw_force()
 
     def complain(self, sentence: str, code: str = "") -> None:
-        """Show a sentence in place, or nothing; `code` names the kind of error."""
+        """Show an error message in place, or nothing; `code` names the kind of error."""
         show_error(self._fault, sentence, code)
 
     def _show_findings(self, findings: tuple[Finding, ...]) -> None:
@@ -236,5 +236,5 @@ def _describe(error: PalpateError | ValidationError) -> str:
 
 
 def code_of(error: PalpateError | ValidationError) -> str:
-    """The code of an error; that of a spec is the type of its first fault."""
+    """Return the code of an error; of a validation error, the type of its first fault."""
     return error.code if isinstance(error, PalpateError) else str(error.errors()[0]["type"])

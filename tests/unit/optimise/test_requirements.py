@@ -216,7 +216,7 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     control = json.loads((tmp_path / "front.json").read_text())["random_skins"]
     assert [control[name]["p95_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
     picture = (tmp_path / "search.svg").read_text()
-    check_values(picture, "chance", "H20 T2", 37)
+    check_values(picture, "random search", "H20 T2", 37)
     alone = report(Front(SPEC, TRIED), compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "")
     assert not any(line.startswith(("* chance,", "* grid,")) for line in alone.splitlines())
 

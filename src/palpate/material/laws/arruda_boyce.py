@@ -1,6 +1,6 @@
-"""Arruda and Boyce's law: eight chains that lock where they are drawn straight.
+"""Arruda and Boyce's law: eight chains that lock at their full length.
 
-The inverse Langevin function stands by the first five terms of its series, as in Abaqus and CalculiX.
+The inverse Langevin function is replaced by the first five terms of its series, as in Abaqus and CalculiX.
 
 Reference: Arruda & Boyce, *J. Mech. Phys. Solids* 41 (1993) 389.
 """
@@ -63,10 +63,10 @@ class ArrudaBoyce(Law):
         return replace(self, mu=self.mu * modulus)
 
     def deck(self) -> DeckLine:
-        """The same series and the same mu, the factor before it: not Abaqus' mu_0, the initial shear modulus.
+        """Return the same series with the same factor mu, not Abaqus' initial shear modulus mu_0.
 
-        Their volumetric part beside this law alone is ``((J² - 1) / 2 - ln J) / D``: with ``D = 2 / K`` it is ours up
-        to the third order in ``J - 1``.
+        The volumetric part of Abaqus is ``((J² - 1) / 2 - ln J) / D`` for this law only: with ``D = 2 / K`` it agrees
+        with palpate's to the third order in ``J - 1``.
         """
         return DeckLine("ARRUDA-BOYCE", (self.mu, self.lm))
 

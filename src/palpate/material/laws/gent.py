@@ -1,4 +1,4 @@
-"""Gent's law: chains that lock where they are drawn straight.
+"""Gent's law: chains that lock at their full length.
 
 Reference: Gent, *Rubber Chem. Technol.* 69 (1996) 59.
 """
@@ -27,7 +27,7 @@ class Gent(Law):
     mu
         Initial shear modulus, MPa.
     Jm
-        Greatest ``I1 - 3``.
+        Maximum of ``I1 - 3``.
     """
 
     name: ClassVar[str] = "gent"
@@ -39,7 +39,7 @@ class Gent(Law):
         if not 0 < self.Jm < np.inf:
             raise PalpateError(
                 f"Gent's Jm is {self.Jm:g}.",
-                "It is the greatest I1 - 3: give a positive number.",
+                "It is the maximum of I1 - 3: give a positive number.",
                 code="law-constant-not-positive",
             )
 

@@ -1,4 +1,4 @@
-"""What laws in the invariants share: ``b_bar`` and the step from ``tau_f`` to stress and tangent, compiled.
+"""Common parts of laws in the invariants: ``b_bar``, and stress and tangent from ``tau_f``, compiled.
 
 With ``b_bar = J**(-2/3) F F^T`` the isochoric Kirchhoff stress of a function of the invariants
 ``I1 = tr(b_bar)`` and ``I2 = (I1² - tr(b_bar²)) / 2`` is (Holzapfel 2000, eqs. 6.90-6.110, in spatial form)
@@ -65,7 +65,7 @@ def add_projector(trace: float, tau: FloatArray, c: FloatArray) -> None:
 
 @kernel
 def first_invariant(W1: float, W11: float, b: FloatArray, tau: FloatArray, c: FloatArray) -> None:
-    """Write stress tau (6,) and tangent c (6, 6) of a function of I1 alone with the derivatives W1, W11 at b (6,)."""
+    """Write stress tau (6,) and tangent c (6, 6) of a function of I1 with derivatives W1, W11 at b (6,)."""
     for p in range(6):
         tau[p] = 2.0 * W1 * b[p]
         for q in range(6):

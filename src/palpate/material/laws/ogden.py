@@ -28,12 +28,12 @@ _EQUAL = 1e-6
 @final
 @dataclass(frozen=True)
 class Ogden(Law):
-    """Ogden: ``W = sum_k mu_k / alpha_k (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3)`` in isochoric stretches.
+    """Ogden: ``W = sum_k mu_k / alpha_k (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3)``, isochoric.
 
     Attributes
     ----------
     mu1, mu2, mu3
-        Moduli, MPa; `None` where there is no such term.
+        Moduli, MPa; `None` for a missing term.
     alpha1, alpha2, alpha3
         Exponents, not zero.
     """
@@ -88,7 +88,7 @@ class Ogden(Law):
         return replace(self, **moduli)
 
     def deck(self) -> DeckLine:
-        """Theirs is ``W = sum 2 mu_k / alpha_k² (…)``, so ``mu_deck = mu alpha / 2``."""
+        """Return the deck form ``W = sum 2 mu_k / alpha_k² (…)``, hence ``mu_deck = mu alpha / 2``."""
         pairs = tuple(value for mu, alpha in self.terms for value in (mu * alpha / 2, alpha))
         return DeckLine(f"OGDEN, N={len(self.terms)}", pairs, len(self.terms))
 
@@ -130,8 +130,8 @@ class OgdenModel(Model):
     def starts(self, principal: FloatArray, largest_exponent: float) -> list[tuple[FloatArray, FloatArray]]:
         """One box for each choice of signs, and in each a start from small exponents to large ones.
 
-        Planar tension cannot tell a term from that with both constants negated. The positive exponent is taken: at
-        the same I1 it asks for far less stress in the other modes.
+        Planar tension does not distinguish a term from that with both constants negated. The positive exponent is
+        taken: at the same I1 it gives far less stress in the remaining modes.
         """
         ladders = (1.3, 2.0, 4.0, 8.0, 0.4 * largest_exponent)
         found = []

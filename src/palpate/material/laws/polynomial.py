@@ -1,4 +1,4 @@
-"""Polynomials in the invariants, ``W = sum C_ij (I1 - 3)^i (I2 - 3)^j``: neo-Hooke, Mooney–Rivlin, Yeoh.
+"""Polynomials in the invariants, ``W = sum C_ij (I1 - 3)^i (I2 - 3)^j``.
 
 Reference: Rivlin & Saunders, *Phil. Trans. R. Soc. A* 243 (1951) 251.
 """

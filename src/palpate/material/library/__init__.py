@@ -1,4 +1,4 @@
-"""Materials with a pedigree: one file each, named author-year with the elastomer."""
+"""Materials with a reference: one file each, named author-year with the elastomer."""
 
 from __future__ import annotations
 
