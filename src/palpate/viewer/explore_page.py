@@ -69,7 +69,7 @@ class ExplorePage:
         )
         with (
             ui.button("Export", icon="download").props(
-                'flat dense no-caps aria-label="Export what is seen" data-testid="export"'
+                'flat dense no-caps aria-label="Export the view" data-testid="export"'
             ),
             ui.menu(),
         ):
