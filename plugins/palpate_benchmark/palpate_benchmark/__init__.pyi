@@ -1,4 +1,4 @@
-"""Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
+"""Benchmark: open data set of images of built units, hidden test labels, scores and five baselines."""
 
 from palpate_benchmark.make_benchmark import BenchmarkFiles, make_benchmark
 from palpate_benchmark.predictions import Predictions, read_predictions, write_predictions

@@ -1,4 +1,4 @@
-"""What networks and ridge read: how far dots moved since rest, on the design's image at rest, with gaps filled."""
+"""Input of the baselines on markers: motion since rest, added to the rest image of the design."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ _NEIGHBOURS = 6
 
 
 def design_rest(benchmark: BenchmarkSet, design: BenchmarkDesign) -> FloatArray:
-    """Dots (m, 2) px of a design as built without a fault, at rest."""
+    """Return the marker positions (m, 2) px of the nominal design at rest."""
     layout = place_markers(build_skin(design.skin), design.marker_layout)
     return build_camera(benchmark.spec.camera).project(layout.positions)
 
 
 def align_to_design(found: SplitMarkers, rest_px: FloatArray) -> FloatArray:
-    """Images (n, m, 2) px as the design's camera would see them.
+    """Return images (n, m, 2) px as the camera of the nominal design would see them.
 
-    Displacements since rest are turned and scaled as the unit's image at rest must be to lie on the design's. A dot
-    that is not there moves as the mean of its neighbours.
+    Displacements since rest are rotated and scaled by the similarity that maps the unit's rest image to the design's.
+    A missing marker takes the mean motion of its nearest neighbours.
 
     Parameters
     ----------
     found
         Marker positions of one design.
     rest_px
-        (m, 2) the design's dots at rest.
+        (m, 2) markers of the nominal design at rest.
     """
     images = np.empty_like(found.markers_px)
     for unit in np.unique(found.unit):
@@ -47,14 +47,14 @@ def align_to_design(found: SplitMarkers, rest_px: FloatArray) -> FloatArray:
 
 
 def build_dataset(benchmark: BenchmarkSet, design: BenchmarkDesign, jitter_px: float) -> Dataset:
-    """Images that teach one design, with those that calibrate as held out.
+    """Build the training set of one design; the calibration units are its validation set.
 
     Parameters
     ----------
     benchmark, design
-        Which.
+        Data set, and one of its designs.
     jitter_px
-        What networks are trained with.
+        Jitter of the marker coordinates in training.
     """
     sides: tuple[Split, ...] = ("train", "calibrate")
     rest, camera = design_rest(benchmark, design), benchmark.spec.camera
@@ -78,7 +78,7 @@ def build_dataset(benchmark: BenchmarkSet, design: BenchmarkDesign, jitter_px: f
 
 
 def _fit_turn(seen: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Turn and scale (2, 2), for rows from the right, by which dots (k, 2) come to lie on others, but for a shift."""
+    """Fit the rotation and scale (2, 2) of row vectors that maps points (k, 2) to others, up to a shift."""
     first, second = ((points - points.mean(axis=0)) @ [1.0, 1.0j] for points in (seen, wanted))
     turn = np.vdot(first, second) / np.vdot(first, first)
     return np.array([[turn.real, turn.imag], [-turn.imag, turn.real]])

@@ -1,4 +1,4 @@
-"""`palpate benchmark`: make the open set, judge predictions of it, and run the baselines."""
+"""`palpate benchmark`: make the data set, score predictions, and run the baselines."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from palpate.cli.progress import show_progress
 from palpate.cli.run import WorkerFlags
 from palpate.core.report import Column, Report, write_csv
 
-app = App(name="benchmark", help="An open set of images of built units, the judge of predictions, and baselines.")
+app = App(name="benchmark", help="Open data set of images of built units, scores of predictions, and baselines.")
 
-_SPEC = "YAML file of what the set holds, or a preset: full, tiny."
-_HIDDEN = "Seed of the test's units and of the numbering, which no file of the set tells."
+_SPEC = "YAML file with the contents of the data set, or a preset: full, tiny."
+_HIDDEN = "Seed of the test units and of the image numbers; no file of the set contains it."
 _SET = "Folder of the set: OUT/set of palpate benchmark make."
 _PREDICTIONS = (
-    "Table (.csv) with the columns image, rx_deg, ry_deg, depth_mm, and if wished force_n and half-widths of "
+    "Table (.csv) with the columns image, rx_deg, ry_deg, depth_mm, and optionally force_n and half-widths of "
     "intervals."
 )
 _COUNTS = (
@@ -28,8 +28,8 @@ _COUNTS = (
     Column("images"),
     Column("pictures", "rendered images"),
 )
-_ONLY = "Baselines that are run: ridge, paper, network, twin, picture; without it, all."
-_BASELINES = "YAML file of how baselines are made; without it, as documented, or for a tiny set, in seconds: tiny."
+_ONLY = "Baselines to run: ridge, paper, network, twin, picture; by default all."
+_BASELINES = "YAML file with the settings of the baselines, or tiny for a tiny set; by default as documented."
 
 
 @app.command
@@ -37,14 +37,16 @@ def make(
     spec: Annotated[str, Parameter(help=_SPEC)] = "full",
     *,
     out: Annotated[
-        Path, Parameter(name=("--out", "-o"), help="Result folder; the same command goes on where it was stopped.")
+        Path, Parameter(name=("--out", "-o"), help="Result folder; the same command resumes an interrupted run.")
     ],
-    seed: Annotated[int | None, Parameter(help="Seed of everything; without it, as the spec says.")] = None,
+    seed: Annotated[
+        int | None, Parameter(help="Seed of units, poses, noise and numbers; by default that of the spec.")
+    ] = None,
     hidden_seed: Annotated[int | None, Parameter(help=_HIDDEN)] = None,
     worker_flags: WorkerFlags = WorkerFlags(),
     output: Output = Output(),
 ) -> None:
-    """Write the open set into OUT/set, the same bytes from the same seed."""
+    """Write the data set into OUT/set; the same seed gives the same bytes."""
     from palpate_benchmark import BenchmarkSpec, make_benchmark, read_benchmark_spec
 
     check_folder(out)
@@ -70,12 +72,13 @@ def score(
     *,
     folder: Annotated[Path, Parameter(name="--set", help=_SET)],
     track: Annotated[
-        Literal["markers", "pictures"], Parameter(help="All images of the test, or those that have a picture.")
+        Literal["markers", "pictures"],
+        Parameter(help="Scored images: all of the test (markers), or the rendered ones (pictures)."),
     ] = "markers",
-    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help="File for every figure (.csv).")] = None,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help="File for all scores (.csv).")] = None,
     output: Output = Output(),
 ) -> None:
-    """Judge a table of predictions by the hidden labels."""
+    """Score a table of predictions by the hidden labels."""
     from palpate_benchmark import SCORE_COLUMNS, read_set, score_file, score_report, score_rows
 
     check_file(out, ".csv")
@@ -94,14 +97,14 @@ def baselines(
     *,
     folder: Annotated[Path, Parameter(name="--set", help=_SET)],
     out: Annotated[
-        Path, Parameter(name=("--out", "-o"), help="Result folder; the same command goes on where it was stopped.")
+        Path, Parameter(name=("--out", "-o"), help="Result folder; the same command resumes an interrupted run.")
     ],
     spec: Annotated[str | None, Parameter(help=_BASELINES)] = None,
     only: Annotated[tuple[str, ...], Parameter(help=_ONLY, negative="", consume_multiple=True)] = (),
     worker_flags: WorkerFlags = WorkerFlags(),
     output: Output = Output(),
 ) -> None:
-    """Run five baselines, judge each, and hold them against each other in a table."""
+    """Run five baselines, score each, and compare them in a table."""
     from palpate_benchmark import BASELINES, compare_report, read_baseline_spec, read_set, run_baselines
 
     check_folder(out)

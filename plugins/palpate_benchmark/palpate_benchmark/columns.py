@@ -1,4 +1,4 @@
-"""What the columns of the set's tables are: type, unit and meaning, for the data card and the Croissant metadata."""
+"""Type, unit and meaning of each table column, for the data card and the Croissant metadata."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MEANS = {
 
 
 class Column(NamedTuple):
-    """One column: name, type of Croissant, unit, meaning."""
+    """One column: name, Croissant type, unit and meaning."""
 
     name: str
     kind: str

@@ -1,4 +1,4 @@
-"""The baseline that fits: each image by a twin of the design, with what the unit's image at rest tells of it."""
+"""Baseline that fits each image by a twin, with unit parameters inferred from the rest image."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from palpate_benchmark.spec import BenchmarkDesign
 
 
 def predict_by_fit(benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, progress: Progress) -> Predictions:
-    """Fit every image of the test of one design.
+    """Fit every test image of one design.
 
     Parameters
     ----------
     benchmark, design
-        Which.
+        Data set, and one of its designs.
     twin
-        Of the design's skin; of another mesh than that which the set is drawn from.
+        Twin of the design's skin, on another mesh than the twin behind the data set.
     progress
         Receives each unit.
     """
@@ -47,7 +47,10 @@ def predict_by_fit(benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin,
 
 
 def order_images(found: SplitMarkers, unit: int) -> IntArray:
-    """Rows of a unit's images, each followed by the one most like it that is left: a fit begins by the last."""
+    """Return the rows of a unit's images in an order in which each fit starts from a similar image.
+
+    The first image is the one nearest to rest; each image is followed by the remaining image that is most similar.
+    """
     rows = np.flatnonzero(found.unit == unit)
     moved = np.nan_to_num(found.markers_px[rows] - found.rest_px[unit]).reshape(len(rows), -1)
     left, order = np.ones(len(rows), bool), [int(np.argmin((moved**2).sum(axis=1)))]

@@ -1,8 +1,8 @@
-"""Make the open set: draw every unit, number the images, and write every file, the same bytes each time.
+"""Generation of the data set: simulate every unit, number the images, and write all files.
 
-A unit stands on one side alone: it teaches, calibrates or tests. Images are numbered in a random order over the whole
-set and stand in every file by number, so that neither number nor place tells press or depth. What teaches nobody, the
-labels of the test, stands in files of its own.
+The same spec gives the same bytes. Each unit belongs to one split: train, calibrate or test. Images are numbered in a
+random order over the whole set and sorted by number in every file, so that neither number nor position reveals press
+or depth. The labels of the test are in separate files.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from palpate_benchmark.write_croissant import write_croissant
 
 @dataclass(frozen=True)
 class BenchmarkFiles:
-    """What was made.
+    """Files of a data set.
 
     Attributes
     ----------
     folder
-        Of the set.
+        Folder of the data set.
     counts
-        How much it holds.
+        Numbers of images and presses.
     bytes
-        Of all files together.
+        Size of all files.
     sha256
         Checksum of the list of all files' checksums.
     """
@@ -52,18 +52,18 @@ class BenchmarkFiles:
 def make_benchmark(
     spec: BenchmarkSpec, out: Path, workers: int | None = None, progress: Progress | None = None
 ) -> BenchmarkFiles:
-    """Make the set in ``out/set``; what an earlier run left in ``out/store`` is used.
+    """Make the data set in ``out/set``; results of an earlier run in ``out/store`` are reused.
 
     Parameters
     ----------
     spec
-        What it holds.
+        Contents of the data set.
     out
         Result folder.
     workers
-        Processes; `None`: one a core.
+        Worker processes; `None`: one per core.
     progress
-        Is told how it goes.
+        Receives each task.
 
     Raises
     ------
@@ -75,8 +75,8 @@ def make_benchmark(
     if failed:
         first = next(task for task in tasks if task.recipe.key in failed)
         raise PalpateError(
-            f"{len(failed)} of {len(tasks)} units could not be drawn; {first.name}: {failed[first.recipe.key]}",
-            "Change the designs or the twin's presses; the same command goes on.",
+            f"{len(failed)} of {len(tasks)} units could not be simulated; {first.name}: {failed[first.recipe.key]}",
+            "Change the designs or the twin's presses, and run the same command again.",
             code="units-not-drawn",
         )
     store, folder = ArtefactStore(out / "store"), out / SET
@@ -116,7 +116,7 @@ def _read(store: ArtefactStore, task: BenchmarkUnitTask) -> UnitImages:
 
 
 def _number(spec: BenchmarkSpec) -> Sequence[IntArray]:
-    """Numbers of the images of every unit, in a random order over all."""
+    """Draw the image numbers of every unit, in a random order over all units."""
     each, count = spec.presses * spec.images, spec.units * len(spec.designs)
     seed = spec.seed if spec.hidden_seed is None else child_seed(spec.hidden_seed, "numbers")
     order = generator(seed, "numbers").permutation(each * count)
@@ -124,5 +124,5 @@ def _number(spec: BenchmarkSpec) -> Sequence[IntArray]:
 
 
 def _press_number(spec: BenchmarkSpec, place: int) -> int:
-    """Number of the first press of the unit at this place of all."""
+    """Return the number of the first press of the unit at this position."""
     return place * spec.presses

@@ -1,4 +1,4 @@
-"""Specs of the set and of its baselines by the name of a preset, or from a YAML file."""
+"""Specs of the data set and of its baselines, from a preset or a YAML file."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ Given = TypeVar("Given", bound=Spec)
 
 
 def read_benchmark_spec(source: str) -> BenchmarkSpec:
-    """What a set holds, by the name of a preset or from a YAML file.
+    """Read the spec of a data set from a preset or a YAML file.
 
     Raises
     ------
     PalpateError
-        If there is neither, or the file is no valid one.
+        If the source is neither, or the file is invalid.
     """
     if source in PRESETS:
         return PRESETS[source]
-    return _read(source, BenchmarkSpec, f"The presets are {', '.join(PRESETS)}.")
+    return _read(source, BenchmarkSpec, f"Choose one of {', '.join(PRESETS)}, or give a YAML file.")
 
 
 def read_baseline_spec(source: str | None) -> BaselineSpec:
-    """How baselines are made: as documented, in seconds (``tiny``), or by a YAML file.
+    """Read the settings of the baselines: the default, the preset ``tiny``, or a YAML file.
 
     Raises
     ------
     PalpateError
-        If there is no such file, or it is no valid one.
+        If the file is missing or invalid.
     """
     if source is None:
         return BaselineSpec()
     if source == "tiny":
         return TINY_BASELINES
-    return _read(source, BaselineSpec, "Leave it out, or give tiny.")
+    return _read(source, BaselineSpec, "Omit it, or give tiny or a YAML file.")
 
 
 def _read(source: str, kind: type[Given], hint: str) -> Given:
@@ -46,6 +46,6 @@ def _read(source: str, kind: type[Given], hint: str) -> Given:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise PalpateError(
-            f"There is neither a preset nor a readable file '{source}'.", hint, code="preset-unknown"
+            f"'{source}' is neither a preset nor a readable file.", hint, code="preset-unknown"
         ) from error
     return read_spec(path, text, kind, hint)

@@ -1,4 +1,4 @@
-"""Read a set: marker positions, labels and pictures of one side."""
+"""Reading of a data set: marker positions, labels and rendered images by split."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _AGAIN = "Give the folder 'set' that palpate benchmark make wrote."
 
 @dataclass(frozen=True, eq=False)
 class SplitTable:
-    """What the tables say of one side, a row an image, by rising number.
+    """Labels of one split, one row per image, by ascending image number.
 
     Attributes
     ----------
     image, unit, press
         (n,) numbers.
     design, picture, branch
-        (n,) name of the design, of the picture (empty: none), and of the state.
+        (n,) name of the design, of the rendered image (empty if not rendered), and of the branch.
     labels
         (n, 6) by `LABELS`.
     """
@@ -51,16 +51,16 @@ class SplitTable:
 
 @dataclass(frozen=True, eq=False)
 class SplitMarkers:
-    """Marker positions of one design and side.
+    """Marker positions of one design and split.
 
     Attributes
     ----------
     image, unit
-        (n,) numbers, images rising.
+        (n,) numbers; those of images are ascending.
     markers_px
-        (n, m, 2); NaN for a dot that is not there.
+        (n, m, 2); NaN for a missing marker.
     rest_px
-        Of each unit (m, 2), by its number.
+        Rest positions (m, 2) by unit number.
     """
 
     image: IntArray
@@ -71,25 +71,25 @@ class SplitMarkers:
 
 @dataclass(frozen=True)
 class BenchmarkSet:
-    """A set on disk."""
+    """A data set on disk."""
 
     folder: Path
     spec: BenchmarkSpec
 
     def table(self, split: Split) -> SplitTable:
-        """Labels of one side; those of the test are read from the hidden file.
+        """Return the labels of one split; those of the test are read from the hidden file.
 
         Raises
         ------
         PalpateError
-            If a table is missing or broken.
+            If a table is missing or damaged.
         """
         sight = _read_columns(self.folder / f"{split}.csv")
         told = _read_columns(self.folder / HIDDEN) if split == "test" else sight
         try:
             if told["image"] != sight["image"]:
                 raise PalpateError(
-                    f"{HIDDEN} does not have the images of {split}.csv.", _AGAIN, code="benchmark-images-differ"
+                    f"{HIDDEN} and {split}.csv have different image numbers.", _AGAIN, code="benchmark-images-differ"
                 )
             return SplitTable(
                 image=np.array(sight["image"], int),
@@ -102,16 +102,18 @@ class BenchmarkSet:
             )
         except (KeyError, ValueError) as error:
             raise PalpateError(
-                f"The tables of {split} in {self.folder} are broken: {error}.", _AGAIN, code="benchmark-table-damaged"
+                f"The tables of {split} in {self.folder} are damaged: {error}.",
+                _AGAIN,
+                code="benchmark-table-damaged",
             ) from error
 
     def markers(self, split: Split, design: str) -> SplitMarkers:
-        """Marker positions of one design on one side.
+        """Return the marker positions of one design and split.
 
         Raises
         ------
         PalpateError
-            If the file is missing or broken.
+            If the file is missing or damaged.
         """
         path = self.folder / f"{split}.h5"
         try:
@@ -127,16 +129,18 @@ class BenchmarkSet:
                 )
         except (OSError, KeyError, ValueError) as error:
             raise PalpateError(
-                f"{path} holds no marker positions of {design}: {error}.", _AGAIN, code="benchmark-markers-damaged"
+                f"{path} has no readable marker positions of {design}: {error}.",
+                _AGAIN,
+                code="benchmark-markers-damaged",
             ) from error
 
     def pictures(self, split: Split, names: Sequence[str], size: tuple[int, int]) -> NDArray[np.uint8]:
-        """Pictures (n, h, w) of one side, shrunk to a size (h, w).
+        """Return rendered images (n, h, w) of one split, resized to (h, w).
 
         Raises
         ------
         PalpateError
-            If a picture is missing or broken.
+            If an image is missing or damaged.
         """
         cv2, path, found = load_opencv(), self.folder / f"{split}_pictures.zip", []
         try:
@@ -152,12 +156,12 @@ class BenchmarkSet:
 
 
 def read_set(folder: Path) -> BenchmarkSet:
-    """Open a set.
+    """Open a data set.
 
     Raises
     ------
     PalpateError
-        If the folder holds none.
+        If the folder does not contain one.
     """
     try:
         digest(folder / CHECKSUMS)
@@ -165,7 +169,7 @@ def read_set(folder: Path) -> BenchmarkSet:
         return BenchmarkSet(folder, BenchmarkSpec.model_validate(content))
     except (OSError, ValueError, ValidationError) as error:
         raise PalpateError(
-            f"{folder} holds no benchmark: its spec.json or SHA256SUMS cannot be read.",
+            f"{folder} is not a benchmark data set: its spec.json or SHA256SUMS cannot be read.",
             _AGAIN,
             code="benchmark-missing",
         ) from error
@@ -178,5 +182,7 @@ def _read_columns(path: Path) -> dict[str, list[str]]:
     except (OSError, ValueError, csv.Error) as error:
         raise PalpateError(f"{path} cannot be read.", _AGAIN, code="benchmark-file-unreadable") from error
     if any(len(row) != len(head) for row in rows) or not rows:
-        raise PalpateError(f"{path} is no whole table.", _AGAIN, code="benchmark-table-damaged")
+        raise PalpateError(
+            f"{path} has no rows, or rows of different lengths.", _AGAIN, code="benchmark-table-damaged"
+        )
     return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))

@@ -1,4 +1,4 @@
-"""Run the five baselines, each kept under what it was made from, and hold them against each other."""
+"""Run and comparison of the five baselines; each is stored under its recipe."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ from palpate_benchmark.trained_baselines import LEARNERS, predict_by_images, pre
 from palpate_benchmark.unit_task import plan_design_twin
 
 BASELINES = {
-    "ridge": "ridge regression on dots",
-    "paper": "the paper's perceptron on dots",
-    "network": "our network on dots",
-    "twin": "fit by a twin",
-    "picture": "network on pictures",
+    "ridge": "ridge regression on markers",
+    "paper": "the paper's perceptron on markers",
+    "network": "palpate's network on markers",
+    "twin": "fit of a twin",
+    "picture": "network on images",
 }
-"""Names and words of the baselines."""
+"""Labels of the baselines, by name."""
 _STAGES = {
     "paper": ("estimator",),
     "network": ("estimator",),
     "twin": ("press", "twin"),
     "picture": ("recorded_estimator",),
 }
-"""Stages that decide the predictions of each, in addition to `baseline`."""
+"""Stages that determine the predictions of each, in addition to `baseline`."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Desk:
-    """What a baseline is made with."""
+    """Inputs of the baselines."""
 
     benchmark: BenchmarkSet
     spec: BaselineSpec
@@ -76,37 +76,37 @@ def run_baselines(
 ) -> dict[str, list[BenchmarkScore]]:
     """Make predictions ``out/NAME.csv`` and the tables ``out/baselines.md``, ``.csv`` and ``.json``.
 
-    What an earlier run left in ``out/store`` is used.
+    Results of an earlier run in ``out/store`` are reused.
 
     Parameters
     ----------
     benchmark
-        With its hidden labels, by which they are judged.
+        Data set with its hidden labels, which give the scores.
     spec
-        How they are made.
+        Settings of the baselines.
     out
         Result folder.
     only
         Names of `BASELINES`; empty: all.
     workers
-        Processes that solve the presses of twins; `None`: one a core.
+        Processes that solve the presses of twins; `None`: one per core.
     progress
         Receives each unit, each epoch and each baseline.
 
     Returns
     -------
     dict[str, list[BenchmarkScore]]
-        By name, the score of each track.
+        Score of each track, by name.
 
     Raises
     ------
     PalpateError
-        If a name is unknown, the set is broken, or files cannot be written.
+        If a name is unknown, the data set is damaged, or files cannot be written.
     """
     unknown = [name for name in only if name not in BASELINES]
     if unknown:
         raise PalpateError(
-            f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.", code="baseline-unknown"
+            f"Unknown baseline '{unknown[0]}'.", f"Choose from {', '.join(BASELINES)}.", code="baseline-unknown"
         )
     desk = _Desk(benchmark, spec, out, workers, progress or Progress())
     scores: dict[str, list[BenchmarkScore]] = {}
@@ -123,7 +123,7 @@ def run_baselines(
 
 
 def _make(desk: _Desk, name: str) -> Predictions:
-    """Predictions of all designs; a part that is in the store is read."""
+    """Make the predictions of all designs; parts in the store are reused."""
     designs = {design.name: design for design in desk.benchmark.spec.designs}
     parts = ["all"] if name == "picture" else list(designs)
     found = []
@@ -159,7 +159,7 @@ def _fit(desk: _Desk, part: str) -> Predictions:
     if failed:
         raise PalpateError(
             f"The twin of {part} could not be made: {next(iter(failed.values()))}",
-            "Change its presses.",
+            "Change the presses of the twin in the settings of the baselines.",
             code="twin-not-made",
         )
     return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.progress)

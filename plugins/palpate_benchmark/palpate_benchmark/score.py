@@ -1,6 +1,7 @@
-"""The judge: how far predictions are off, over all images and by unit, design, friction, depth and state.
+"""Scores of predictions: errors over all images and by unit, design, friction, depth and branch.
 
-Of the angle, rx and ry are pooled. *19 of 20* is the least error that nineteen of twenty values stay below or at.
+Errors of rx and ry are pooled as the angle. The 95th percentile is the smallest error that at least 95 % of them do
+not exceed.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from palpate_benchmark.unit_images import LABELS
 
 Track = Literal["markers", "pictures"]
 FRICTIONS = (0.0, 0.5, 1.0, np.inf)
-"""Coefficients of friction between which images are judged apart."""
+"""Limits of the friction coefficient between groups of images."""
 _NINETEEN = 0.95
 _PARTS = {"angle": POSE[:2], "depth": POSE[2:], "force": (FORCE,)}
-"""What is judged, and the columns that are pooled for it."""
+"""Quantities that are scored, with the columns that are pooled for each."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +34,9 @@ class ErrorLine:
     Attributes
     ----------
     rmse, max, p95
-        Root mean square, greatest, and what 19 of 20 values stay below; degrees, mm or N.
+        Root mean square, maximum and 95th percentile; degrees, mm or N.
     coverage, half_width
-        Share of true values in the given intervals, and their mean half-width; nan without intervals.
+        Share of true values in the given intervals, and their mean half-width; NaN without intervals.
     """
 
     rmse: float
@@ -52,11 +53,12 @@ class ScoreLine:
     Attributes
     ----------
     by, name
-        What the images have in common: ``all``, ``design``, ``unit``, ``friction``, ``depth_mm`` or ``branch``.
+        Property that the images share (``all``, ``design``, ``unit``, ``friction``, ``depth_mm`` or ``branch``), and
+        its value.
     images
-        How many.
+        Number of images.
     parts
-        Errors of ``angle`` (degrees), ``depth`` (mm) and, where it was predicted, ``force`` (N).
+        Errors of ``angle`` (degrees), ``depth`` (mm) and, if predicted, ``force`` (N).
     """
 
     by: str
@@ -71,14 +73,14 @@ class ScoreLine:
 
 @dataclass(frozen=True)
 class BenchmarkScore:
-    """What a table of predictions is worth.
+    """Scores of a table of predictions.
 
     Attributes
     ----------
     track
-        Which images were judged.
+        Images that were scored.
     lines
-        The first is over all of them.
+        Errors by group; the first group is all images.
     """
 
     track: Track
@@ -86,12 +88,12 @@ class BenchmarkScore:
 
     @property
     def all(self) -> ScoreLine:
-        """Over all images."""
+        """Errors over all images."""
         return self.lines[0]
 
     @property
     def worst_unit_p95_deg(self) -> float:
-        """Greatest angle, of all units, below which 19 of 20 values of the unit stay, degrees."""
+        """Maximum over units of the 95th percentile of the unit's angle errors, degrees."""
         return max(line.parts["angle"].p95 for line in self.lines if line.by == "unit")
 
     def as_dict(self) -> dict[str, Any]:
@@ -101,26 +103,26 @@ class BenchmarkScore:
 
 
 def score_file(benchmark: BenchmarkSet, path: Path, track: Track = "markers") -> BenchmarkScore:
-    """Judge a table of predictions; see `score_predictions`."""
+    """Score a table of predictions; see `score_predictions`."""
     return score_predictions(benchmark, read_predictions(path), track)
 
 
 def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: Track = "markers") -> BenchmarkScore:
-    """Judge predictions of the test.
+    """Score predictions of the test.
 
     Parameters
     ----------
     benchmark
-        With its hidden labels.
+        Data set with its hidden labels.
     predictions
-        One of every image of the track.
+        One prediction of each image of the track.
     track
-        All images of the test, or those that have a picture.
+        All images of the test (``markers``), or the rendered ones (``pictures``).
 
     Raises
     ------
     PalpateError
-        If images are missing, there twice or unknown, or the labels cannot be read.
+        If images are missing, repeated or unknown, or the labels cannot be read.
     """
     truth = select_track(benchmark.table("test"), track)
     found = predictions.rows(truth.image, f"the track {track}")
@@ -141,24 +143,26 @@ def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: 
 
 
 def select_track(truth: SplitTable, track: Track) -> SplitTable:
-    """The rows of a track.
+    """Select the rows of a track.
 
     Raises
     ------
     PalpateError
-        If no image has a picture.
+        If no image is rendered.
     """
     if track == "markers":
         return truth
     rows = truth.picture != ""
     if not rows.any():
-        raise PalpateError("The set has no pictures.", "Give --track markers.", code="benchmark-no-pictures")
+        raise PalpateError(
+            "The data set has no rendered images.", "Give --track markers.", code="benchmark-no-pictures"
+        )
     names = ("image", "unit", "press", "design", "picture", "branch", "labels")
     return SplitTable(**{name: getattr(truth, name)[rows] for name in names})
 
 
 def _groups(truth: SplitTable) -> Iterator[tuple[str, str, BoolArray]]:
-    """Groups of images: what they have in common, by what name, and which they are (n,)."""
+    """Yield groups of images: the property that they share, its value, and a mask (n,)."""
     friction, depth = (truth.labels[:, LABELS.index(name)] for name in ("friction", "depth_mm"))
     yield "all", "all", np.ones(len(truth), bool)
     for design in np.unique(truth.design):

@@ -1,4 +1,4 @@
-"""Scores as tables: for a page, and for other programs."""
+"""Tables of scores, for pages and for other programs."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ _COMPARED = (
 
 
 def score_rows(score: BenchmarkScore) -> list[list[str]]:
-    """A row a group, by `SCORE_COLUMNS`; empty where nothing was predicted."""
+    """Return one row per group, by `SCORE_COLUMNS`; cells are empty if a quantity was not predicted."""
     return [_row(line) for line in score.lines]
 
 
 def score_report(title: str, score: BenchmarkScore) -> Report:
-    """Scores of one method, a row a group; intervals are not needed first."""
+    """Return the scores of one method, one row per group; columns of intervals are details."""
     details = [name for name in SCORE_COLUMNS if name.endswith(("in interval", "half-width"))]
     return Report.of(title, SCORE_COLUMNS, score_rows(score), details=details)
 
 
 def compare_report(scores: Mapping[str, Iterable[BenchmarkScore]]) -> Report:
-    """Scores of several methods, a row a method and track."""
+    """Return the scores of several methods, one row per method and track."""
     rows = [_compare(name, score) for name, own in scores.items() for score in own]
     return Report.of("", (Column("method", prose=True), *_COMPARED), rows, details=_DETAILS)
 

@@ -1,4 +1,4 @@
-"""The files of the set: marker positions in HDF5, labels and tables in CSV, pictures in one archive, checksums."""
+"""Files of the data set: HDF5 marker positions, CSV tables, archives of images, and checksums."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from palpate_benchmark.spec import BenchmarkDesign, BenchmarkSpec, Split
 from palpate_benchmark.unit_images import LABELS, UnitImages
 
 SET = "set"
-"""Folder of the set in a result folder."""
+"""Folder of the data set in a result folder."""
 CHECKSUMS, HIDDEN, HIDDEN_UNITS = "SHA256SUMS", "hidden.csv", "hidden_units.csv"
 SIGHT_COLUMNS = ("image", "design", "unit", "picture")
 LABEL_COLUMNS = ("press", *LABELS, "branch")
 MADE = ("modulus", *UNIT_PARAMETERS, "print_shift_x", "print_shift_y", "missing")
-"""Numbers of a unit's `Deviation` that its images or forces depend on."""
+"""Fields of a unit's `Deviation` that affect its images or forces."""
 _ROWS = 256
-"""Images of a chunk of the marker positions."""
+"""Images per chunk of the marker positions."""
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True, eq=False)
 class SplitPart:
-    """One unit in the set.
+    """One unit in the data set.
 
     Attributes
     ----------
     design, unit
-        Which.
+        Design, and number of the unit, from 1.
     image
         (n,) numbers of its images.
     first_press
         Number of its first press.
     found
-        What was seen of it.
+        Simulated images of the unit.
     """
 
     design: BenchmarkDesign
@@ -56,19 +56,19 @@ class SplitPart:
     found: UnitImages
 
     def picture_names(self, split: str) -> list[str]:
-        """Name of the picture of each image in the archive; empty where there is none."""
+        """Return the archive name of each image; empty if it is not rendered."""
         names = [""] * len(self.image)
         for row in self.found.pictured:
             names[row] = f"{split}/{self.image[row]:06d}.png"
         return names
 
     def rest_name(self, split: str) -> str:
-        """Name of the picture at rest."""
+        """Return the archive name of the rest image."""
         return f"{split}/rest_{self.design.name}_{self.unit:02d}.png"
 
 
 def write_split(folder: Path, split: Split, parts: Sequence[SplitPart]) -> tuple[int, int]:
-    """Write marker positions, tables and pictures of one side; how many images and pictures of presses there are."""
+    """Write the files of one split; return the numbers of its images and of its rendered images."""
     rows: list[tuple[Any, ...]] = []
     for part in parts:
         found = part.found
@@ -90,7 +90,7 @@ def write_split(folder: Path, split: Split, parts: Sequence[SplitPart]) -> tuple
 
 
 def write_designs(folder: Path, spec: BenchmarkSpec) -> None:
-    """Write the designs and where their dots are printed."""
+    """Write the designs and their marker layouts."""
     head = ("design", "height_mm", "thickness_mm", "base_radius_mm", "markers", "dot_diameter_mm")
     designs, dots = [], []
     for design in spec.designs:
@@ -105,7 +105,7 @@ def write_designs(folder: Path, spec: BenchmarkSpec) -> None:
 
 
 def write_units(folder: Path, split: Split, built: Iterable[tuple[str, Deviation]]) -> None:
-    """Write how the units of one side deviate from their design; those of the test in a hidden file."""
+    """Write the deviations of the units of one split; those of the test go to a hidden file."""
     name = HIDDEN_UNITS if split == "test" else f"{split}_units.csv"
     rows = []
     for design, deviation in built:
@@ -115,7 +115,7 @@ def write_units(folder: Path, split: Split, built: Iterable[tuple[str, Deviation
 
 
 def list_files(folder: Path) -> tuple[int, str]:
-    """Write the checksum of every file; size of all in bytes, and the checksum of the list."""
+    """Write the checksum of every file; return the total size in bytes and the checksum of the list."""
     lines, size = [], 0
     for path in sorted(folder.iterdir()):
         if path.name != CHECKSUMS:
@@ -127,13 +127,13 @@ def list_files(folder: Path) -> tuple[int, str]:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file."""
+    """Return the SHA-256 of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _write_markers(path: Path, parts: Sequence[SplitPart]) -> None:
-    """Marker positions by design, rows by image number, and at rest by unit."""
+    """Write marker positions by design: images by ascending number, rest images by unit."""
     with h5py.File(path, "w", libver="v110", track_order=False) as file:
         for name, group in groupby(parts, key=lambda part: part.design.name):
             own = list(group)
@@ -154,7 +154,7 @@ def _put(file: h5py.File, name: str, values: NDArray[Any], chunks: tuple[int, ..
 
 
 def _write_pictures(path: Path, split: str, parts: Sequence[SplitPart]) -> int:
-    """Pictures in an archive that is not compressed again; how many there are of presses."""
+    """Write rendered images to an uncompressed archive; return their number without rest images."""
     named = []
     for part in parts:
         if len(part.found.pictures):
@@ -171,6 +171,6 @@ def _encode(picture: NDArray[np.uint8]) -> bytes:
     done, encoded = load_opencv().imencode(".png", picture)
     if not done:
         raise PalpateError(
-            "A picture could not be encoded as PNG.", "Install the extra [vision] anew.", code="image-not-encoded"
+            "A rendered image could not be encoded as PNG.", "Reinstall the extra [vision].", code="image-not-encoded"
         )
     return bytes(encoded.tobytes())

@@ -1,6 +1,6 @@
-"""Draw one built unit: presses by a twin of its skin, dots where the camera sees their traces, noise, and pictures.
+"""Simulation of one built unit: presses by a twin, marker positions with noise, and rendered images.
 
-What is noted is the centroid of the outline in the image, as a detector finds it.
+The position of a marker is the centroid of its outline in the image, as a detector would measure it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from palpate_benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate_benchmark.unit_images import LABELS, UnitImages
 
 _DIGITS = 4
-"""Digits of the labels behind the point; they are rounded before anything is drawn."""
+"""Decimal places of the labels; pose, depth and friction are rounded before the simulation."""
 
 
 class UnitPress(NamedTuple):
-    """One press: rx, ry (degrees), friction, 1/µ as the twin takes it, depths (k,) mm, and the state of the skin."""
+    """One press: rx, ry (degrees), friction, 1/µ within the range of the twin, depths (k,) mm, branch."""
 
     rx: float
     ry: float
@@ -36,19 +36,19 @@ class UnitPress(NamedTuple):
 
 
 def deviation_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> Deviation:
-    """How unit 1, 2, … of a design is built."""
+    """Sample the deviation of unit 1, 2, … of a design."""
     return sample_deviation(spec.tolerance, _seed_of(spec, design, unit), unit)
 
 
 def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> UnitImages:
-    """All images of one unit.
+    """Simulate all images of one unit.
 
     Parameters
     ----------
     spec, design, unit
-        Which.
+        Data set, design, and number of the unit, from 1.
     twin
-        Of the design's skin.
+        Twin of the design's skin.
     """
     drawn, seed = build_benchmark_unit(spec, design, unit, twin), _seed_of(spec, design, unit)
     presses = draw_unit_presses(spec, twin, seed, unit)
@@ -78,14 +78,18 @@ def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin:
 
 
 def build_benchmark_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> TwinBackend:
-    """Build one unit; parameters are those of `simulate_unit`."""
+    """Build one unit; for parameters see `simulate_unit`."""
     light = spec.render.model_copy(update={"seed": child_seed(_seed_of(spec, design, unit), "light", unit)})
     built = Design(design.skin, design.marker_layout, spec.camera)
     return TwinBackend(SimulatedUnit(built, deviation_of(spec, design, unit), light), twin)
 
 
 def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
-    """Walls of one unit: even over the disc of tilts, friction within the tolerance, a depth in each equal part."""
+    """Sample the presses of one unit.
+
+    Tilts are uniform over the disc, and friction is within the tolerance. Each press has one depth in each equal part
+    of the depth range.
+    """
     rng, found = generator(seed, "poses", unit), []
     for _ in range(spec.presses):
         share, turn, rub, state = rng.random(4)
@@ -106,7 +110,7 @@ def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> 
 
 
 def press_unit(drawn: TwinBackend, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
-    """Edges (m, k, 3) mm of a pressed unit's dots, and its `LABELS`."""
+    """Return the marker edges (m, k, 3) mm of a pressed unit, and its `LABELS`."""
     contact = State.zeros(CONTACT_STATE).replace(
         rx_deg=press.rx, ry_deg=press.ry, depth_mm=depth, inverse_friction=press.inverse_friction
     )
@@ -119,7 +123,7 @@ def press_unit(drawn: TwinBackend, press: UnitPress, depth: float) -> tuple[Floa
 
 
 def _seed_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> int:
-    """Seed of a unit; those of the test may have one that nobody is told."""
+    """Return the seed of a unit; units of the test use the hidden seed, if given."""
     hidden = spec.hidden_seed is not None and spec.split_of(unit) == "test"
     return child_seed(spec.hidden_seed if hidden and spec.hidden_seed is not None else spec.seed, design.name)
 
@@ -127,7 +131,7 @@ def _seed_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> int:
 def _pictures(
     spec: BenchmarkSpec, drawn: TwinBackend, presses: list[UnitPress], chosen: IntArray, seed: int
 ) -> NDArray[np.uint8]:
-    """Pictures (k + 1, h, w) at rest and of the chosen images."""
+    """Render images (k + 1, h, w): the rest image, then the chosen images."""
     if not spec.pictures:
         return np.zeros((0, spec.camera.height_px, spec.camera.width_px), np.uint8)
     outlines = [drawn.rest_edges]

@@ -1,4 +1,4 @@
-"""The baselines that learn: ridge, the paper's perceptron and ours on dots, a network on pictures."""
+"""Trained baselines: ridge and two perceptrons on markers, and a network on rendered images."""
 
 from __future__ import annotations
 
@@ -33,25 +33,25 @@ LEARNERS: dict[str, Callable[[Dataset, BaselineSpec], Estimator]] = {
     "paper": lambda dataset, spec: train(dataset, spec.paper, spec.seed),
     "network": lambda dataset, spec: train(dataset, spec.network, spec.seed),
 }
-"""Ways from a design's images to an estimator."""
+"""Functions that train an estimator on the images of a design."""
 
 
 def predict_by_markers(
     name: str, benchmark: BenchmarkSet, design: BenchmarkDesign, spec: BaselineSpec
 ) -> Predictions:
-    """What an estimator on dots says of the test of one design.
+    """Train an estimator on markers, and predict the test images of one design.
 
     Parameters
     ----------
     name
         One of `LEARNERS`.
     benchmark, design, spec
-        Of what, and how.
+        Data set, one of its designs, and settings of the baselines.
 
     Raises
     ------
     MissingExtraError
-        If torch is not installed, which ridge does not need.
+        If torch is not installed; ridge does not need it.
     """
     dataset = build_dataset(benchmark, design, spec.jitter_px)
     estimator = calibrate_interval(LEARNERS[name](dataset, spec), dataset, spec.seed)
@@ -63,14 +63,14 @@ def predict_by_markers(
 def predict_by_images(
     benchmark: BenchmarkSet, spec: BaselineSpec, checkpoint: Path, progress: Progress
 ) -> Predictions:
-    """What one network on the pictures of all designs says of the pictures of the test.
+    """Train one network on the rendered images of all designs, and predict those of the test.
 
     Parameters
     ----------
     benchmark, spec
-        Of what, and how.
+        Data set, and settings of the baselines.
     checkpoint
-        File that holds what is known after each epoch.
+        File of the state after each epoch; an interrupted training is resumed from it.
     progress
         Receives each epoch.
 
@@ -96,7 +96,7 @@ def predict_by_images(
 def _look(
     benchmark: BenchmarkSet, split: Split, side: int
 ) -> tuple[IntArray, NDArray[np.uint8], FloatArray, IntArray]:
-    """Numbers (n,), small pictures (n, h, w), poses (n, 3) and presses (n,) of one side."""
+    """Read numbers (n,), small images (n, h, w), poses (n, 3) and presses (n,) of one split."""
     table, camera = select_track(benchmark.table(split), "pictures"), benchmark.spec.camera
     longer = max(camera.height_px, camera.width_px)
     size = (round(side * camera.height_px / longer), round(side * camera.width_px / longer))

@@ -1,4 +1,4 @@
-"""The noun of one unit: marker positions and labels of all its images, some rendered, and what it shows at rest."""
+"""Simulated images of one unit, and their file."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, IntArray, create_hdf5, reject_external_links
 
 LABELS = ("rx_deg", "ry_deg", "depth_mm", "force_n", "shear_n", "friction")
-"""Labels that are numbers; friction is the coefficient, infinite where nothing slips."""
+"""Numeric labels; friction is the coefficient, infinite for no slip."""
 
 
 @dataclass(frozen=True, eq=False)
 class UnitImages:
-    """What was seen of one unit.
+    """Simulated images of one unit.
 
     Attributes
     ----------
     markers_px
-        (n, m, 2) dots as a detector finds them, in single precision; NaN for a dot that is not there.
+        (n, m, 2) marker positions with noise, in single precision; NaN for a missing marker.
     rest_px
-        (m, 2) the same at rest.
+        (m, 2) marker positions with noise at rest.
     labels
         (n, 6) by `LABELS`.
     inverted
-        (n,) whether the skin stands in its other state.
+        (n,) whether the skin is on the inverted branch.
     press
         (n,) number of the press, from 0.
     pictured
-        (k,) images that were rendered as well.
+        (k,) rows of the images that were rendered.
     pictures
-        (k + 1, h, w) of 8 bit, the one at rest first; empty where none was asked for.
+        (k + 1, h, w) rendered images of 8 bit, the rest image first; empty if none was requested.
     """
 
     markers_px: NDArray[np.float32]
@@ -47,19 +47,19 @@ class UnitImages:
 
 
 def write_unit_images(path: Path, found: UnitImages) -> None:
-    """Write what was seen of one unit."""
+    """Write the images of one unit."""
     with create_hdf5(path) as file:
         for field in fields(found):
             file.create_dataset(field.name, data=getattr(found, field.name))
 
 
 def read_unit_images(path: Path) -> UnitImages:
-    """Read what `write_unit_images` wrote.
+    """Read a file of `write_unit_images`.
 
     Raises
     ------
     PalpateError
-        If the file refers to another one.
+        If the file contains external links.
     """
     with h5py.File(path, "r") as file:
         reject_external_links(file, path)

@@ -1,4 +1,4 @@
-"""The tasks behind the set: the twin of each design, and the images of each unit, on workers and resumable."""
+"""Tasks behind the data set: the twin of each design, and the images of each unit."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from palpate_benchmark.spec import BenchmarkDesign, BenchmarkSpec, TwinPressSpec
 from palpate_benchmark.unit_images import write_unit_images
 
 _ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_units", "calibrate_units", "test_units"}
-"""What one unit does not depend on, beside its side, which its seed tells."""
+"""Fields that do not affect the images of a unit; `hidden_seed` is excluded except in the test."""
 
 
 @dataclass(frozen=True)
 class BenchmarkUnitTask(Task):
-    """Draw all images of one unit."""
+    """Task that simulates all images of one unit."""
 
     twin: TwinTask
     spec: BenchmarkSpec
@@ -56,7 +56,7 @@ class BenchmarkUnitTask(Task):
 
 
 def plan_units(spec: BenchmarkSpec) -> tuple[BenchmarkUnitTask, ...]:
-    """Every unit of every design."""
+    """Plan the task of every unit of every design."""
     tasks = []
     for design in spec.designs:
         twin = plan_design_twin(spec, design, spec.twin)
@@ -65,7 +65,7 @@ def plan_units(spec: BenchmarkSpec) -> tuple[BenchmarkUnitTask, ...]:
 
 
 def plan_design_twin(spec: BenchmarkSpec, design: BenchmarkDesign, presses: TwinPressSpec) -> TwinTask:
-    """The twin of one design, from these presses."""
+    """Plan the twin of one design from the given presses."""
     study = single_design_study(design.skin, design.marker_layout, MaterialSpec(name=spec.material))
     built = AsBuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
     wall = study.obstacle.model_copy(update={"depth": spec.depth, "depth_step": presses.depth_step})

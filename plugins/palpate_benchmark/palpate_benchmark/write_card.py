@@ -1,4 +1,4 @@
-"""The data card: what the set is, how it was made, what its files hold, what it is not for."""
+"""Data card: contents of the data set, method, files and limits."""
 
 from __future__ import annotations
 
@@ -71,14 +71,14 @@ Licence: {licence}. Published by {creator}, {url}.
 
 @dataclass(frozen=True)
 class SetCounts:
-    """How much a set holds.
+    """Numbers of images and presses, and twin errors, of a data set.
 
     Attributes
     ----------
     images, pictures, presses
-        By split.
+        Numbers by split.
     twin_error_mm
-        By design, how far its twin is off presses between its own (root mean square, mm).
+        RMS distance of each design's twin from presses that it does not contain, mm.
     """
 
     images: Mapping[str, int]
@@ -88,7 +88,7 @@ class SetCounts:
 
 
 def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
-    """Write the card into the folder of the set."""
+    """Write the card into the folder of the data set."""
     units = {"train": spec.train_units, "calibrate": spec.calibrate_units, "test": spec.test_units}
     rows = [
         (split, units[split], counts.presses[split], counts.images[split], counts.pictures[split]) for split in SPLITS

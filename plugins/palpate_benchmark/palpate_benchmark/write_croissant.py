@@ -1,4 +1,4 @@
-"""Metadata after Croissant 1.0 (MLCommons): every file with its checksum, every column with its meaning."""
+"""Croissant 1.0 metadata (MLCommons): files with checksums, and columns with meanings."""
 
 from __future__ import annotations
 
@@ -57,18 +57,18 @@ _CONTEXT: dict[str, Any] = {
     "subField": "cr:subField",
     "transform": "cr:transform",
 }
-"""The context that Croissant 1.0 asks for."""
+"""JSON-LD context that Croissant 1.0 prescribes."""
 
 
 def write_croissant(folder: Path, spec: BenchmarkSpec) -> None:
-    """Write ``croissant.json`` of the files that lie in a folder.
+    """Write ``croissant.json`` for the files in a folder.
 
     Parameters
     ----------
     folder
-        With every other file of the set but the checksums.
+        Folder that contains all other files of the data set except the checksums.
     spec
-        What it holds.
+        Contents of the data set.
     """
     files = [path for path in sorted(folder.iterdir()) if path.name not in (CROISSANT, CHECKSUMS)]
     content = {

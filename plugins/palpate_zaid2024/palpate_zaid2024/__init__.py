@@ -1,4 +1,4 @@
-"""Claims: what one paper states, judged by grids and meshes."""
+"""Claims of one paper, assessed by grids and mesh studies."""
 
 from palpate.core import lazy_front
 

@@ -1,4 +1,4 @@
-"""Claims: what one paper states, judged by grids and meshes."""
+"""Claims of one paper, assessed by grids and mesh studies."""
 
 from palpate_zaid2024.assess_claims import assess_claims, read_evidence
 from palpate_zaid2024.claim import Claim, ClaimAnswer, ClaimFinding, Verdict

@@ -1,4 +1,4 @@
-"""From result folders to an answer for every claim of the paper."""
+"""Assessment of every claim of the paper from result folders."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
 
 
 BUILT = Path("twins", "built.csv")
-"""What `palpate calibration predict` foresees of built units, in its result folder."""
+"""Table of predicted accuracy in a result folder of `palpate calibration predict`."""
 NO_MESHES = ClaimFinding(Verdict.UNDECIDED, "", "needs the folder of `palpate design convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
-    """Read result folders: the grids, and the tables of convergence studies.
+    """Read grids and tables of convergence studies from result folders.
 
-    What `palpate calibration predict` foresaw of built units, under all frictions, stands beside the first grid.
+    The accuracy of built units predicted by `palpate calibration predict`, over all frictions, joins the first grid.
 
     Raises
     ------
     PalpateError
-        If a folder holds none of these.
+        If a folder contains none of these.
     """
     meshes = {folder: sorted(folder.glob(CONVERGENCE)) for folder in folders}
     built = [folder for folder in folders if (folder / BUILT).is_file() and not (folder / "grid.json").is_file()]
@@ -62,20 +62,20 @@ def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[
 
 
 def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[ClaimAnswer, ...]:
-    """Answer every claim.
+    """Assess every claim.
 
     Parameters
     ----------
     grids
-        Studies of the paper's designs, one a contact law or way of learning.
+        Studies of the paper's designs, one per contact law or learning preset.
     meshes
         Tables of `palpate design convergence`, for C2.
 
     Returns
     -------
-    tuple[Answer, ...]
-        By claim, then in the order of the grids. A claim whose designs a grid does not have is not decided, and
-        the answer names them.
+    tuple[ClaimAnswer, ...]
+        By claim, then in the order of the grids. A claim is not decided if designs are missing; the answer names
+        them.
     """
     answers = [ClaimAnswer(CLAIMS["C1"], "Table 2", assess_law())]
     answers += [ClaimAnswer(CLAIMS["C2"], _name_meshes(path), assess_mesh(path)) for path in meshes]
@@ -91,13 +91,13 @@ def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tup
 
 
 def name_sources(grids: Sequence[Evidence]) -> tuple[str, ...]:
-    """Name of each grid by what it is; two of the same kind are distinguished by their folders."""
+    """Return the label of each grid; equal labels are distinguished by their folders."""
     kinds = Counter(evidence.label for evidence in grids)
     return tuple(e.label if kinds[e.label] == 1 else f"{e.label} ({e.folder})" for e in grids)
 
 
 def _name_meshes(path: Path) -> str:
-    """``"mesh study, no slip"`` from ``convergence_no_slip.csv``."""
+    """Return a name such as ``"mesh study, no slip"`` for ``convergence_no_slip.csv``."""
     return ", ".join(["mesh study", *path.stem.split("_", 1)[1:]]).replace("_", " ")
 
 

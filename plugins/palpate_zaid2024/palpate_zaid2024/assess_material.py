@@ -1,4 +1,4 @@
-"""The claims that need no grid: C1, the law of Table 2, and C2, the mesh."""
+"""Claims that need no grid: C1, the law of Table 2, and C2, the mesh."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from palpate_zaid2024.claim import ClaimFinding, Verdict
 TABLE_2 = "yeoh:0.0141156,0.0001106,0.0000048"
 """The Yeoh constants of the paper's Table 2 (MPa)."""
 MEASURED_MPA = {5.0: 0.25, 0.5: -0.10}
-"""Nominal stress by stretch, as the paper says it was recorded (MPa)."""
+"""Measured nominal stress by stretch, as stated in the paper (MPa)."""
 WITHIN = 0.05
-"""Share within which a stress is the same."""
+"""Relative difference below which two stresses count as equal."""
 PRINTED_ELEMENTS = 2438
 HALVES = 2
 """A half model has half the elements of the dome."""
 CONVERGENCE = "convergence*.csv"
-"""What `palpate design convergence --out` leaves, also where a contact law was added to the name."""
+"""Files of `palpate design convergence --out`; a contact law may be appended to the name."""
 
 
 def assess_law() -> ClaimFinding:
-    """C1: the law of Table 2 against the paper's own two figures."""
+    """Assess C1: compare the law of Table 2 with the paper's two measured values."""
     stretch = np.array(list(MEASURED_MPA))
     found = trace_curve(get_material(TABLE_2), Mode.UNIAXIAL, stretch).nominal
     errors = [float(value / expected - 1) for value, expected in zip(found, MEASURED_MPA.values(), strict=True)]
@@ -37,16 +37,16 @@ def assess_law() -> ClaimFinding:
 
 
 def assess_mesh(path: Path) -> ClaimFinding:
-    """C2: from how many elements of the whole dome on the greatest stress is within 5 % of the finest mesh.
+    """Assess C2: find the number of elements from which the stress is within 5 % of the finest mesh.
 
     Parameters
     ----------
     path
-        Table that `palpate design convergence --out` wrote, of a half model.
+        Table of `palpate design convergence --out`, for a half model.
     """
     meshes = [(HALVES * elements, error) for elements, error in _read_meshes(path)]
     figures = ", ".join(f"{elements:g}: {100 * error:+.1f} %" for elements, error in meshes[:-1])
-    figures = f"elements of the whole dome and stress against the finest mesh, {meshes[-1][0]:g}: {figures}"
+    figures = f"stress error by elements of the whole dome, relative to {meshes[-1][0]:g} elements: {figures}"
     first = next(number for number in range(len(meshes)) if all(abs(e) < WITHIN for _, e in meshes[number:]))
     if first == len(meshes) - 1:  # the finest is compared with itself alone
         open_ended = meshes[-1][0] <= PRINTED_ELEMENTS
@@ -56,23 +56,25 @@ def assess_mesh(path: Path) -> ClaimFinding:
             else ClaimFinding.of(False, figures)
         )
     return ClaimFinding.of(
-        meshes[first][0] <= PRINTED_ELEMENTS, f"{figures}; within 5 % from {meshes[first][0]:g} on"
+        meshes[first][0] <= PRINTED_ELEMENTS, f"{figures}; within 5 % from {meshes[first][0]:g} elements upwards"
     )
 
 
 def _read_meshes(path: Path) -> list[tuple[float, float]]:
-    """Elements and error of the greatest stress of each mesh, by rising elements."""
+    """Read elements and relative error of the maximum stress of each mesh, by ascending elements."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             meshes = sorted((float(row["elements"]), float(row["stress_error"])) for row in csv.DictReader(file))
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(
-            f"{path} is no table of `palpate design convergence`: {error}.",
-            "Make it again.",
+            f"{path} is not a table of `palpate design convergence`: {error}.",
+            "Make it again: palpate design convergence --out FOLDER.",
             code="convergence-table-unreadable",
         ) from error
     if len(meshes) < 2:
         raise PalpateError(
-            f"{path} has {len(meshes)} meshes.", "Make it again with several.", code="convergence-few-meshes"
+            f"{path} has {len(meshes)} meshes; at least 2 are needed.",
+            "Make it again with more meshes.",
+            code="convergence-few-meshes",
         )
     return meshes

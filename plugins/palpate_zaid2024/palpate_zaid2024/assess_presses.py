@@ -1,4 +1,4 @@
-"""The claims about stress, deformation and marker travel: C3 to C8."""
+"""Claims about stress, deformation and marker travel: C3 to C8."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from palpate_zaid2024.claim import MOSTLY, ClaimFinding, Verdict
 from palpate_zaid2024.evidence import HEIGHTS, MARKERS, THICKNESSES, Dome, Evidence
 
 TIE = 0.01
-"""Two displacements nearer than this share are the same."""
+"""Relative difference below which two displacements count as equal."""
 LARGEST_GAP_MM = 0.2
-"""A dome whose apex is nearer to the wall conforms to it."""
+"""Gap between apex and wall below which a dome conforms to the wall."""
 FLAT, RISE = 0.10, 0.05
-"""Change of travel that counts as none, and the least that counts as a rise."""
+"""Relative change of travel below which it counts as flat, and above which it counts as a rise."""
 
 
 DOMES = [(height, thickness) for height in HEIGHTS for thickness in THICKNESSES]
-"""The paper's 12 (mm)."""
+"""Height and thickness (mm) of the paper's 12 domes."""
 THICK, THIN = [(height, 2.0) for height in HEIGHTS], [(height, 1.0) for height in HEIGHTS]
-"""Domes (mm) of the paper's Fig. 10."""
+"""Height and thickness (mm) of the domes of the paper's Fig. 10."""
 
 
 def assess_stress(evidence: Evidence) -> ClaimFinding:
-    """C3: greatest stress at T = 2 mm falls with height."""
+    """Assess C3: maximum stress at T = 2 mm falls with height."""
     straight = list(evidence.domes("peak_stress_straight_mpa", THICK).values())
     every = list(evidence.domes("peak_stress_mpa", THICK).values())
     figures = f"straight press {_by_height(straight)} MPa; any tilt {_by_height(every)} MPa"
@@ -28,7 +28,7 @@ def assess_stress(evidence: Evidence) -> ClaimFinding:
 
 
 def assess_deformation(evidence: Evidence) -> ClaimFinding:
-    """C4: the hemisphere deforms most."""
+    """Assess C4: the hemisphere deforms most."""
     greatest = evidence.domes("displacement_max_mm", THIN + THICK)
     mean = evidence.domes("displacement_mean_straight_mm", THIN + THICK)
     wins, texts = [], []
@@ -37,14 +37,14 @@ def assess_deformation(evidence: Evidence) -> ClaimFinding:
         low_mean, middle_mean, high_mean = (mean[dome] for dome in domes)
         wins.append(middle > (1 + TIE) * max(low, high) and middle_mean > max(low_mean, high_mean))
         texts.append(
-            f"T = {domes[0][1]:g}: greatest displacement in any press {_by_height([low, middle, high])} mm, mean "
+            f"T = {domes[0][1]:g}: maximum displacement in any press {_by_height([low, middle, high])} mm, mean "
             f"over the dome in the straight press {_by_height([low_mean, middle_mean, high_mean])} mm"
         )
     return ClaimFinding.of(all(wins), "; ".join(texts))
 
 
 def assess_inversion(evidence: Evidence) -> ClaimFinding:
-    """C5: T = 2 mm conforms, T = 1 mm inverts, more so at steeper angles."""
+    """Assess C5: T = 2 mm conforms, T = 1 mm inverts, more so at steeper angles."""
     branches = evidence.branches(THIN + THICK)
     gap = max(evidence.domes("apex_gap_mm", THICK).values())
     thin = [pair for dome in THIN for pair in branches[dome]]
@@ -56,7 +56,7 @@ def assess_inversion(evidence: Evidence) -> ClaimFinding:
         f"{thick.count('inverted')} of {len(thick)} at T = 2; apex at most {gap:.2g} mm from the wall at T = 2"
     )
     both = [_bistable(evidence, domes) for domes in (THIN, THICK)]
-    figures += f"; a second, inverted state in the straight press: T = 1 {both[0]}; T = 2 {both[1]}"
+    figures += f"; inverted branch in the straight press: T = 1 {both[0]}; T = 2 {both[1]}"
     if inverted:
         middle = sorted(tilt for tilt, _ in thin)[len(thin) // 2]
         steep = [branch == "inverted" for tilt, branch in thin if tilt >= middle]
@@ -67,43 +67,43 @@ def assess_inversion(evidence: Evidence) -> ClaimFinding:
         return ClaimFinding(
             Verdict.UNDECIDED,
             figures,
-            "T = 1 mm keeps its flat state, while the inverted one exists beside it: under no slip by itself, "
-            "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, "
-            "knocks and flaws, which the paper does not give",
+            "T = 1 mm stays on the flat branch, although an inverted branch exists: without slip it needs no pull, "
+            "without friction a pull below 0.3 kPa; the branch of a real dome depends on the wall, "
+            "on shocks and on flaws, which the paper does not give",
         )
     return ClaimFinding.of(False, figures)
 
 
 def assess_travel_by_markers(evidence: Evidence) -> ClaimFinding:
-    """C6: travel is lowest with 7 markers and highest with 169, and above 1 mm with more than 7."""
+    """Assess C6: travel is lowest with 7 markers and highest with 169, and above 1 mm with more than 7."""
     domes = [dome for dome in DOMES if all((*dome, markers) in evidence.rows for markers in MARKERS)]
     travel = evidence.figures("travel_mm", [(*dome, markers) for dome in domes for markers in MARKERS])
     lowest = sum(travel[*dome, 7] == min(travel[*dome, m] for m in MARKERS) for dome in domes)
     highest = sum(travel[*dome, 169] == max(travel[*dome, m] for m in MARKERS) for dome in domes)
     above = sum(min(travel[*dome, m] for m in MARKERS[1:]) > 1.0 for dome in domes)
     holds = lowest == highest == above == len(domes)
-    if holds:  # of every dome it can be claimed only when all are there; one that contradicts is enough
+    if holds:  # the claim needs all domes; one counterexample refutes it
         evidence.figures("travel_mm")
     means = ", ".join(f"{m}: {sum(travel[*dome, m] for dome in domes) / len(domes):.2f}" for m in MARKERS)
     figures = (
-        f"7 lowest on {lowest} of {len(domes)} domes, 169 highest on {highest}, all others above 1 mm on {above}; "
+        f"7 lowest on {lowest} of {len(domes)} domes, 169 highest on {highest}, all but 7 above 1 mm on {above}; "
         f"mean over the domes {means} mm"
     )
     return ClaimFinding.of(holds, figures)
 
 
 def assess_travel_by_height(evidence: Evidence) -> ClaimFinding:
-    """C7: travel is greatest at H = 20 mm."""
+    """Assess C7: travel is largest at H = 20 mm."""
     travel = evidence.figures("travel_mm")
     cases = [(t, m) for t in THICKNESSES for m in MARKERS]
     wins = sum(travel[20.0, t, m] > max(travel[10.0, t, m], travel[30.0, t, m]) for t, m in cases)
     means = [sum(travel[height, t, m] for t, m in cases) / len(cases) for height in HEIGHTS]
-    figures = f"greatest at H = 20 in {wins} of {len(cases)}; mean {_by_height(means)} mm"
+    figures = f"largest at H = 20 in {wins} of {len(cases)}; mean {_by_height(means)} mm"
     return ClaimFinding.of(wins >= MOSTLY * len(cases), figures)
 
 
 def assess_travel_by_thickness(evidence: Evidence) -> ClaimFinding:
-    """C8: travel against thickness is flat at H = 10 mm, and rises fast, then slowly, at 20 and 30 mm."""
+    """Assess C8: travel is flat over thickness at H = 10 mm; at 20 and 30 mm it rises fast, then slowly."""
     travel = evidence.figures("travel_mm")
     mean = {h: [sum(travel[h, t, m] for m in MARKERS) / len(MARKERS) for t in THICKNESSES] for h in HEIGHTS}
     flat = all(abs(value / mean[10.0][0] - 1.0) < FLAT for value in mean[10.0])

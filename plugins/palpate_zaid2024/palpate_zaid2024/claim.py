@@ -1,4 +1,4 @@
-"""A claim of the paper, the test that decides it, and what a study found."""
+"""A claim of the paper, the test that decides it, and the finding of a study."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 MOSTLY = 0.75
-"""Share of cases in which something must be so to be so in general."""
+"""Share of the cases in which a statement must be true to count as generally true."""
 
 
 class Verdict(StrEnum):
-    """What became of a claim."""
+    """Result of the test of a claim."""
 
     HOLDS = "holds"
     FAILS = "does not hold"
@@ -26,9 +26,9 @@ class Claim:
     name
         ``"C1"`` … ``"C14"``.
     statement
-        What the paper says.
+        Statement of the paper.
     test
-        What must be so that we say it holds.
+        Condition under which the claim holds.
     """
 
     name: str
@@ -38,16 +38,16 @@ class Claim:
 
 @dataclass(frozen=True)
 class ClaimFinding:
-    """What was found about one claim.
+    """Finding of a study about one claim.
 
     Attributes
     ----------
     verdict
         Computed from the figures.
     figures
-        The figures that decide, in words with units.
+        The figures that decide, as text with units.
     why
-        Why it is not decided, or what a reader must know beside the figures; may be empty.
+        Reason why the claim is not decided, or a remark on the figures; may be empty.
     """
 
     verdict: Verdict
@@ -56,7 +56,7 @@ class ClaimFinding:
 
     @classmethod
     def of(cls, holds: bool, figures: str, why: str = "") -> ClaimFinding:
-        """The finding of a test that was made."""
+        """Return the finding of a completed test."""
         return cls(Verdict.HOLDS if holds else Verdict.FAILS, figures, why)
 
 
@@ -67,9 +67,9 @@ class ClaimAnswer:
     Attributes
     ----------
     claim, finding
-        What was asked and found.
+        Claim, and the finding about it.
     source
-        The grid it was found in, e.g. ``"no-slip, best"``, or another source.
+        Grid of the finding, e.g. ``"no-slip, best"``, or another source.
     """
 
     claim: Claim
@@ -83,22 +83,22 @@ CLAIMS = {
         Claim(
             "C1",
             "Table 2 gives 0.25 MPa at stretch 5 and 0.10 MPa at half height",
-            "nominal stress of the Yeoh law of Table 2 within 5 % of both",
+            "nominal stress of the Yeoh law of Table 2 is within 5 % of these two values",
         ),
         Claim(
             "C2",
             "Maximum stress converges to less than 5 % near 2 400 elements",
-            "every mesh from at most 2 438 elements of the whole dome on is within 5 % of the finest",
+            "from at most 2 438 elements of the whole dome upwards, every mesh is within 5 % of the finest",
         ),
         Claim(
             "C3",
             "Maximum stress at T = 2 mm: H = 10 > H = 20 > H = 30 mm",
-            "greatest von Mises stress of the straight press in this order",
+            "maximum von Mises stress of the straight press in this order",
         ),
         Claim(
             "C4",
             "The hemisphere (H = 20 mm) deforms most",
-            "at T = 1 and 2 mm H = 20 has the greatest displacement of any point (by 1 %) and the greatest mean",
+            "at T = 1 and 2 mm, H = 20 has the largest maximum displacement (by over 1 %) and the largest mean",
         ),
         Claim(
             "C5",
@@ -108,18 +108,18 @@ CLAIMS = {
         Claim(
             "C6",
             "Mean marker travel: lowest with 7, highest with 169 markers; above 1 mm with 37, 91, 169",
-            "so on every dome",
+            "true on every dome",
         ),
         Claim(
             "C7",
-            "Mean marker travel is greatest at H = 20 mm",
-            "so in at least three quarters of thicknesses and layouts",
+            "Mean marker travel is largest at H = 20 mm",
+            "true in at least three quarters of the combinations of thickness and layout",
         ),
         Claim(
             "C8",
-            "Travel against T: flat at H = 10; at H = 20 and 30 mm a fast rise from 1 to 2 mm, then slow",
-            "mean over layouts: at H = 10 within 10 % of T = 1; at H = 20 and 30 a rise of over 5 % from T = 1 to 2, "
-            "greater than that of each later step",
+            "Travel against T: flat at H = 10; at H = 20 and 30 mm a fast rise from 1 to 2 mm, then a slow one",
+            "mean over layouts: at H = 10 within 10 % of that at T = 1; at H = 20 and 30 a rise of over 5 % from "
+            "T = 1 to 2, larger than that of each later step",
         ),
         Claim(
             "C9",
@@ -130,12 +130,12 @@ CLAIMS = {
         Claim(
             "C10",
             "The best design is H20 T2 with 169 markers: RMSE 0.3°, maximum 0.8°",
-            "it has the least clean RMSE of all, and is within both figures",
+            "it has the smallest clean RMSE of all designs, and neither of its errors exceeds these values",
         ),
         Claim(
             "C11",
             "H = 20 mm beats H = 10 and 30 mm",
-            "least clean RMSE in at least three quarters of thicknesses and layouts",
+            "smallest clean RMSE in at least three quarters of the combinations of thickness and layout",
         ),
         Claim(
             "C12",
@@ -149,4 +149,4 @@ CLAIMS = {
         ),
     )
 }
-"""The claims that a study decides; C13 is one of the real sensor."""
+"""The claims that a study can decide; C13 concerns the real sensor."""

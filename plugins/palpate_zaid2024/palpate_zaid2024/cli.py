@@ -1,4 +1,4 @@
-"""`palpate claims`: finished studies held against the claims of the paper."""
+"""`palpate claims`: comparison of finished studies with the claims of the paper."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ _FOLDERS = (
 def claims(
     *results: Annotated[Path, Parameter(help=_FOLDERS)],
     out: Annotated[
-        Path | None, Parameter(name=["--out", "-o"], help="Page to write, .md or .html, with pictures beside it.")
+        Path | None,
+        Parameter(name=["--out", "-o"], help="Page to write, .md or .html; its pictures are written next to it."),
     ] = None,
     output: Output = Output(),
 ) -> None:
-    """Say of every claim of the paper whether it holds, with the figures that decide.
+    """Test every claim of the paper, and print the verdicts with the figures that decide.
 
-    Give one result folder, or one a contact law. A claim whose designs are not there is not decided.
+    Give one result folder, or one per contact law. A claim is not decided if its designs are missing.
     """
     from palpate_zaid2024 import assess_claims, claim_report, read_evidence, write_claims
 

@@ -1,4 +1,4 @@
-"""A grid as evidence: figures by design, and which designs a question still needs."""
+"""A grid as evidence: figures by design, and the designs that are missing for a claim."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ Dome = tuple[float, float]
 """Height and thickness (mm)."""
 Design = tuple[float, float, int]
 DESIGNS: tuple[Design, ...] = tuple((h, t, m) for h in HEIGHTS for t in THICKNESSES for m in MARKERS)
-"""Height, thickness, markers of all 48."""
+"""Height (mm), thickness (mm) and markers of the paper's 48 designs."""
 
 
 class MissingEvidenceError(Exception):
-    """A question needs designs that the grid does not have.
+    """Error if the grid lacks designs that a claim needs.
 
     Parameters
     ----------
     designs
         Height, thickness and markers of each.
     reasons
-        Why, for those that the study tried.
+        Failures that the study recorded for these designs.
     """
 
     def __init__(self, designs: Iterable[Design], reasons: Iterable[str] = ()) -> None:
@@ -43,7 +43,7 @@ class MissingEvidenceError(Exception):
 
 @dataclass(frozen=True)
 class Evidence:
-    """One grid, asked by design.
+    """One grid, accessed by design.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Evidence:
     folder
         Name of its folder, for messages.
     built
-        Columns about built units of the paper's designs, from elsewhere.
+        Predicted accuracy of built units of the paper's designs (`read_built`).
     """
 
     grid: SpecificationGrid
@@ -61,7 +61,7 @@ class Evidence:
 
     @cached_property
     def rows(self) -> Mapping[Design, Row]:
-        """The paper's designs among the rows; of several with the same markers the first."""
+        """Rows of the paper's designs; the first row if a design has several."""
         found: dict[Design, Row] = {}
         for row in self.grid.designs:
             if row["base_radius_mm"] == BASE_RADIUS_MM:
@@ -71,33 +71,33 @@ class Evidence:
 
     @property
     def label(self) -> str:
-        """Contact law and way of learning, e.g. ``"no-slip, best"``; the folder's name where the grid has neither."""
+        """Contact law and learning preset, e.g. ``"no-slip, best"``; the folder if the grid has neither."""
         spec = next((design_spec(row) for row in self.grid.designs if row.get("spec")), {})
         parts = (spec.get("obstacle", {}).get("contact"), spec.get("learning", {}).get("preset"))
         words = ", ".join(_word(part) for part in parts if part is not None)
         return words or self.folder
 
     def figures(self, column: str, designs: Iterable[Design] = DESIGNS) -> dict[Design, float]:
-        """One number a design.
+        """Return the number of each design in a column.
 
         Raises
         ------
         MissingEvidenceError
-            If any of the designs is missing, or has no such number.
+            If any of the designs is missing, or its cell is empty.
         """
         return {design: _number(cell) for design, cell in self._cells(column, designs).items()}
 
     def has(self, column: str) -> bool:
-        """Whether every of the paper's designs has such a number."""
+        """Return whether each of the paper's designs has a number in a column."""
         return all(isinstance(self._cell(column, design), int | float) for design in DESIGNS)
 
     def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
-        """One number a dome, from the first of its rows that has it; errors: see `figures`."""
+        """Return one number per dome, from the first of its rows with this number; errors: see `figures`."""
         found: dict[Dome, Cell] = self._of_domes(lambda row: row.get(column), domes)
         return {dome: _number(cell) for dome, cell in found.items()}
 
     def branches(self, domes: Iterable[Dome]) -> dict[Dome, list[tuple[float, str]]]:
-        """Tilt (degrees) and branch at full depth of every press of each dome; errors: see `figures`."""
+        """Return tilt (degrees) and branch at full depth of every press, by dome; errors: see `figures`."""
         numbers = {id(row): number for number, row in enumerate(self.grid.designs)}
         found = self._of_domes(lambda row: rows_for_design(self.grid.presses, numbers[id(row)]) or None, domes)
         return {
@@ -105,7 +105,7 @@ class Evidence:
         }
 
     def domes_or_none(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float | None]:
-        """As `domes`; `None` for a dome that is there and to which the figure does not apply."""
+        """Return one number per dome; `None` for a solved dome to which the figure does not apply."""
         found = self._of_domes(lambda row: row.get("presses"), domes)
         return {dome: next(self._numbers(column, dome), None) for dome in found}
 
@@ -143,12 +143,12 @@ class Evidence:
 
 
 def read_built(path: Path) -> dict[Design, Row]:
-    """Columns about built units, by design, from the table that `palpate calibration predict` writes.
+    """Read the accuracy of built units, by design, from a table of `palpate calibration predict`.
 
     Raises
     ------
     PalpateError
-        If it is not such a table.
+        If the file is not such a table.
     """
     found: dict[Design, Row] = {}
     try:
@@ -160,15 +160,15 @@ def read_built(path: Path) -> dict[Design, Row]:
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise PalpateError(
-            f"{path} is no table of built units: {error}.",
-            "Run palpate calibration predict again.",
+            f"{path} is not a table of built units: {error}.",
+            "Make the table again: palpate calibration predict.",
             code="units-table-unreadable",
         ) from error
     return found
 
 
 def _missing_sentence(designs: Iterable[Design], reasons: Iterable[str]) -> str:
-    """The missing designs by dome, in as few words as they need."""
+    """Describe the missing designs, grouped by dome."""
     layouts: dict[tuple[float, float], list[int]] = {}
     for height, thickness, markers in designs:
         layouts.setdefault((height, thickness), []).append(markers)

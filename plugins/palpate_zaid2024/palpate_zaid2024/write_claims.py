@@ -1,4 +1,4 @@
-"""The answers to the paper's claims as a page: Markdown or HTML, with a picture of each grid's figures."""
+"""Page of the assessed claims, in Markdown or HTML, with pictures of each grid's figures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PICTURES = {
     "C12": ("travel", "rmse_deg"),
     "C14": ("heat", "max_error_deg"),
 }
-"""Kind and metric of the picture that shows what decides a claim."""
+"""Kind and metric of the picture that shows the deciding figures of a claim."""
 COLUMNS = (
     Column("claim"),
     Column("statement", "the paper", prose=True),
@@ -43,7 +43,7 @@ COLUMNS = (
 )
 
 OF_DOMES = ("C3", "C4", "C5")
-"""Claims about domes, whose figures all layouts share: one panel is enough."""
+"""Claims about domes; all layouts share their figures, so one panel is enough."""
 
 Pictures = Mapping[tuple[str, str], str]
 """Path of a picture, relative to the page, by claim and source."""
@@ -52,18 +52,18 @@ Pictures = Mapping[tuple[str, str], str]
 def write_claims(
     path: Path, answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str
 ) -> tuple[Path, ...]:
-    """Write a page of answers, and one picture a claim and grid into a folder of the page's name beside it.
+    """Write a page of answers, and one picture per claim and grid into a folder of the page's name.
 
     Parameters
     ----------
     path
         Ends in ``.md`` or ``.html``.
     answers
-        What is written.
+        Answers to write.
     grids
-        What the answers stand on.
+        Grids from which the answers were computed.
     command
-        The command that makes the page.
+        Command that makes the page.
 
     Returns
     -------
@@ -73,13 +73,13 @@ def write_claims(
     Raises
     ------
     PalpateError
-        If the ending is another, or something cannot be written.
+        If the ending is unknown, or a file cannot be written.
     """
     form = {".md": describe_claims, ".html": _describe_in_html}.get(path.suffix.lower())
     if form is None:
         raise PalpateError(
-            f"The claims cannot be written as '{path.name}'.",
-            "Let the name end in .md or .html.",
+            f"The file ending of '{path.name}' is unknown.",
+            "Choose a name that ends in .md or .html.",
             code="file-ending-unknown",
         )
     with wrap_write_errors(path):
@@ -94,7 +94,7 @@ def write_claims(
 def describe_claims(
     answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
 ) -> str:
-    """The page as Markdown; for parameters see `write_claims`."""
+    """Return the page as Markdown; for parameters see `write_claims`."""
     rows = _cells(answers)
     for answer, words in zip(answers, rows, strict=True):
         picture = (pictures or {}).get((answer.claim.name, answer.source))
@@ -123,7 +123,7 @@ def _describe_in_html(
 
 
 def claim_report(answers: Sequence[ClaimAnswer]) -> Report:
-    """Answers as a table, a row a claim and source."""
+    """Return the answers as a table, one row per claim and source."""
     return Report.of("", COLUMNS, _cells(answers))
 
 
@@ -135,15 +135,15 @@ def _intro(answers: Sequence[ClaimAnswer], grids: Sequence[Evidence]) -> list[st
         for evidence, name in zip(grids, name_sources(grids), strict=True)
     )
     return [
-        f"Claims of {PAPER}, held against our grids ({designs or 'none'}). "
-        f"Every verdict is computed from the figures by the test beside it: {tally}, over "
+        f"Claims of {PAPER}, compared with our grids ({designs or 'none'}). "
+        f"Each verdict is computed from the figures by the test in its row: {tally}, over "
         f"{len({answer.claim.name for answer in answers})} claims. Errors are those on held-out presses; the claim "
-        "of the real sensor (C13) is not among them. Made by",
+        "about the real sensor (C13) is omitted. Made by",
     ]
 
 
 def _cells(answers: Sequence[ClaimAnswer]) -> list[list[str]]:
-    """Words of each row; a claim is named once."""
+    """Return the cells of each row; statement and test of a claim appear once."""
     rows, last = [], ""
     for answer in answers:
         claim, finding = CLAIMS[answer.claim.name], answer.finding
@@ -166,7 +166,7 @@ def _provenance(grids: Sequence[Evidence]) -> list[str]:
 
 
 def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, str], Path]:
-    """Pictures of what the grids have figures for, by claim and source."""
+    """Write the pictures for which a grid has figures; return their paths by claim and source."""
     written: dict[tuple[str, str], Path] = {}
     for evidence, name in zip(grids, name_sources(grids), strict=True):
         for claim, (kind, metric) in PICTURES.items():
@@ -183,7 +183,7 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
 
 
 def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
-    """The designs of the layout that comes first."""
+    """Return the designs of the first layout."""
     return grid.select([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
 
 
@@ -196,5 +196,5 @@ def _write_picture(path: Path, figure: Figure) -> None:
 
 
 def _plain(name: str) -> str:
-    """A name as part of a file's name."""
+    """Convert a name to a part of a file name."""
     return "_".join("".join(c if c.isalnum() else " " for c in name).split())
