@@ -128,11 +128,19 @@ def make_board(folder: Path) -> None:
         cv2.imwrite(str(folder / f"{number}.png"), small)
 
 
+def make_profile(folder: Path) -> None:
+    """Meridian of the inner surface of the sensor, from the apex to the rim."""
+    angle = np.linspace(0.0, np.pi / 2, 46)
+    points = np.column_stack([20.0 * np.sin(angle), 20.0 * np.cos(angle)])
+    write_table(folder / "profile.csv", "r_mm,z_mm", ([f"{value:.4f}" for value in row] for row in points))
+
+
 def main(folder: Path) -> None:
     """Make every file in a folder."""
     make_recording(folder / "recording")
     make_rubber(folder / "rubber")
     make_board(folder / "board")
+    make_profile(folder)
 
 
 if __name__ == "__main__":

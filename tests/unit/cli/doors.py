@@ -63,7 +63,10 @@ ROWS = {
     ),
     "design stability": Row("--cells 4", (), (), (*SOLVE[1:], "--tilts 50", "--tilts -1", "--tilts x")),
     "design convergence": Row(
-        "--out new", (), ("--out",), (*SOLVE[1:], "--meshes 8", "--meshes 2 8", "--meshes x", "--markers 8")
+        "--out new",
+        ("--layout",),
+        ("--out",),
+        (*SOLVE[1:], "--meshes 8", "--meshes 2 8", "--meshes x", "--markers 8"),
     ),
     "design profile": Row("--file {profile}", ("--file",), ("--out",), ("--thickness 0", "--thickness 40")),
     "design show": Row("", ("--layout",), (), ("--markers 8", "--rings 20 10", "--rings 10 --layout {text}")),

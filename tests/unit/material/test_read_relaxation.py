@@ -42,7 +42,7 @@ def test_a_stress_that_comes_up_first_is_taken_for_an_even_ramp(tmp_path):
     stress = np.concatenate([[0, 0.01, 0.021], STRESS])
     test = read_relaxation(write(tmp_path / "a.csv", "time (s),stress (MPa)", time, stress))
     assert test.ramp_times == (0.0, 1.0)
-    assert "evenly" in test.notes[-1]
+    assert "linearly" in test.notes[-1]
 
 
 def test_columns_without_names_are_given_by_number(tmp_path):
