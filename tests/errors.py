@@ -1,5 +1,6 @@
 """What is refused: by its code and the values that its message names, never by a sentence."""
 
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,3 +41,8 @@ def check_values(text: str, *values: object) -> None:
         whole = r"(?<![\d.])" if re.match(r"\d", words) else ""
         end = r"(?!\d|\.\d)" if re.search(r"\d$", words) else ""
         assert re.search(whole + re.escape(words) + end, text), f"{words!r} is not in {text!r}"
+
+
+def end_process(*_: object) -> None:
+    """End this process at once, as a crash of a library does; workers find it here by its name."""
+    os._exit(139)

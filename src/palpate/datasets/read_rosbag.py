@@ -64,11 +64,13 @@ class RosbagReader(RecordingReader):
         return place.is_file() and place.suffix.lower() in (".bag", ".mcap", ".db3")
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
-        highlevel = load_extra("rosbags.highlevel", "ros", "rosbags")
+        load_extra("rosbags.highlevel", "ros", "rosbags")
         try:
             with _open(place) as bag:
                 return self._read(place, bag)
-        except (highlevel.AnyReaderError, OSError, KeyError, ValueError, TypeError, AttributeError) as error:
+        except PalpateError:
+            raise
+        except Exception as error:  # a damaged bag ends the parsers of rosbags by errors of every kind
             raise PalpateError(
                 f"{place.name} cannot be read as a ROS bag: {error}.", _REMEDY, code="recording-unreadable"
             ) from error
@@ -308,7 +310,7 @@ class _Shots(ImageSet):
                         yield _decode(bag.deserialize(raw, connection.msgtype), f"Image {row}")
                     except PalpateError as error:
                         yield error
-                    except ValueError as error:
+                    except Exception as error:  # as above
                         yield PalpateError(
                             f"Image {row} is broken: {error}.", "Leave it out.", code="image-unreadable"
                         )

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from palpate.core import Registry, data_from_text, spec_from_data
-from palpate.design.profile import profile_data
 from palpate.design.skin import Skin
 from palpate.design.spec import SkinSpec
 
@@ -51,6 +50,8 @@ def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
         If the kind is unknown, or a parameter is missing, unknown or out of bounds.
     """
     if data.get("kind") == "profile":
+        from palpate.design.profile import profile_data  # scipy takes a second, and other kinds do not need it
+
         data = profile_data(data)
     return spec_from_data(SKINS, data, "dome")
 

@@ -74,7 +74,7 @@ def dxf_entities(path: Path) -> tuple[list[Any], float]:
     ezdxf = load_extra("ezdxf", "cad")
     try:
         document = ezdxf.readfile(path)
-    except (ezdxf.DXFError, ValueError, IndexError, OSError) as error:
+    except Exception as error:  # a damaged drawing ends the parser by errors of every kind
         raise _broken(path, error) from error
     unit = document.units or (4 if document.header.get("$MEASUREMENT", 0) == 1 else 0)
     if not unit:

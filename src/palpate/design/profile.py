@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
+from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.core.run import LocalWorkers, Outcome, Progress, Status
 from palpate.core.tables import named_table
 from palpate.core.units import split_unit
 from palpate.design.drawing_points import dxf_entities
 from palpate.design.points_file import MM
+from palpate.design.spec import SkinSpec
 from palpate.design.spline import Spline, SplineSpec
 
 _RADIAL, _AXIAL = ("r", "rho", "radius", "x"), ("z", "height", "y")
@@ -29,8 +34,8 @@ _UNEVEN = 0.1
 """Largest deviation of the drawn thickness from one with a taper, mm."""
 _CORNER = np.radians(25.0)
 """Change of direction from which two segments of a curve meet in a corner."""
-_STEP_POINTS = 400
-"""Number of points by which an edge of a STEP body is replaced."""
+_STEP_POINTS, _TABLE_POINTS = 400, 2000
+"""Number of points that replace an edge of a STEP body, and the smooth curve through the rows of a table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +83,7 @@ def read_profile(path: Path, thickness: float = 2.0) -> Profile:
     )
     inner, *more = _chains(path, curves)
     outer = more[0] if more else np.empty((0, 2))
-    found = [_follow(inner, count, thickness) for count in range(1, _MOST_POINTS + 1)]
-    close = [one for one in found if one is not None]
-    if not close:
-        raise _no_skin(path, "No meridian runs through its points from the axis to the base")
-    spec, deviation, at = next((one for one in close if one[1] <= _CLOSE), min(close, key=lambda one: one[1]))
+    spec, deviation, at = _follow(path, inner, thickness)
     if deviation > _LOOSE:
         raise _no_skin(
             path, f"The nearest smooth skin deviates by {deviation:.2g} mm at r = {at[0]:.3g} mm, z = {at[1]:.3g} mm"
@@ -105,8 +106,19 @@ def profile_data(data: Mapping[str, Any]) -> dict[str, Any]:
         raise PalpateError(
             f"The skin {dict(data)} has no file.", "Write profile:file=NAME.dxf.", code="parameter-missing"
         )
-    extra = {"thickness": float(data["thickness"])} if "thickness" in data else {}
-    return read_profile(Path(data["file"]), **extra).spec.build().spec_data
+    if more := set(data) - {"kind", "file", *SkinSpec.model_fields}:
+        raise PalpateError(
+            f"The skin 'profile' has no parameter '{min(more)}'.",
+            "It has file and thickness.",
+            code="parameter-unknown",
+        )
+    try:
+        thickness = float(data.get("thickness", 2.0))
+    except ValueError as error:
+        raise PalpateError(
+            f"The thickness '{data['thickness']}' is not a number.", "Give mm, such as 2.", code="float_parsing"
+        ) from error
+    return read_profile(Path(data["file"]), thickness).spec.build().spec_data
 
 
 def _no_skin(path: Path, reason: str) -> PalpateError:
@@ -135,7 +147,17 @@ def _table(path: Path) -> list[FloatArray]:
         raise PalpateError(
             f"{path} has the columns {', '.join(table.header)}.", "Write r_mm,z_mm.", code="columns-wrong"
         )
-    return [np.column_stack([found["r"], found["z"]])]
+    points = np.column_stack([found["r"], found["z"]])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if len(points) < 4 or steps.min() <= 0:
+        raise PalpateError(
+            f"{path} has {len(points)} points, the nearest {steps.min(initial=0.0):.3g} mm apart.",
+            "Give 4 or more different points in the order of the meridian.",
+            code="profile-few-points",
+        )
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    fine = np.linspace(0.0, along[-1], _TABLE_POINTS)
+    return [np.asarray(CubicSpline(along, points)(fine))]
 
 
 def _dxf_curves(path: Path) -> list[FloatArray]:
@@ -154,6 +176,21 @@ def _dxf_curves(path: Path) -> list[FloatArray]:
 
 
 def _step_curves(path: Path) -> list[FloatArray]:
+    """Cut a STEP body in a process of its own, since a damaged file can end the CAD kernel with its process."""
+    load_extra("build123d", "cad")
+    with LocalWorkers(1) as pool:
+        pool.submit(_cut_step, path)
+        outcomes: list[Outcome] = []
+        while not outcomes:
+            outcomes = [outcome for _, outcome in pool.wait(1.0)]
+    if outcomes[0].status is Status.DONE:
+        return list(outcomes[0].value)
+    raise outcomes[0].error or PalpateError(
+        f"{path} ends the CAD kernel: {outcomes[0].reason}.", "Export the body again.", code="drawing-broken"
+    )
+
+
+def _cut_step(path: Path, _progress: Progress) -> list[FloatArray]:
     """Edges of the section through the axis of revolution, about which the body's box is square."""
     cad = load_extra("build123d", "cad")
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
@@ -161,7 +198,7 @@ def _step_curves(path: Path) -> list[FloatArray]:
 
     try:
         box = (shape := cad.import_step(str(path))).bounding_box()
-    except (ValueError, OSError, RuntimeError):
+    except Exception:  # the kernel's errors of a damaged file are of every kind
         box = None
     if box is None or not box.diagonal > 0.0:
         raise PalpateError(f"{path} has no STEP body that can be read.", "Export it again.", code="drawing-broken")
@@ -254,36 +291,26 @@ def _one_side(curve: FloatArray) -> list[FloatArray]:
 
 
 def _join(pieces: list[FloatArray]) -> list[FloatArray]:
-    """Curves whose ends meet, joined; equal curves, such as both halves of a mirrored section, count once."""
-    chains: list[FloatArray] = []
+    """Join curves whose ends meet apart from the axis; both halves of a mirrored section count once."""
+    left: list[FloatArray] = []
     for piece in pieces:
-        again = [
-            one
-            for one in chains
-            if np.allclose(_length(one), _length(piece), atol=_JOIN) and _apart(one, piece) < _JOIN
-        ]
-        if not again:
-            chains.append(piece)
-    joined = True
-    while joined:
-        joined = False
-        for i, one in enumerate(chains):
-            for j in range(i + 1, len(chains)):
-                other = chains[j]
-                for first, second in ((one, other), (one, other[::-1]), (one[::-1], other), (one[::-1], other[::-1])):
-                    if np.linalg.norm(first[-1] - second[0]) < _JOIN and first[-1, 0] >= _JOIN:
-                        chains[i], joined = np.vstack([first, second[1:]]), True
-                        del chains[j]
+        if not any(max(_apart(one, piece), _apart(piece, one)) < _JOIN for one in left):
+            left.append(piece)
+    chains = []
+    while left:
+        chain, grown = left.pop(0), True
+        while grown:
+            grown = False
+            for number, other in enumerate(left):
+                for first, second in product((chain, chain[::-1]), (other, other[::-1])):
+                    if first[-1, 0] >= _JOIN and np.linalg.norm(first[-1] - second[0]) < _JOIN:
+                        chain, grown = np.vstack([first, second[1:]]), True
                         break
-                if joined:
+                if grown:
+                    del left[number]
                     break
-            if joined:
-                break
+        chains.append(chain)
     return chains
-
-
-def _length(curve: FloatArray) -> float:
-    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())
 
 
 def _dense(curve: FloatArray) -> FloatArray:
@@ -297,30 +324,37 @@ def _apart(one: FloatArray, other: FloatArray) -> float:
     return float(cKDTree(_dense(one)).query(_dense(other))[0].max())
 
 
-def _follow(inner: FloatArray, count: int, thickness: float) -> tuple[SplineSpec, float, FloatArray] | None:
-    """Skin through points at equal distances along a curve; its deviation, mm, and the place (2,) of it."""
-    dense = _dense(inner)
+def _follow(path: Path, inner: FloatArray, thickness: float) -> tuple[SplineSpec, float, FloatArray]:
+    """Return the skin that follows a curve (n, 2) by fewest points, its deviation, mm, and the place (2,) of it."""
+    dense, tree = _dense(inner), cKDTree(_dense(inner))
     height, radius = round(float(inner[0, 1]), 4), round(float(inner[-1, 0]), 4)
-    chosen = dense[np.linspace(0, len(dense) - 1, count + 2).round().astype(int)[1:-1]] / [radius, height]
-    points = tuple((round(float(rho), 6), round(float(z), 6)) for rho, z in chosen)
+    best: tuple[SplineSpec, float, FloatArray] | None = None
+    for count in range(1, _MOST_POINTS + 1):
+        chosen = dense[np.linspace(0, len(dense) - 1, count + 2).round().astype(int)[1:-1]] / [radius, height]
+        points = tuple((round(float(rho), 6), round(float(z), 6)) for rho, z in chosen)
+        spec = _spec(path, {"height": height, "base_radius": radius, "thickness": thickness, "points": points})
+        smooth = _dense(Spline(height, radius, thickness, points).curve(np.linspace(0.0, 1.0, len(dense))))
+        back, there = tree.query(smooth)[0], cKDTree(smooth).query(dense)[0]
+        at = smooth[int(np.argmax(back))] if back.max() > there.max() else dense[int(np.argmax(there))]
+        deviation = float(max(back.max(), there.max()))
+        if best is None or deviation < best[1]:
+            best = spec, deviation, at
+        if deviation <= _CLOSE:
+            break
+    assert best is not None
+    return best
+
+
+def _spec(path: Path, values: Mapping[str, Any]) -> SplineSpec:
     try:
-        spec = SplineSpec(height=height, base_radius=radius, thickness=thickness, points=points)
-    except ValueError as error:
-        if count < _MOST_POINTS:
-            return None
+        return SplineSpec(**values)
+    except ValidationError as error:
+        wrong = error.errors()[0]
         raise PalpateError(
-            f"The profile has a height of {height:.4g} mm and a base radius of {radius:.4g} mm: {error}.",
-            "Check the unit of the drawing.",
+            f"{path}: {'.'.join(map(str, wrong['loc'][:1]))} {wrong['input']} is out of bounds: {wrong['msg']}.",
+            "Check the unit of the drawing, and the thickness in mm.",
             code="profile-size",
         ) from error
-    skin = Spline(height, radius, thickness, points)
-    smooth = _dense(skin.curve(np.linspace(0.0, 1.0, len(dense))))
-    found = []
-    for those, these in ((dense, smooth), (smooth, dense)):
-        apart = cKDTree(those).query(these)[0]
-        found.append((float(apart.max()), these[int(np.argmax(apart))]))
-    deviation, at = max(found, key=lambda one: one[0])
-    return spec, deviation, at
 
 
 def _thicken(path: Path, spec: SplineSpec, outer: FloatArray) -> tuple[SplineSpec, float]:
@@ -340,4 +374,4 @@ def _thicken(path: Path, spec: SplineSpec, outer: FloatArray) -> tuple[SplineSpe
             "Draw the inner curve alone and give the thickness.",
             code="profile-thickness",
         )
-    return SplineSpec(**{**spec.model_dump(), "thickness": round(float(apex), 3), "taper": round(taper, 3)}), uneven
+    return _spec(path, {**spec.model_dump(), "thickness": round(float(apex), 3), "taper": round(taper, 3)}), uneven

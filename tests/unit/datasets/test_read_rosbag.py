@@ -213,6 +213,14 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     bag.writer.close()
     with refused("recording-no-images", "/robot/pose"):
         RosbagReader().read(tmp_path / "empty")
+    bag = Bag(tmp_path / "still", "sqlite")
+    bag.image(START, "mono8")
+    bag.connections["/robot/pose"] = bag.writer.add_connection(
+        "/robot/pose", "geometry_msgs/msg/PoseStamped", typestore=bag.store
+    )
+    bag.writer.close()
+    with refused(("recording-unreadable", "recording-no-table"), "still"):
+        RosbagReader().read(tmp_path / "still")
     cut = make(tmp_path / "whole", "mcap") / "whole.mcap"
     (tmp_path / "cut.mcap").write_bytes(cut.read_bytes()[:5000])
     with refused(("recording-unreadable", "recording-no-images", "recording-no-table"), "cut.mcap"):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from errors import refused
+from errors import end_process, refused
 from needs import needs
 from palpate.design import DomeSpec, build_skin, read_profile, read_skin, skin_from_data
 from palpate.fea import WallSpec
@@ -157,6 +157,26 @@ def test_a_curve_that_no_skin_follows_is_refused(tmp_path: Path, name: str, poin
         read_profile(table(tmp_path / name, points, head))
 
 
+@pytest.mark.parametrize("count", [6, 10, 20])
+def test_a_table_of_few_points_is_followed(tmp_path: Path, count: int) -> None:
+    """Chords between ten points would be 0.08 mm off; a smooth curve goes through them."""
+    assert follows_the_cap(table(tmp_path / "cap.csv", meridian(count=count)))
+
+
+def test_wrong_numbers_of_a_profile_are_refused(tmp_path: Path) -> None:
+    path = table(tmp_path / "cap.csv", meridian())
+    with refused("float_parsing", "thick"):
+        read_skin(f"profile:file={path},thickness=thick", DomeSpec())
+    with refused("parameter-unknown", "taper"):
+        read_skin(f"profile:file={path},taper=0.5", DomeSpec())
+    with refused("profile-size", "thickness", 40.0):
+        read_profile(path, 40.0)
+    with refused("profile-size", "thickness"):
+        read_profile(arcs(tmp_path / "thin.dxf", RADIUS, RADIUS + 0.1))
+    with refused("profile-few-points", 3):
+        read_profile(table(tmp_path / "few.csv", meridian(count=3)))
+
+
 def test_a_drawing_with_other_curves_is_refused(tmp_path: Path) -> None:
     with refused("profile-curves", 3):
         read_profile(arcs(tmp_path / "three.dxf", RADIUS, RADIUS + 1, RADIUS + 2))
@@ -167,3 +187,12 @@ def test_a_drawing_with_other_curves_is_refused(tmp_path: Path) -> None:
         read_profile(tmp_path / "lost.csv")
     with refused("parameter-missing"):
         skin_from_data({"kind": "profile"})
+
+
+def test_a_body_that_ends_the_kernel_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A damaged STEP file can end the process that reads it (exit code 139)."""
+    needs("build123d")
+    monkeypatch.setattr("palpate.design.profile._cut_step", end_process)
+    (tmp_path / "bad.step").write_text("")
+    with refused("drawing-broken", "bad.step"):
+        read_profile(tmp_path / "bad.step")
