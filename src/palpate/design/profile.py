@@ -35,7 +35,7 @@ _UNEVEN = 0.1
 _CORNER = np.radians(25.0)
 """Change of direction from which two segments of a curve meet in a corner."""
 _STEP_POINTS, _TABLE_POINTS = 400, 2000
-"""Number of points that replace an edge of a STEP body, and the smooth curve through the rows of a table."""
+"""Number of points that replace an edge of a STEP body, and the smooth curve of a table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ def _dxf_curves(path: Path) -> list[FloatArray]:
 
 
 def _step_curves(path: Path) -> list[FloatArray]:
-    """Cut a STEP body in a process of its own, since a damaged file can end the CAD kernel with its process."""
+    """Cut a STEP body in a separate process, which a damaged file can end (segmentation fault)."""
     load_extra("build123d", "cad")
     with LocalWorkers(1) as pool:
         pool.submit(_cut_step, path)
@@ -325,7 +325,7 @@ def _apart(one: FloatArray, other: FloatArray) -> float:
 
 
 def _follow(path: Path, inner: FloatArray, thickness: float) -> tuple[SplineSpec, float, FloatArray]:
-    """Return the skin that follows a curve (n, 2) by fewest points, its deviation, mm, and the place (2,) of it."""
+    """Return the skin of fewest points that follows a curve (n, 2), its deviation, mm, and where."""
     dense, tree = _dense(inner), cKDTree(_dense(inner))
     height, radius = round(float(inner[0, 1]), 4), round(float(inner[-1, 0]), 4)
     best: tuple[SplineSpec, float, FloatArray] | None = None
