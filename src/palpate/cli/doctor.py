@@ -109,7 +109,7 @@ def _only_for(marker: Marker, extra: str) -> bool:
 
 
 def _check_package(name: str, extra: str, load: bool) -> InstallCheck:
-    wanted = f'"palpate[{extra}]"' if extra else name
+    wanted = f'-e ".[{extra}]"' if extra else name
     if installed_version(name) is None:
         return InstallCheck(name, False, "not installed", f"pip install {wanted}")
     try:

@@ -50,6 +50,6 @@ class MissingExtraError(PalpateError):
     def __init__(self, library: str, extra: str) -> None:
         super().__init__(
             f"This needs {library}, which is not installed.",
-            f'Install it with: pip install "palpate[{extra}]"',
+            f'Install it in the folder of palpate: pip install -e ".[{extra}]"',
             code=self.code,
         )

@@ -172,7 +172,7 @@ def _declared(spec: type[BaseModel], name: str) -> dict[str, Any]:
 
 def _without_unit(spec: type[Spec], name: str, value: Any) -> Any:
     extra = _declared(spec, name)
-    if "unit" not in extra:
+    if not extra.get("unit"):  # a text, such as a name, is no quantity
         return value
     if isinstance(value, list | tuple):
         return [_without_unit(spec, name, item) for item in value]

@@ -105,6 +105,12 @@ def read_recording(
     reader, place = _find_reader(place)
     if rest is not None:
         read_image(rest)  # refused here, by its own sentence
+    if choice.pose and not reader.has_topics:
+        raise PalpateError(
+            f"{place.name} has no topic {choice.pose}: it is not a ROS bag.",
+            "Leave --pose out; --targets chooses columns.",
+            code="flag-not-used",
+        )
     reads = reader()
     reads.image, reads.pose = choice.image, choice.pose
     table, images = reads.read(place)

@@ -55,6 +55,7 @@ class RosbagReader(RecordingReader):
     """Bags of ROS 1 and ROS 2; `image` and `pose` are topics. Reading needs the extra ``ros``."""
 
     formats = "ROS bags (.bag, .mcap, .db3, rosbag2 folders)"
+    has_topics = True
 
     @classmethod
     def accepts(cls, place: Path) -> bool:

@@ -20,6 +20,8 @@ class RecordingReader(ABC):
     ----------
     formats
         Names of the formats in messages.
+    has_topics
+        Whether `pose` chooses a source of poses.
     image
         Which of several images a row has is read: a key or path, as ``--image`` gives it; empty if there is one.
     pose
@@ -27,6 +29,7 @@ class RecordingReader(ABC):
     """
 
     formats: ClassVar[str]
+    has_topics: ClassVar[bool] = False
     image: str = ""
     pose: str = ""
 

@@ -20,6 +20,7 @@ from palpate.core import (
     BoolArray,
     FloatArray,
     IntArray,
+    MissingExtraError,
     PalpateError,
     Recipe,
     TextArray,
@@ -127,6 +128,9 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
     items = list(recording.images.read(sorted({int(k) for k in looked})))
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
+        for item in items:
+            if isinstance(item, MissingExtraError):
+                raise item
         reason = next((item.problem for item in items if isinstance(item, PalpateError)), "it has no images")
         raise PalpateError(
             f"The first images cannot be read: {reason}", "Check the table's image names.", code="images-unreadable"

@@ -177,7 +177,7 @@ def test_doctor_writes_the_command_that_mends_as_it_must_be_typed(capsys, monkey
     wanted = ["no-such-package>=2; python_version > '3' and extra == 'learn'"]
     monkeypatch.setattr("importlib.metadata.requires", lambda name: wanted)
     assert call("doctor") == 0
-    assert 'pip install "palpate[learn]"' in capsys.readouterr().out
+    assert 'pip install -e ".[learn]"' in capsys.readouterr().out
 
 
 def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_path):
@@ -192,7 +192,7 @@ def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_p
     assert call("doctor", "--load") == 0
     output = capsys.readouterr().out
     assert "removed in 2.0" in output
-    assert 'pip install --upgrade "palpate[viz]"' in output
+    assert 'pip install --upgrade -e ".[viz]"' in output
 
 
 def test_doctor_names_the_system_package_of_a_library_that_is_missing(

@@ -12,7 +12,7 @@ def test_an_error_keeps_sentence_and_remedy_apart() -> None:
 
 def test_a_missing_extra_says_what_to_install() -> None:
     error = MissingExtraError("torch", "learn")
-    assert 'pip install "palpate[learn]"' in str(error)
+    assert 'pip install -e ".[learn]"' in str(error)
     assert error.code == "extra-missing"
 
 

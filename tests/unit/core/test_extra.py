@@ -12,7 +12,7 @@ def test_load_extra_gives_the_library() -> None:
 
 
 def test_a_missing_library_is_named_with_the_command_that_installs_it() -> None:
-    with refused("extra-missing", "No Such", "palpate[cad]"):
+    with refused("extra-missing", "No Such", ".[cad]"):
         load_extra("no_such_library", "cad", "No Such")
 
 

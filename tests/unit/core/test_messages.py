@@ -239,7 +239,7 @@ def time_that_goes_back() -> None:
 
 
 LIVE: dict[str | Callable[[], Any], tuple[object, ...]] = {
-    missing_extra: ("extra-missing", "No Such", "palpate[cad]"),
+    missing_extra: ("extra-missing", "No Such", ".[cad]"),
     missing_image: ("image-unreadable", "none.png"),
     negative_depth: ("press-depth-not-positive", "-1"),
     time_that_goes_back: ("time-goes-back", 2, 1),

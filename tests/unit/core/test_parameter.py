@@ -65,3 +65,10 @@ class DrillSpec(Spec):
 
 def test_a_flag_is_declared_at_the_field_or_its_name_without_the_unit() -> None:
     assert [flag_name(DrillSpec, name) for name in DrillSpec.model_fields] == ["point", "shank-length", "drill"]
+
+
+def test_a_text_that_begins_with_a_number_is_no_quantity() -> None:
+    class NameSpec(Spec):
+        name: str = parameter("a", unit="", meaning="name")
+
+    assert NameSpec.model_validate({"name": "1st"}).name == "1st"

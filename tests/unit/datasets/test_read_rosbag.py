@@ -203,6 +203,12 @@ def test_of_several_topics_one_is_chosen(tmp_path: Path) -> None:
     assert len(reader.read(tmp_path / "bag")[0]) == 30
 
 
+def test_a_topic_of_poses_needs_a_bag(tmp_path: Path) -> None:
+    (tmp_path / "poses.csv").write_text("image,rx_deg\na.png,1\n")
+    with refused("flag-not-used", "/tool"):
+        read_recording(tmp_path / "poses.csv", ColumnMapping(pose="/tool"))
+
+
 def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     for name in ("a.bag", "a.mcap", "a.db3"):
         (tmp_path / name).write_bytes(b"no bag at all")

@@ -165,7 +165,7 @@ def test_a_table_of_few_points_is_followed(tmp_path: Path, count: int) -> None:
 
 def test_wrong_numbers_of_a_profile_are_refused(tmp_path: Path) -> None:
     path = table(tmp_path / "cap.csv", meridian())
-    with refused("float_parsing", "thick"):
+    with refused("thickness-not-number", "thick"):
         read_skin(f"profile:file={path},thickness=thick", DomeSpec())
     with refused("parameter-unknown", "taper"):
         read_skin(f"profile:file={path},taper=0.5", DomeSpec())

@@ -135,5 +135,5 @@ def test_a_missing_meshio_is_reported_with_the_remedy(
     press: Press, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)
-    with refused("extra-missing", "palpate[viz]"):
+    with refused("extra-missing", ".[viz]"):
         export_press(tmp_path / "press", press)

@@ -68,5 +68,5 @@ def test_what_is_no_model_is_refused(tmp_path, content):
 
 def test_a_missing_runtime_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "onnxruntime", None)
-    with refused("extra-missing", "onnxruntime", "palpate[predict]"):
+    with refused("extra-missing", "onnxruntime", ".[predict]"):
         open_predictor(tmp_path / "model.onnx")

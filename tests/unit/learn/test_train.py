@@ -102,7 +102,7 @@ def test_predicted_poses_do_not_need_torch(dataset, estimator, tmp_path):
 def test_missing_torch_says_what_to_install(dataset, monkeypatch):
     monkeypatch.delitem(sys.modules, "palpate.learn.network", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
-    with refused("extra-missing", "palpate[learn]"):
+    with refused("extra-missing", ".[learn]"):
         train(dataset, FAST)
 
 

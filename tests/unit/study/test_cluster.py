@@ -46,7 +46,7 @@ def test_without_the_library_it_is_said_what_to_install(
     store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with refused("extra-missing", "palpate[cluster]"):
+    with refused("extra-missing", ".[cluster]"):
         ClusterWorkers("local:1")
 
 

@@ -45,7 +45,7 @@ def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
 
 def test_missing_pyarrow_is_named_and_nothing_is_written(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with refused("extra-missing", "pyarrow", "palpate[parquet]"):
+    with refused("extra-missing", "pyarrow", ".[parquet]"):
         export_grid(tmp_path / "g.parquet", GRID)
     assert list(tmp_path.iterdir()) == []
 
