@@ -116,7 +116,9 @@ def profile_data(data: Mapping[str, Any]) -> dict[str, Any]:
         thickness = float(data.get("thickness", 2.0))
     except ValueError as error:
         raise PalpateError(
-            f"The thickness '{data['thickness']}' is not a number.", "Give mm, such as 2.", code="thickness-not-number"
+            f"The thickness '{data['thickness']}' is not a number.",
+            "Give mm, such as 2.",
+            code="thickness-not-number",
         ) from error
     return read_profile(Path(data["file"]), thickness).spec.build().spec_data
 

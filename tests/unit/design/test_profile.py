@@ -126,6 +126,14 @@ def test_a_press_of_the_followed_skin_is_that_of_the_dome(tmp_path: Path) -> Non
     assert (apart[1:] < 3e-3 * np.linalg.norm(one.force[1:], axis=1)).all()
 
 
+def test_a_drawn_hemisphere_has_no_undercut(tmp_path: Path) -> None:
+    """The spline is 0.3 µm wider than the base."""
+    angle = np.linspace(0.0, np.pi / 2, 46)
+    half = 20.0 * np.column_stack([np.sin(angle), np.cos(angle)])
+    assert not read_profile(table(tmp_path / "half.csv", half)).spec.build().bulges
+    assert build_skin(DomeSpec(height=23, base_radius=20)).bulges
+
+
 def test_a_study_and_a_flag_take_the_numbers_of_the_drawing(tmp_path: Path) -> None:
     arcs(tmp_path / "cap.dxf", RADIUS, RADIUS + THICK)
     (tmp_path / "study.yaml").write_text("name: own\ndesigns: {skin: {kind: profile, file: cap.dxf}, markers: [7]}\n")
