@@ -82,15 +82,15 @@ class UnitTrialTask(Task):
 
     def read(self, store: ArtefactStore) -> dict[str, Any]:
         """Return the sums over the unit's images."""
-        played = read_trial(find_artefact(store, self), self._deviation)
-        errors = played.corrected() - played.truth
+        trial = read_trial(find_artefact(store, self), self._deviation)
+        errors = trial.corrected() - trial.truth
         seen = np.isfinite(errors).all(axis=1)
         return {
             "images": len(errors),
             "seen": int(seen.sum()),
             "squares": (errors[seen] ** 2).sum(axis=0).tolist(),
             "p95_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
-            "failure": played.failure,
+            "failure": trial.failure,
         }
 
     @property
@@ -277,13 +277,13 @@ class _Candidate:
         if lacks is not None:
             return replace(empty, problem=reasons.get(lacks.recipe.key, f"There is no {lacks.name}."))
         presses = (read_press(find_artefact(store, press)) for press in self.twin.presses)
-        played, failures = _gather(store, self.units, reasons)
+        gathered, failures = _gather(store, self.units, reasons)
         return replace(
             empty,
-            problem="" if played else failures[0],
+            problem="" if gathered else failures[0],
             force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
             predicted=self.predict(store),
-            simulated=played,
+            simulated=gathered,
             trained=_gather(store, self.trained_units, reasons)[0],
         )
 

@@ -107,8 +107,8 @@ class ValidatedDesign:
         """Maximum relative difference of simulated and predicted accuracy, over RMSE and 95th percentile."""
         if self.simulated is None or self.predicted is None:
             return float("nan")
-        told, found = self.predicted, self.simulated
-        return max(abs(found.rmse_deg / told.rmse_deg - 1.0), abs(found.p95_deg / told.p95_deg - 1.0))
+        expected, found = self.predicted, self.simulated
+        return max(abs(found.rmse_deg / expected.rmse_deg - 1.0), abs(found.p95_deg / expected.p95_deg - 1.0))
 
 
 @dataclass(frozen=True)
@@ -156,21 +156,23 @@ class ValidationResult:
     @property
     def order_preserved(self) -> bool:
         """Whether simulated and predicted order of the designs agree, in RMSE and 95th percentile."""
-        return all((told * found >= 0.0).all() for _, told, found in self._pairs())
+        return all((expected * found >= 0.0).all() for _, expected, found in self._pairs())
 
     @property
     def reversed_pairs(self) -> tuple[str, ...]:
         """Pairs of designs in reversed order of a figure that other units would confirm."""
         pairs = self._pairs(draw=True)
-        return tuple(title for title, told, found in pairs if (np.mean(told * found < 0.0, axis=0) > _SURE).any())
+        return tuple(
+            title for title, expected, found in pairs if (np.mean(expected * found < 0.0, axis=0) > _SURE).any()
+        )
 
     def _pairs(self, *, draw: bool = False) -> Iterator[tuple[str, FloatArray, FloatArray]]:
         """Pairwise differences between designs, predicted (2,) and simulated (n, 2), degrees."""
         both = [(one.title, one.predicted, one.simulated) for one in self.designs if one.predicted and one.simulated]
-        for (title, told, found), (other_title, other_told, other_found) in combinations(both, 2):
+        for (title, expected, found), (other_title, other_expected, other_found) in combinations(both, 2):
             pair = [found, other_found]
             first, second = _draw_figures(pair) if draw else np.array([[_figures(one)] for one in pair])
-            yield f"{title} and {other_title}", _figures(told) - _figures(other_told), first - second
+            yield f"{title} and {other_title}", _figures(expected) - _figures(other_expected), first - second
 
     def as_dict(self) -> dict[str, Any]:
         """Return the validation as JSON data."""
@@ -222,15 +224,15 @@ def _order(proof: ValidationResult) -> str:
 
 
 def _sentences(proof: ValidationResult) -> Iterator[str]:
-    played = [one for one in proof.designs if one.simulated and one.predicted]
-    if played:
-        counts = " and ".join(sorted({f"{one.simulated.units} units" for one in played if one.simulated}))
+    compared = [one for one in proof.designs if one.simulated and one.predicted]
+    if compared:
+        counts = " and ".join(sorted({f"{one.simulated.units} units" for one in compared if one.simulated}))
         yield (
             f"{counts} of each design, pressed by finite elements on another mesh, read from rendered images after "
             f"{proof.calibration_presses} calibration presses."
         )
-        yield f"Both figures differ by {100 * max(one.relative_error for one in played):.0f} %"
-        yield f"and {_order(proof)}." if len(played) > 1 else "in RMSE and 95th percentile."
+        yield f"Both figures differ by {100 * max(one.relative_error for one in compared):.0f} %"
+        yield f"and {_order(proof)}." if len(compared) > 1 else "in RMSE and 95th percentile."
         yield "The 90 % intervals are bootstrap intervals over the simulated units."
     for one in proof.designs:
         lost = [one.problem] if one.problem else list(one.simulated.failures if one.simulated else ())

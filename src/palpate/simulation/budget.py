@@ -69,9 +69,9 @@ def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
     bench.check()
     nominal = run_unit_trial(bench, Deviation())
     clean = run_unit_trial(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
-    for played in (nominal, clean):
-        if played.failure:
-            raise PalpateError(f"The nominal unit cannot be simulated: {played.failure}", code="unit-not-played")
+    for trial in (nominal, clean):
+        if trial.failure:
+            raise PalpateError(f"The nominal unit cannot be simulated: {trial.failure}", code="unit-not-played")
     yield _line("model", "the model itself, nominal unit, clean images", "", clean.with_exact_poses(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:
@@ -91,13 +91,13 @@ def total(lines: Sequence[BudgetLine]) -> float:
 
 def _alone(bench: VirtualBench, item: Imperfection, nominal: UnitTrial) -> BudgetLine:
     draws = (2 if item.signed else 1) if item.solved else DRAWS
-    played = [
+    unit_trials = [
         run_unit_trial(bench, single_deviation(bench.spec.tolerance, item, bench.spec.seed, draw))
         for draw in range(draws)
     ]
     unit = next(note.unit for note in parameters(ToleranceSpec) if note.name == item.name)
     size = f"{getattr(bench.spec.tolerance, item.name):g}" + (f" {unit}" if unit != "1" else "")
-    return _line(item.name, item.label, f"±{size}" if item.signed else size, nominal, played)
+    return _line(item.name, item.label, f"±{size}" if item.signed else size, nominal, unit_trials)
 
 
 def _line(name: str, words: str, tolerance: str, nominal: UnitTrial, units: Sequence[UnitTrial]) -> BudgetLine:

@@ -216,12 +216,12 @@ def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str | Report]:
 
 def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | Report]:
     """Errors of force and friction from single images, and coverage of their intervals."""
-    played = [result.trial for result in sampled if result.scores]
-    if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
+    unit_trials = [result.trial for result in sampled if result.scores]
+    if not unit_trials or not np.isfinite(collect_estimates(unit_trials, "force_n")[1]).any():
         return []
     rows, small_force = [], "≤ 2 % or 0.01 N"
     for name in MEASURANDS:
-        truth, error, half = collect_estimates(played, name)
+        truth, error, half = collect_estimates(unit_trials, name)
         if name in POSE and not known:
             continue  # those of a unit whose seating is not known are of its own frame
         share = np.abs(error) / np.maximum(np.abs(truth), 1e-9)
@@ -238,38 +238,42 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str | R
 
 def _beforehand(spec: VirtualBenchSpec) -> str:
     """Describe the preparation of each unit, and the motion of its robot."""
-    told = "The depth's zero is " + ("measured by one press in advance." if spec.zero else "not corrected.")
+    procedure = "The depth's zero is " + ("measured by one press in advance." if spec.zero else "not corrected.")
     if spec.calibration_presses:
-        told = f"Each unit is identified by {spec.calibration_presses} calibration presses and one load-cell reading."
+        procedure = (
+            f"Each unit is identified by {spec.calibration_presses} calibration presses and one load-cell reading."
+        )
     tolerance = spec.tolerance
     if tolerance.lateral or tolerance.twist_deg:
-        told += (
+        procedure += (
             f" Robots drift by up to {tolerance.lateral:g} mm in both directions and {tolerance.twist_deg:g}° in a "
             "press."
         )
     if tolerance.curvature:
-        told += f" Walls have curvatures of up to {tolerance.curvature:g} /m, calibration presses use a flat one."
+        procedure += (
+            f" Walls have curvatures of up to {tolerance.curvature:g} /m, calibration presses use a flat one."
+        )
     if spec.inverted:
-        told += f" The last {spec.inverted} units are inverted after their calibration presses."
+        procedure += f" The last {spec.inverted} units are inverted after their calibration presses."
     if tolerance.friction_max:
-        told += f" Friction is {tolerance.friction_min:g} to {tolerance.friction_max:g}, even in 1/µ."
-    return told
+        procedure += f" Friction is {tolerance.friction_min:g} to {tolerance.friction_max:g}, even in 1/µ."
+    return procedure
 
 
 def _describe_unit(result: UnitResult) -> dict[str, Any]:
-    played = result.trial
+    trial = result.trial
     return {
         "unit": result.number,
-        "deviation": played.deviation.as_dict(),
+        "deviation": trial.deviation.as_dict(),
         "scores": [score.as_dict() for score in result.scores],
-        "zero_mm": played.zero.offset if played.zero else None,
-        "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
+        "zero_mm": trial.zero.offset if trial.zero else None,
+        "depth_bias_without_zero_mm": float(np.nanmean(trial.estimates[:, 2] - trial.truth[:, 2]))
         if result.scores
         else None,
-        "parameters": [each._asdict() for each in played.parameters],
+        "parameters": [each._asdict() for each in trial.parameters],
         "without_pose": result.without_pose,
-        "flagged": int(played.flagged.sum()),
-        "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],
+        "flagged": int(trial.flagged.sum()),
+        "latency_ms": np.quantile(trial.latency_ms, [0.5, 0.99]).tolist() if len(trial.latency_ms) else [],
         "as_good_as_the_paper": result.meets_paper,
-        "failure": played.failure,
+        "failure": trial.failure,
     }

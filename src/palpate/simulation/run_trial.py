@@ -157,8 +157,8 @@ def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
     recipe = unit_recipe(bench, deviation)
     found = bench.store.find(recipe, ".json")
     if found is None:
-        played = _run_unit(bench, deviation)
-        found = bench.store.write(recipe, lambda path: write_trial(path, played), ".json")
+        trial = _run_unit(bench, deviation)
+        found = bench.store.write(recipe, lambda path: write_trial(path, trial), ".json")
     return read_trial(found, deviation)
 
 
@@ -274,14 +274,16 @@ def _read(bench: VirtualBench, simulated: SimulatedUnit, sensor: Sensor, press: 
     for depth, force, image in zip(press.depth, _weigh(press), simulated.render_press(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.min_depth - 1e-9:
-            told, half = list(reading.pose), list(reading.half_width)
+            estimate, half = list(reading.pose), list(reading.half_width)
             if reading.fit is not None:
                 pressing = reading.fit.force.normal_force
-                told += [pressing.value, reading.fit.inverse_friction]
+                estimate += [pressing.value, reading.fit.inverse_friction]
                 half += [pressing.half_width, reading.fit.half_width[3]]
-            nothing = [np.nan] * (len(MEASURANDS) - len(told))
+            nothing = [np.nan] * (len(MEASURANDS) - len(estimate))
             truth = (*_robot_pose(press, deviation, float(depth)), force, slip)
-            rows.append((number, len(reading.flags), reading.latency_ms, *truth, *told, *nothing, *half, *nothing))
+            rows.append(
+                (number, len(reading.flags), reading.latency_ms, *truth, *estimate, *nothing, *half, *nothing)
+            )
     return UnitTrial(deviation, np.array(rows).reshape(-1, len(COLUMNS)))
 
 
