@@ -1,4 +1,4 @@
-"""The camera: a thread keeps the newest image, and what palpate reads from it where a twin is given."""
+"""Camera whose thread keeps the newest image, and the reading of it if a twin is configured."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class PalpateCamera(Camera):
     Parameters
     ----------
     config
-        What was chosen.
+        Settings.
     """
 
     def __init__(self, config: PalpateCameraConfig) -> None:
@@ -59,7 +59,7 @@ class PalpateCamera(Camera):
 
     @property
     def reading(self) -> dict[str, Any] | None:
-        """What palpate reads from the newest image, by the columns of its tables; `None` without a twin."""
+        """Reading of the newest image by column of the tables of palpate; `None` without a twin."""
         with self._news:
             return None if self._newest is None else self._newest.reading
 
@@ -137,7 +137,7 @@ class PalpateCamera(Camera):
         return open_from_parameters(parse_launch_spec(SensorLaunchSpec, chosen))
 
     def _begin(self) -> None:
-        """Wait for the first image, and hold it against the size that was asked for."""
+        """Wait for the first image, and compare its size with the requested one."""
         with self._news:
             self._news.wait_for(lambda: not self._taken or not self._going, self.config.warmup_s)
             first, reason = self._newest, self._reason

@@ -1,4 +1,4 @@
-"""What a person may choose about the camera."""
+"""Settings of the camera."""
 
 from __future__ import annotations
 

@@ -15,14 +15,14 @@ _MEANS = {
     "tilt_x_deg": "camera's tilt about x",
     "tilt_y_deg": "camera's tilt about y",
     "roll_deg": "camera's turn about its axis",
-    "focal": "share by which the focal length is too long",
-    "centre_x_px": "image centre off, column",
-    "centre_y_px": "image centre off, row",
+    "focal": "relative excess of the focal length",
+    "centre_x_px": "deviation of the image centre, column",
+    "centre_y_px": "deviation of the image centre, row",
     "k1": "first coefficient of the distortion",
-    "thickness": "wall too thick",
-    "print_shift_x": "print off along x",
-    "print_shift_y": "print off along y",
-    "missing": "share of dots that are not there",
+    "thickness": "excess of the skin thickness",
+    "print_shift_x": "shift of the print along x",
+    "print_shift_y": "shift of the print along y",
+    "missing": "share of missing markers",
 }
 
 
@@ -40,30 +40,30 @@ SIGHT = (
     IMAGE,
     Column("design", "sc:Text", "", "name of the design, see designs.csv"),
     Column("unit", "sc:Integer", "1", "number of the built unit, within its design"),
-    Column("picture", "sc:Text", "", "name of the rendered image in the split's archive; empty: there is none"),
+    Column("picture", "sc:Text", "", "name of the rendered image in the split's archive; empty without one"),
 )
 LABEL = (
     Column("press", "sc:Integer", "1", "number of the press: one wall pose and friction, one state of the skin"),
     Column("rx_deg", "sc:Float", "deg", "rotation vector of the wall about the dome's x, in the unit's own frame"),
     Column("ry_deg", "sc:Float", "deg", "the same about y"),
-    Column("depth_mm", "sc:Float", "mm", "travel of the wall along the dome's axis since first touch"),
+    Column("depth_mm", "sc:Float", "mm", "travel of the wall along the dome's axis since first contact"),
     Column("force_n", "sc:Float", "N", "force of the dome on the wall along the wall's normal"),
     Column("shear_n", "sc:Float", "N", "magnitude of the force in the wall's plane"),
-    Column("friction", "sc:Float", "1", "coefficient of friction between dome and wall; inf: nothing slips"),
-    Column("branch", "sc:Text", "", "flat, or inverted where the skin stands in its other stable state"),
+    Column("friction", "sc:Float", "1", "coefficient of friction between dome and wall; inf: no slip"),
+    Column("branch", "sc:Text", "", "flat or inverted"),
 )
 DESIGN = (
     Column("design", "sc:Text", "", "name of the design"),
     Column("height_mm", "sc:Float", "mm", "height of the inner surface's apex over the base"),
-    Column("thickness_mm", "sc:Float", "mm", "thickness of the wall"),
+    Column("thickness_mm", "sc:Float", "mm", "skin thickness"),
     Column("base_radius_mm", "sc:Float", "mm", "radius of the inner surface's rim"),
-    Column("markers", "sc:Integer", "1", "number of dots"),
-    Column("dot_diameter_mm", "sc:Float", "mm", "diameter of a dot"),
+    Column("markers", "sc:Integer", "1", "number of markers"),
+    Column("dot_diameter_mm", "sc:Float", "mm", "diameter of a marker"),
 )
 DOT = (
     Column("design", "sc:Text", "", "name of the design"),
-    Column("marker", "sc:Integer", "1", "number of the dot: its row in markers_px"),
-    Column("x_mm", "sc:Float", "mm", "place on the undeformed inner surface"),
+    Column("marker", "sc:Integer", "1", "number of the marker: its row in markers_px"),
+    Column("x_mm", "sc:Float", "mm", "position on the undeformed inner surface, x"),
     Column("y_mm", "sc:Float", "mm", "the same along y"),
     Column("z_mm", "sc:Float", "mm", "the same along the dome's axis, from the base up"),
 )

@@ -13,7 +13,11 @@ SCORE_COLUMNS = (
     "by",
     "name",
     "images",
-    *(f"{part} {figure}" for part in _FIGURES for figure in ("RMSE", "max", "19 of 20", "in interval", "half-width")),
+    *(
+        f"{part} {figure}"
+        for part in _FIGURES
+        for figure in ("RMSE", "max", "95th percentile", "in interval", "half-width")
+    ),
 )
 _DETAILS = ("depth maximum", "force RMSE", "angle in interval", "angle maximum")
 _COMPARED = (

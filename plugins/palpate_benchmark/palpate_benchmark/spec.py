@@ -146,8 +146,8 @@ class BenchmarkSpec(Spec):
         if self.min_depth >= self.depth:
             raise PydanticCustomError(
                 "depths-not-rising",
-                "the minimum depth is {least} mm; it must be below the maximum depth of {most} mm.",
-                {"least": f"{self.min_depth:g}", "most": f"{self.depth:g}"},
+                "the minimum depth is {minimum} mm; it must be below the maximum depth of {maximum} mm.",
+                {"minimum": f"{self.min_depth:g}", "maximum": f"{self.depth:g}"},
             )
         return self
 

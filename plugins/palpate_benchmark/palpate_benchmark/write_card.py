@@ -12,58 +12,56 @@ from palpate_benchmark.spec import SPLITS, BenchmarkSpec
 
 CARD = "README.md"
 _PAGE = """\
-# palpate benchmark: pose from the dots of a domed tactile sensor
+# palpate benchmark: pose from the markers of a domed tactile sensor
 
-A soft dome with printed dots inside and a camera behind it is pressed by a flat wall. From where the dots are
-in one image, or from the image itself, tell how the wall is tilted (rx, ry), how deep it is, and how hard it
-presses.
+A flat wall presses a soft dome with printed markers inside and a camera behind it. The task: estimate the tilt of
+the wall (rx, ry), the depth and the contact force from one image or from the marker positions in it.
 
-## What it holds
+## Contents
 
 {counts}
-No unit and no press has images in two splits. Image numbers are in a random order over the whole set, so that
-neither number nor place in a file tells anything. `train` is to learn from, `calibrate` to choose settings and
-intervals by, `test` to be judged on once.
+Each unit and each press has images in one split only. Image numbers are in a random order over the whole set, so
+neither a number nor a place in a file contains information. `train` is for training, `calibrate` for settings and
+intervals, `test` for one evaluation at the end.
 
 ## Files
 
-* `SPLIT.h5`: by design, `image` (n,) numbers rising, `unit` (n,), `markers_px` (n, dots, 2) columns and rows in
-  px, NaN where a dot is not there; `rest_unit` (units,) and `rest_px` (units, dots, 2) of the untouched units.
+* `SPLIT.h5`: by design, `image` (n,) ascending numbers, `unit` (n,), `markers_px` (n, markers, 2) columns and rows
+  in px, NaN for a missing marker; `rest_unit` (units,) and `rest_px` (units, markers, 2) of the unloaded units.
 * `SPLIT_pictures.zip`: rendered images as PNG, 8 bit grey: `SPLIT/IMAGE.png` and `SPLIT/rest_DESIGN_UNIT.png`.
-* `spec.json`: what was chosen; `croissant.json`: metadata for machines; `SHA256SUMS`: checksums of all files.
-* `hidden.csv` and `hidden_units.csv`: labels and units of the test, to be withheld by whoever runs a contest.
+* `spec.json`: settings; `croissant.json`: metadata for machines; `SHA256SUMS`: checksums of all files.
+* `hidden.csv` and `hidden_units.csv`: labels and units of the test; a contest does not publish them.
 
 {tables}
-## How it was made
+## Method
 
-By simulation alone; no real sensor was used. Finite-element presses of each design (material {material}; no
-slip and finite friction; the skin's other stable state where it has one) are interpolated by a twin over tilt,
-depth, friction and wall thickness. Each unit deviates from its design within a workshop's tolerances: wall
-thickness, stiffness, place of the print and of every dot, missing dots, camera and lens. Walls are even over
-the disc of tilts to {tilt:g}°, friction is even in 1/µ, depth even from {least:g} to {most:g} mm, in the other
-state from where it stands; {inverted:.0%} of the presses are in that state, where there is one. Dots have a
-normal noise of {noise:g} px. Pictures show the same dots with uneven light, reflections, blur, grain and dirt.
+All data are simulated; no real sensor was used. Finite-element presses of each design (material {material}; no
+slip and finite friction; the inverted branch of a bistable skin) are interpolated by a twin over tilt, depth,
+friction and thickness. Each unit deviates from its design within the tolerances of a workshop: thickness,
+stiffness, position of the print and of each marker, missing markers, camera and lens. Tilts are uniform over the
+disc up to {tilt:g}°, friction is uniform in 1/µ, depth uniform from {minimum:g} to {maximum:g} mm, on the inverted
+branch from its first contact; {inverted:.0%} of the presses of a bistable skin are inverted. Markers have a normal
+noise of {noise:g} px. Rendered images show the same markers with uneven light, reflections, blur, grain and dirt.
 
 {off}
 
-## What it is not for
+## Limits
 
-* It tells nothing of an elastomer that creeps, of wear, of walls that are bent or drift while they press.
-* A method that knows palpate's own twin has an advantage: the set is drawn from such a twin, though of another
-  mesh and other frictions than the baseline that fits by one.
-* Units are drawn within one workshop's tolerances; they are not a survey of workshops.
-* There are no personal data in it.
+* The set does not cover relaxation of the elastomer, wear, and walls that bend or move sideways.
+* A method that contains palpate's own twin has an advantage: the set is sampled from such a twin, though of another
+  mesh and other frictions than the baseline that fits a twin.
+* Units are sampled within the tolerances of one workshop; they are not a survey of workshops.
+* The set contains no personal data.
 
 ## Rules
 
-Read `rest_px`, or the picture at rest, of a unit freely: a real sensor has it as well. Do not learn from
-`test`. A table of predictions has the columns `image`, `rx_deg`, `ry_deg`, `depth_mm`, and may have `force_n`
-and half-widths of intervals of nine tenths (`half_rx_deg`, `half_ry_deg`, `half_depth_mm`, `half_force_n`), a
-row for every image of the test, or for every one that has a picture. `palpate benchmark score PREDICTIONS --set
-FOLDER` judges it.
+`rest_px` and the rest image of a unit may always be used: a real sensor has them too. Do not train on `test`. A
+table of predictions has the columns `image`, `rx_deg`, `ry_deg`, `depth_mm`, optionally `force_n` and half-widths
+of 90 % intervals (`half_rx_deg`, `half_ry_deg`, `half_depth_mm`, `half_force_n`), with a row for each image of the
+test, or for each that has a rendered image. `palpate benchmark score PREDICTIONS --set FOLDER` evaluates it.
 
-Whoever has the seed can make the test's labels. For a contest the set is made with a seed of its own for the
-test (`--hidden-seed`), which is in no file of it, and `hidden.csv` and `hidden_units.csv` are kept back.
+The seed reproduces the labels of the test. A contest makes the set with a separate seed for the test
+(`--hidden-seed`), which no file contains, and does not publish `hidden.csv` and `hidden_units.csv`.
 
 Licence: {licence}. Published by {creator}, {url}.
 """
@@ -99,8 +97,8 @@ def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
         tables="\n".join(_tables()),
         material=spec.material,
         tilt=spec.max_tilt_deg,
-        least=spec.min_depth,
-        most=spec.depth,
+        minimum=spec.min_depth,
+        maximum=spec.depth,
         inverted=spec.inverted_share,
         noise=spec.noise_px,
         off=_error_text(counts.twin_error_mm),
@@ -120,6 +118,6 @@ def _tables() -> Iterator[str]:
 def _error_text(twins: Mapping[str, float]) -> str:
     known = {name: value for name, value in twins.items() if value == value}
     if not known:
-        return "How far the twins differ from presses between theirs was not measured."
-    told = ", ".join(f"{name} {value:.3f} mm" for name, value in known.items())
-    return f"Presses between those of the twins differ from them, as root mean square, by: {told}."
+        return "The interpolation error of the twins was not measured."
+    errors = ", ".join(f"{name} {value:.3f} mm" for name, value in known.items())
+    return f"Interpolation error of the twins (RMS): {errors}."

@@ -94,8 +94,8 @@ def write_croissant(folder: Path, spec: BenchmarkSpec) -> None:
 def _describe(spec: BenchmarkSpec) -> str:
     return (
         f"Images of {spec.units} simulated built units of each of {len(spec.designs)} designs of a domed tactile "
-        "sensor: positions of all dots, and rendered pictures of some, with the pose of the pressed wall, depth, "
-        "force, friction and stable state. Units that teach, calibrate and test are different units."
+        "sensor: positions of all markers, rendered images of some presses, and the pose of the wall, depth, force, "
+        "friction and branch of each. Training, calibration and test have different units."
     )
 
 
