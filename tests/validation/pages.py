@@ -78,11 +78,11 @@ PUBLISHED: tuple[Published, ...] = (
         source="J. G. Teng, J. M. Rotter, Computers & Structures 31, 211 and 32, 453 (1989); R. D. Wood, O. C. "
         "Zienkiewicz, Computers & Structures 7, 725 (1977); Budiansky; Dumir & Nath; Huang; all as in "
         "AQUINAS-FE (A. Filippidis, A. J. Sadowski, Imperial College London, 2023, BSD-3-Clause).",
-        read="Curves as digitised there. The two codes differ by up to 11 % of the load where it is steep, "
+        read="Curves as digitised there. The two codes differ by up to 11 % of the load on steep parts, "
         "which bounds the error of reading from above; buckling pressures are printed to three digits.",
         ours="A quarter of the cap, 28 cells along the meridian, one through the wall, clamped by its whole "
         "edge; neo-Hooke; arc length. Merit: distance of the points from our path, each axis over its "
-        "greatest value; limit loads and buckling pressures by the nearest within the range of the "
+        "maximum; limit loads and buckling pressures by the nearest within the range of the "
         "codes. Pressure keeps its direction.",
         control="A wall 5 % thicker misses the peak of the ring load.",
         missing="Experiments: the measured caps of Kaplan & Fung (NACA TN 3212) and of Sunakawa & Ichida (ISAS "
@@ -97,9 +97,9 @@ PUBLISHED: tuple[Published, ...] = (
         "X. H. Liu, S. H. Lo, *Popular benchmark problems for geometric nonlinear analysis of shells*, "
         "Finite Elements in Analysis and Design 40, 1551–1569 (2004), doi 10.1016/j.finel.2003.11.001, "
         "table 9.",
-        read="The table is printed; it was read as transcribed, number for number, by public codes that are "
-        "held to it (MBDyn; igafem and panels have parts of the same tables, with the same numbers). "
-        "The last digit is rounded: at most 0.01 % of the greatest value.",
+        read="The table is printed; its numbers are those of public codes that compare with it (MBDyn; "
+        "igafem and panels have parts of the same tables, with the same numbers). "
+        "The last digit is rounded: at most 0.01 % of the maximum.",
         ours="A quarter, 10 x 10 cells, one through the wall, hinged on the line in the middle of the wall's "
         "edge; neo-Hooke of the same E and nu; arc length past both limit points and, for the thin "
         "roof, both turns of the deflection. Merit: distance of the printed points from our path, and "
@@ -116,17 +116,17 @@ PUBLISHED: tuple[Published, ...] = (
         source="K. Y. Sze, X. H. Liu, S. H. Lo, *Popular benchmark problems for geometric nonlinear analysis "
         "of shells*, Finite Elements in Analysis and Design 40, 1551–1569 (2004), doi "
         "10.1016/j.finel.2003.11.001 (Abaqus, 24 x 36 cells).",
-        read="The table is printed; it was read as transcribed, number for number, by public codes that are "
-        "held to it (MBDyn; igafem and panels have parts of the same tables, with the same numbers). "
-        "The last digit is rounded: at most 0.01 % of the greatest value.",
+        read="The table is printed; its numbers are those of public codes that compare with it (MBDyn; "
+        "igafem and panels have parts of the same tables, with the same numbers). "
+        "The last digit is rounded: at most 0.01 % of the maximum.",
         ours="An eighth, 24 x 8 cells, one through the wall (R/h = 53); neo-Hooke; a dead force in ten "
         "increments, through the snap between 0.50 and 0.525 of the load. Merit: three displacements. "
         "24 x 18 cells differ by 0.8 % at most; 16 x 12 are 1 to 2 % stiffer and 9 % off at the snap, "
         "10 x 8 are 5 % stiffer: cells longer than some five thicknesses lock.",
         control="A wall 3 % thicker is 6 to 11 % off.",
         missing="The pinched hemisphere with a hole of the same paper (R/h = 250): 24 x 24 cells are still 2 to "
-        "5 % too stiff, 16 x 16 cells 7 to 14 %. So thin a wall is outside what one layer of 27-node "
-        "cells resolves at a bearable cost. The domes of the paper have R/T of 5 to 25.",
+        "5 % too stiff, 16 x 16 cells 7 to 14 %. One layer of 27-node cells does not resolve so thin a "
+        "skin at a bearable cost. The domes of the paper have R/T of 5 to 25.",
     ),
     Published(
         page="bistable_caps",
@@ -137,14 +137,14 @@ PUBLISHED: tuple[Published, ...] = (
         read="Its abstract: experiments and finite elements give the threshold between one stable state and "
         "two for caps of different solid angle; shallow-shell theory, appropriately modified, accounts "
         "very well for it even for relatively deep caps. No number could be read, so the theory was "
-        "solved anew (`validation.shallow`: two ordinary differential equations, by collocation): "
+        "solved again (`validation.shallow`: two ordinary differential equations, by collocation): "
         "lambda = 5.743 at nu = 0.5 and 5.491 at 0.3, with an error below 0.001.",
         ours="A quarter of the cap, 12 cells along the meridian (two layers at 1.1 rad, where h/R is 0.11), "
         "the rim free but for a slippery support; neo-Hooke, nu = 0.3 or K/mu = 2000; pushed through by "
         "arc length. A second state exists where the load in the valley is negative; the thickness of "
         "its zero is found by secants. Merit: lambda, formed with the angle from axis to rim in the "
         "place of the base radius over R, which is our way of carrying the theory to deep caps.",
-        control="A wall 5 % thicker than said moves lambda by 2.5 %, outside the tolerances of shallow and of "
+        control="A wall 5 % thicker than stated moves lambda by 2.5 %, outside the tolerances of shallow and of "
         "deep caps.",
         missing="The measured points and the paper's own modification: they are in figures and sections that no "
         "openly available text here holds. The experiment enters by its statement only.",
@@ -185,7 +185,7 @@ PUBLISHED: tuple[Published, ...] = (
         missing="Dimples far beyond it (Pogorelov) and their experiments (Lazarus, Florijn & Reis 2012, doi "
         "10.1103/PhysRevLett.109.144301; Vella et al. 2012, doi 10.1098/rsif.2011.0352): formulas and "
         "points are in sections that could not be read. Spheres between plates, flat and inverted, are "
-        "held to a shell code instead (`shell_R*`).",
+        "compared with a shell code instead (`shell_R*`).",
     ),
     Published(
         page="bonded_discs",
@@ -204,7 +204,7 @@ PUBLISHED: tuple[Published, ...] = (
         control="Slippery plates give E itself at every S.",
         missing="The measured points themselves: they are in a figure. Tatara's rubber sphere (1991, doi "
         "10.1115/1.2903407): only the abstract could be read, not its five equations nor its data; a "
-        "sphere between plates is held to Hertz and to an axisymmetric code instead. A fingerpad on a "
+        "sphere between plates is compared with Hertz and an axisymmetric code instead. A fingerpad on a "
         "plate: no text gave geometry and law together with the force.",
     ),
 )
