@@ -93,16 +93,16 @@ class PoseFitter:
 
     def __post_init__(self) -> None:
         self._sd = contact_prior_sd(self.model.tolerance)
-        skin = self.model.dots.twin.skin
+        skin = self.model.marker_twin.twin.skin
         self._size = size_scale(skin)
         self._near, self._trust, self._small = (scale_contact(each, skin) for each in (_NEAR, _TRUST, _SMALL))
         self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.posterior.nominal) ** 2
         self._mean = State.zeros(CONTACT_STATE).replace(
             inverse_friction=self.model.tolerance.inverse_friction_prior[0]
         )
-        slips = self.model.dots.twin.inverse_frictions
+        slips = self.model.marker_twin.twin.inverse_frictions
         self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
-        self._free = free_entries(self._sd, self.model.dots.twin)
+        self._free = free_entries(self._sd, self.model.marker_twin.twin)
         self._drifts = bool((self._sd[LATERAL] > 0).any())
         self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
         self._tables()
@@ -111,12 +111,12 @@ class PoseFitter:
     @cached_property
     def _other(self) -> PoseFitter | None:
         """Fitter of the inverted branch; `None` if the twin lacks it."""
-        other = self.model.dots.twin.inverted
+        other = self.model.marker_twin.twin.inverted
         return None if other is None else replace(self, model=self.model.on_branch(other))
 
     def _tables(self) -> None:
         """Predict the images of a grid of starting poses, and factor the covariance of the unit."""
-        twin = self.model.dots.twin
+        twin = self.model.marker_twin.twin
         first, last = twin.depths_mm[[0, -1]]
         depths = first + (last - first) * np.array([0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9])
         tilts = twin.tilts_deg[-1] * np.array([0.0, 0.35, 0.8])
@@ -168,7 +168,7 @@ class PoseFitter:
         """Return the fitted marker positions (m, 3) mm in the skin's frame; NaN if not visible at rest."""
         model = self._model_of(found)
         contact = found.state
-        moved = model.dots.evaluate(
+        moved = model.marker_twin.evaluate(
             contact[POSE],
             contact["inverse_friction"],
             model.posterior.mean["thickness"],
@@ -331,13 +331,13 @@ class PoseFitter:
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.jacobian(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
-        off = twin_sd(self.model.dots.twin.skin)
+        off = twin_sd(self.model.marker_twin.twin.skin)
         off = off.replace(inverse_friction=_LATERAL_FRICTION_SD) if self._drifts else off
         return pose, by @ whole @ by.T + np.diag(off[READ] ** 2)
 
     def _inside(self, contact: State) -> State:
         """Clip a contact to the range of the twin and the permitted extrapolation."""
-        twin = self.model.dots.twin
+        twin = self.model.marker_twin.twin
         rx, ry, depth = contact[POSE]
         tilt, most = float(np.hypot(rx, ry)), float(twin.tilts_deg[-1]) + _BEYOND[0]
         share = most / tilt if tilt > most else 1.0

@@ -179,13 +179,13 @@ class UnitFit:
         noise_px: float | FloatArray,
         robot: RobotUncertainty,
     ) -> None:
-        self.twin, self.presses = model.dots.twin, presses
+        self.twin, self.presses = model.marker_twin.twin, presses
         self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.visible))
         self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.lateral_sd)
         self.drifts = bool(self.drift_sd.any())
-        skin, camera = model.dots.twin.skin, model.posterior.nominal
+        skin, camera = model.marker_twin.twin.skin, model.posterior.nominal
         drift_px = _DRIFT_PX * pixel_scale(skin, camera)
         self.shared_variance = noise**2 + model_px(skin, camera) ** 2 + self.drifts * drift_px**2
         self.variance = noise**2 + self.shared_variance

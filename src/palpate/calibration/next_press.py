@@ -59,7 +59,7 @@ def rank_next_presses(
 
 def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
     """Return poses over the working range."""
-    deepest = float(model.dots.twin.depths_mm[-1])
+    deepest = float(model.marker_twin.twin.depths_mm[-1])
     turns = np.radians(np.arange(0, 360, turn_deg))
     return [
         np.append(rotation_vector(spec.max_tilt_deg * share, turn), depth)
@@ -72,7 +72,7 @@ def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_
 def _deepening(
     model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, inverse_friction: float
 ) -> FloatArray:
-    turn, twin = np.radians(turn_deg), model.dots.twin
+    turn, twin = np.radians(turn_deg), model.marker_twin.twin
     depths = np.linspace(spec.min_depth, twin.max_depth(tilt, inverse_friction), _IMAGES)
     return np.array([[*rotation_vector(tilt, turn), depth] for depth in depths])
 

@@ -224,7 +224,7 @@ def simulate_calibration_presses(
     model: UnitModel, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[CalibrationPress, float]]:
     """Simulate calibration presses of the nominal design, with their 1/µ: two tilts in turn, 144° apart."""
-    twin, found = model.dots.twin, []
+    twin, found = model.marker_twin.twin, []
     first, slip = 2 * np.pi * rng.uniform(), _draw_inverse_friction(twin, tolerance, rng)
     for number in range(spec.calibration_presses):
         tilt, turn_deg = calibration_pose(number, spec.max_tilt_deg)
@@ -248,14 +248,14 @@ def pose_gain(
     The unit parameters are marginalised. `noise` is the standard deviation of a marker coordinate, px, or (m,) each.
     """
     sd, seen = contact_prior_sd(model.tolerance), model.visible
-    which = free_entries(sd, model.dots.twin)
+    which = free_entries(sd, model.marker_twin.twin)
     looked = model.predict(pose, inverse_friction, np.zeros(3) if set(which) & set(LATERAL) else None)
     assert looked.unit_jacobian is not None
     free = len(which)
     by_pose = looked.pose_jacobian[which][seen].reshape(-1, free)
     by_unit = looked.unit_jacobian[seen].reshape(-1, len(UNIT_PARAMETERS)) @ spread[: len(UNIT_PARAMETERS)]
     own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
-    variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.posterior.nominal) ** 2
+    variance = 2.0 * own**2 + model_px(model.marker_twin.twin.skin, model.posterior.nominal) ** 2
     weighted = np.hstack([by_pose, by_unit]) / variance[:, None]
     jacobian = np.hstack([by_pose, by_unit])
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
@@ -273,6 +273,6 @@ def pose_gain(
     of_image = (
         own**2 * by_noise @ by_noise.T
         + drift @ drift.T
-        + np.diag(twin_sd(model.dots.twin.skin)[TILT_SPACE.names] ** 2)
+        + np.diag(twin_sd(model.marker_twin.twin.skin)[TILT_SPACE.names] ** 2)
     )
     return PoseGain(by_noise @ by_unit - truth, by_noise, of_image, alone)

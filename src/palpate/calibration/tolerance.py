@@ -102,8 +102,8 @@ class ToleranceSpec(Spec):
         if self.friction_max and not 0 < self.friction_min <= self.friction_max:
             raise PydanticCustomError(
                 "frictions-not-rising",
-                "friction_min is {least} and friction_max {most}; friction_min must be positive and not larger.",
-                {"least": f"{self.friction_min:g}", "most": f"{self.friction_max:g}"},
+                "friction_min is {minimum} and friction_max {maximum}; friction_min must be positive and not larger.",
+                {"minimum": f"{self.friction_min:g}", "maximum": f"{self.friction_max:g}"},
             )
         return self
 

@@ -249,7 +249,7 @@ class UnitModel:
         Distribution of its parameters.
     camera
         Camera at the posterior mean.
-    dots, visible
+    marker_twin, visible
         Twin of its markers, and whether each (m,) was detected at rest; if not, it is at its layout position.
     outlines
         Twin of the marker outlines. The detector measures the centroid of a projected outline, which differs from the
@@ -266,7 +266,7 @@ class UnitModel:
     tolerance: ToleranceSpec
     posterior: UnitPosterior
     camera: Camera
-    dots: MarkerTwin
+    marker_twin: MarkerTwin
     visible: BoolArray
     outlines: MarkerTwin
     place_by: FloatArray
@@ -275,7 +275,7 @@ class UnitModel:
 
     def with_posterior(self, posterior: UnitPosterior) -> UnitModel:
         """Return the model of this unit with another posterior."""
-        return build_unit_model(self.dots.twin, self.layout, posterior, self.tolerance)
+        return build_unit_model(self.marker_twin.twin, self.layout, posterior, self.tolerance)
 
     def on_branch(self, twin: Twin) -> UnitModel:
         """Return the model of this unit on another branch."""
@@ -284,7 +284,7 @@ class UnitModel:
     @property
     def size(self) -> float:
         """Size of the skin relative to that of the constants (`palpate.calibration.scale`)."""
-        return size_scale(self.dots.twin.skin)
+        return size_scale(self.marker_twin.twin.skin)
 
     def predict(
         self,
@@ -302,7 +302,7 @@ class UnitModel:
         its curvature, 1/m. With `unit`, the derivatives by the unit parameters are computed too. They and the bias of
         the outlines change little with the pose, so they are taken from `near`, if that is given.
         """
-        moved = self.dots.evaluate(pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature)
+        moved = self.marker_twin.evaluate(pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature)
         pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
         by_all = State(moved.jacobian.names, slopes @ moved.jacobian.values)
         by_thickness = by_all["thickness"]

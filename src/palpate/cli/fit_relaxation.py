@@ -88,7 +88,7 @@ def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Mat
 
 def add_relaxation(material: Material, found: RelaxationFit) -> Material:
     """Return the material with the series, which is named in its quality."""
-    quality = f"relaxation {found.first:.3g}…{found.last:.3g} s: within {100 * found.greatest:.2g} %"
+    quality = f"relaxation {found.first:.3g}…{found.last:.3g} s: within {100 * found.max_error:.2g} %"
     joined = "; ".join(part for part in (material.quality, quality) if part)
     return replace(material, relaxation=found.relaxation, quality=joined)
 
@@ -125,7 +125,7 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
             {"time_s": time, "left": float(series.relaxation_function(time)), "modulus": float(series.modulus(time))}
             for time in times
         ],
-        "greatest": found.greatest,
+        "greatest": found.max_error,
         "rms": found.rms,
         "tried": [{"terms": terms, "aicc": aicc, "greatest": greatest} for terms, aicc, greatest in found.tried],
         "rows": found.count,
@@ -134,9 +134,9 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
 
 
 def _warnings(found: RelaxationFit) -> Iterator[str]:
-    if found.greatest > _POOR:
+    if found.max_error > _POOR:
         yield (
-            f"The series deviates from the curve by up to {100 * found.greatest:.2g} %: the data are noisy, or "
+            f"The series deviates from the curve by up to {100 * found.max_error:.2g} %: the data are noisy, or "
             "their decay is not a sum of exponentials."
         )
     if np.isnan(found.intervals).any():

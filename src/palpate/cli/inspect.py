@@ -98,7 +98,7 @@ def _measured(error: NDArray[Any], distance: float) -> dict[str, float | None]:
 
 def _verdict(inspection: Inspection, number: int) -> str:
     if number in inspection.missing:
-        return "no dot"
+        return "missing"
     return "outside" if number in inspection.outside else "within"
 
 

@@ -78,7 +78,7 @@ def generate_dataset(
         _refuse_forces(presses)
     field = randomise_field(presses, markers, perturbed_presses, spec)
     base = field.base
-    rotations = sample_poses(spec, base.max_offset, lies=base.space.is_line, least=base.min_tilt_deg)
+    rotations = sample_poses(spec, base.max_offset, lies=base.space.is_line, min_tilt_deg=base.min_tilt_deg)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)

@@ -17,7 +17,7 @@ PAPER_AZIMUTHS_DEG = {"paper-91": np.arange(0.0, 60.1, 5.0), "paper-504": np.ara
 
 
 def sample_poses(
-    spec: DatasetSpec, offset: float | None = None, *, lies: bool = False, least: float = 0.0
+    spec: DatasetSpec, offset: float | None = None, *, lies: bool = False, min_tilt_deg: float = 0.0
 ) -> FloatArray:
     """First two components of the pose in each virtual press.
 
@@ -30,7 +30,7 @@ def sample_poses(
         degrees; `None` for a wall.
     lies
         Whether it is a line, whose offsets are spread evenly by length, and its directions by angle.
-    least
+    min_tilt_deg
         Minimum tilt of one that comes to the side, degrees: poses fill the ring between both.
 
     Returns
@@ -55,7 +55,7 @@ def sample_poses(
         density = PoseDensity.UNIFORM_TILT if lies else PoseDensity.UNIFORM_DISC
         steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
         square = (generator(spec.seed, "poses").random(2) + np.arange(spec.n_presses)[:, None] * steps) % 1.0
-        return rotation_vector(density.radius(square[:, 0], most, least), np.deg2rad(360.0 * square[:, 1]))
+        return rotation_vector(density.radius(square[:, 0], most, min_tilt_deg), np.deg2rad(360.0 * square[:, 1]))
     if offset is not None:
         raise PalpateError(
             f"The protocol {spec.poses} is one of tilts up to 12°.",

@@ -201,8 +201,8 @@ def _check(points: tuple[Waypoint, ...]) -> None:
             if not least <= value <= most:
                 raise PydanticCustomError(
                     "waypoint-out-of-bounds",
-                    "waypoint {number} has {name} = {value}; choose a value from {least} to {most}",
-                    {"number": number, "name": name, "value": f"{value:g}", "least": least, "most": most},
+                    "waypoint {number} has {name} = {value}; choose a value from {minimum} to {maximum}",
+                    {"number": number, "name": name, "value": f"{value:g}", "minimum": least, "maximum": most},
                 )
     short = np.flatnonzero(np.diff(_lengths(points)) < _SHORTEST)
     if len(short):

@@ -46,7 +46,11 @@ class Ensemble:
 
 
 def select_ensemble(
-    estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
+    estimates: Mapping[str, FloatArray],
+    targets: FloatArray,
+    choose: BoolArray,
+    scale: FloatArray,
+    from_markers: set[str],
 ) -> tuple[list[Ensemble], Ensemble | None, Ensemble | None]:
     """Rank estimators by validation error; return all, the best, and the best on images (or `None`).
 
@@ -56,7 +60,7 @@ def select_ensemble(
         Name → (n, k) estimates, NaN if an estimator cannot read an image.
     targets, choose, scale
         (n, k) poses, (n,) validation images, (k,) divisors of the errors.
-    dots
+    from_markers
         Names of the estimators on marker positions.
     """
     scale = np.where(scale > 0, scale, 1.0)
@@ -81,7 +85,7 @@ def select_ensemble(
         ranked.append(mixed)
         return mixed if mixed.error < _GAIN * alone.error else alone
 
-    pictures = [name for name in estimates if name not in dots]
+    pictures = [name for name in estimates if name not in from_markers]
     best = best_of(list(estimates), whole, MIXTURE)
     without = best_of(pictures, choose, PICTURES) if len(pictures) < len(estimates) else best
     return sorted(ranked, key=lambda option: option.error), best, without

@@ -104,12 +104,14 @@ def compute_error_bounds(
     limits: list[ErrorBound] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec, field.max_offset, least=field.min_tilt_deg).T)
+    sampled = np.hypot(*sample_poses(spec, field.max_offset, min_tilt_deg=field.min_tilt_deg).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
         radius = min(spec.max_tilt_deg if field.max_offset is None else field.max_offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.min_tilt_deg, radius))
+        poses = sample_poses(
+            DatasetSpec(n_presses=POSES, seed=seed), radius, min_tilt_deg=min(field.min_tilt_deg, radius)
+        )
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]

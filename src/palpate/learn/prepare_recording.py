@@ -140,25 +140,25 @@ def _assign(
     count = len(recording)
     if spec.estimators == "picture":
         return None, notes
-    without = sum(len(dots) < _FIELD for dots in sight.dots[:count])
+    without = sum(len(dots) < _FIELD for dots in sight.blobs[:count])
     if eye.detector is None or without > 0.8 * count:
         notes.append(f"{without} of {count} images show no field of markers: only image estimators are trained.")
         return None, notes
     if without > 0.02 * count:
         notes.append(f"{without} of {count} images show no markers.")
-    reference = choose_reference(sight.dots, count)
+    reference = choose_reference(sight.blobs, count)
     if reference < count:
         notes.append(
             f"No image is at rest; {recording.names[reference]}, the most central one, gives the layout "
-            f"({len(sight.dots[reference])} dots)."
+            f"({len(sight.blobs[reference])} dots)."
         )
-    digest = hashlib.sha256(b"".join(np.ascontiguousarray(dots).tobytes() for dots in sight.dots)).hexdigest()
+    digest = hashlib.sha256(b"".join(np.ascontiguousarray(dots).tobytes() for dots in sight.blobs)).hexdigest()
     recipe = Recipe(
         "assigned", [digest, reference, spec.correspondence, list(eye.shape)], version=stage_version("correspondence")
     )
     path = store.find(recipe)
     if path is None:
-        found = assign_images(sight.dots, reference, eye.shape, spec.correspondence == "grown", progress)
+        found = assign_images(sight.blobs, reference, eye.shape, spec.correspondence == "grown", progress)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
         path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
     arrays = read_arrays(path)

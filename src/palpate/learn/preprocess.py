@@ -94,7 +94,7 @@ class Detections:
     ----------
     pictures
         (n, h, w) small images, markers bright.
-    dots
+    blobs
         n arrays (k, 2) of blobs, px.
     digests
         (n,) checksum of each image's pixels.
@@ -103,7 +103,7 @@ class Detections:
     """
 
     pictures: Pictures
-    dots: tuple[FloatArray, ...]
+    blobs: tuple[FloatArray, ...]
     digests: TextArray
     faults: TextArray
 

@@ -162,7 +162,7 @@ def _bank(seen: PreparedRecording) -> tuple[FloatArray, FloatArray]:
         near = np.minimum(near, ((features - features[chosen[-1]]) ** 2).sum(axis=1))
         chosen.append(int(np.argmax(near)))
     rows = sure[chosen]
-    dots = [marker_descriptor(seen.sight.dots[seen.rows[row]], seen.eye.shape) for row in rows]
+    dots = [marker_descriptor(seen.sight.blobs[seen.rows[row]], seen.eye.shape) for row in rows]
     return seen.moved[rows], np.array(dots)
 
 

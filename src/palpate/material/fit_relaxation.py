@@ -45,7 +45,7 @@ class RelaxationFit:
         Level of the intervals.
     first, last
         Range of the tests, s since the strain began.
-    greatest, rms
+    max_error, rms
         Maximum and RMS difference between fit and rows averaged over log time, relative to their stress, during the
         hold.
     tried
@@ -59,7 +59,7 @@ class RelaxationFit:
     confidence: float
     first: float
     last: float
-    greatest: float
+    max_error: float
     rms: float
     tried: tuple[tuple[int, float, float], ...]
     count: int
@@ -145,7 +145,7 @@ def fit_relaxation(
     fits = fits or [_fit(rows, numbers[0], (first, last))]
     best = min(fits, key=lambda each: each.aicc)
     return _conclude(
-        best, rows, (first, last), confidence, moduli, tuple((len(f.times), f.aicc, f.greatest) for f in fits)
+        best, rows, (first, last), confidence, moduli, tuple((len(f.times), f.aicc, f.max_error) for f in fits)
     )
 
 
@@ -159,7 +159,7 @@ class _Found:
     jacobian: FloatArray
     objective: float
     aicc: float
-    greatest: float
+    max_error: float
     rms: float
 
 
@@ -318,7 +318,7 @@ def _conclude(
         np.column_stack([values * np.exp(-half), values * np.exp(half)]),
         confidence,
         *ends,
-        best.greatest,
+        best.max_error,
         best.rms,
         tried,
         sum(len(each.stress) for each in rows),

@@ -58,7 +58,7 @@ def measure_settings(
     smallest, *larger = dot_diameters(spec)
     limits = PrintLimits(
         max_markers=spec.markers,
-        dot=smallest,
+        marker_diameter=smallest,
         gap=spec.process.min_gap,
         max_slope_deg=spec.process.max_slope_deg,
         on_arc=spec.process.mapping == "arc",

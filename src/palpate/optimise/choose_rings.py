@@ -45,10 +45,10 @@ class PrintLimits:
     ----------
     max_markers
         Maximum number of markers.
-    dot, gap
+    marker_diameter, gap
         Marker diameter, and minimum gap between two markers, mm.
     min_marker_diameter
-        Diameter of the smallest markers that are tried, mm; `None`: `dot`.
+        Diameter of the smallest markers that are tried, mm; `None`: `marker_diameter`.
     apart_px
         Minimum distance of two of the smallest markers in the rest image; larger ones keep the same gap between their
         edges.
@@ -61,7 +61,7 @@ class PrintLimits:
     """
 
     max_markers: int = 169
-    dot: float = 1.0
+    marker_diameter: float = 1.0
     gap: float = 0.3
     min_marker_diameter: float | None = None
     apart_px: float = 8.0
@@ -143,7 +143,7 @@ def measure_ring_candidates(
         for j, radius in enumerate(radii):
             positions.append(skin.inner_point(np.full(6 * k, radius), azimuth))
             group.append(np.full(6 * k, 1 + (k - 1) * len(radii) + j))
-    layout = MarkerLayout(np.concatenate(positions), limits.dot)
+    layout = MarkerLayout(np.concatenate(positions), limits.marker_diameter)
     information = compute_ring_information(twin, layout, np.concatenate(group), camera, tolerance, spec)
     return RingCandidates(information, radii, *_allow(skin, camera, limits, radii, information.inside), limits)
 
@@ -155,7 +155,9 @@ def resize_dots(places: RingCandidates, skin: Skin, camera: Camera, dot: float, 
     of 4.4 px in the image, and the permitted places by the marker size.
     """
     limits = replace(
-        places.limits, dot=dot, min_marker_diameter=places.limits.min_marker_diameter or places.limits.dot
+        places.limits,
+        marker_diameter=dot,
+        min_marker_diameter=places.limits.min_marker_diameter or places.limits.marker_diameter,
     )
     radii = np.append(0.0, np.tile(places.radii, limits.rings))
     layout = MarkerLayout(skin.inner_point(radii, np.zeros(len(radii))), dot)
@@ -174,12 +176,12 @@ def _allow(
     points = skin.inner_point(radii, np.zeros(len(radii)))
     along = skin.arc_length(points)
     whole = (radii <= _printable(skin, limits).max(initial=0.0) + _SLACK_MM) & (
-        skin.distance_to_rim(points) >= limits.dot - _SLACK_MM
+        skin.distance_to_rim(points) >= limits.marker_diameter - _SLACK_MM
     )
     allowed = inside[1:].reshape(len(numbers), len(radii)) & within & (along >= apart) & whole
     on_pad = along if limits.on_arc else radii
     steps = (along[None, :] - along[:, None] >= apart) & (
-        on_pad[None, :] - on_pad[:, None] >= limits.dot + limits.gap
+        on_pad[None, :] - on_pad[:, None] >= limits.marker_diameter + limits.gap
     )
     return allowed, steps
 
@@ -228,7 +230,7 @@ def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
     """Printable distances of a ring from the axis, evenly spaced along the meridian."""
     rho = _printable(skin, limits)
     reach = float(skin.arc_length(skin.inner_point(rho, np.zeros(len(rho))))[-1]) if len(rho) else 0.0
-    least = limits.dot + limits.gap
+    least = limits.marker_diameter + limits.gap
     if reach <= least:
         raise PalpateError(
             f"Only {reach:.2g} mm of the meridian can be printed.",
@@ -246,14 +248,14 @@ def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
     rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
     points = skin.inner_point(rho, np.zeros(len(rho)))
     steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
-    fine = (steep <= limits.max_slope_deg) & (skin.distance_to_rim(points) >= limits.dot)
+    fine = (steep <= limits.max_slope_deg) & (skin.distance_to_rim(points) >= limits.marker_diameter)
     if not fine.any():
         raise PalpateError(
             "No ring can be printed on this skin.",
             "Take a flatter or wider skin, or smaller markers.",
             code="rings-not-printable",
         )
-    return np.asarray(rho[fine & (rho <= rho[fine].max() - _MARK_ROOM * limits.dot)], float)
+    return np.asarray(rho[fine & (rho <= rho[fine].max() - _MARK_ROOM * limits.marker_diameter)], float)
 
 
 def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -> FloatArray:
@@ -262,8 +264,8 @@ def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -
     near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
     seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
     scale = seen / np.linalg.norm(points - near, axis=1)
-    larger = limits.dot - (limits.min_marker_diameter or limits.dot)
-    return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6) + larger)
+    larger = limits.marker_diameter - (limits.min_marker_diameter or limits.marker_diameter)
+    return np.maximum(limits.marker_diameter + limits.gap, limits.apart_px / np.maximum(scale, 1e-6) + larger)
 
 
 def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]:
@@ -302,7 +304,9 @@ def _moves(rings: int, places: int) -> list[IntArray]:
 
 def _markers(places: RingCandidates, chosen: IntArray) -> MarkerSpec:
     diameters = tuple(round(2.0 * float(radius), 3) for radius in places.radii[chosen])
-    return MarkerSpec(count=markers_in_rings(len(diameters)), ring_diameters=diameters, diameter=places.limits.dot)
+    return MarkerSpec(
+        count=markers_in_rings(len(diameters)), ring_diameters=diameters, diameter=places.limits.marker_diameter
+    )
 
 
 def bound_rings(places: RingCandidates, markers: int, steps: int = 40) -> float:

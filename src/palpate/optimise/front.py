@@ -18,7 +18,7 @@ WORDS = {
     "made": "it cannot be made",
 }
 """Constraints, and the clause that reports a violation."""
-ENDS = {"force": "least force", "markers": "fewest markers", "price": "least price", "size": "smallest"}
+ENDS = {"force": "minimum force", "markers": "fewest markers", "price": "minimum price", "size": "smallest"}
 """Objectives other than the error, and the title of the design that is best in each."""
 
 

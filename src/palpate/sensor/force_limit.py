@@ -40,7 +40,7 @@ class ForceLimit:
 
     def max_depth(self, fit: PoseFit, wanted: float) -> float:
         """Return the depth (mm), at most `wanted`, that keeps the limit even if the robot goes too deep."""
-        twin = self._fitter.model.dots.twin
+        twin = self._fitter.model.marker_twin.twin
         tilt = min(float(np.hypot(*fit.state[TILT_SPACE.names[:2]])), float(twin.tilts_deg[-1]))
         high, low = min(wanted, twin.max_depth(tilt, fit.state["inverse_friction"]) - _MARGIN_MM), 0.0
         if self.max_force(fit.state, high + self._beyond) <= self._most:

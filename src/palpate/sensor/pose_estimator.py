@@ -201,7 +201,7 @@ class TwinEstimator(PoseEstimator):
 
     @property
     def relaxation(self) -> Relaxation | None:
-        return twin_relaxation(self.fitter.model.dots.twin)
+        return twin_relaxation(self.fitter.model.marker_twin.twin)
 
     def begin(self) -> ReaderState:
         return ReaderState(self.watch.begin())
@@ -216,7 +216,7 @@ class TwinEstimator(PoseEstimator):
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
         rest = self.watch.update(state.rest or self.watch.begin(), seen, time_s)
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
-        twin = self.fitter.model.dots.twin
+        twin = self.fitter.model.marker_twin.twin
         flags = [Flag.CAMERA_MOVED] if rest.displaced else []
         if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[TILT_SPACE.names]):
             flags.append(Flag.OUT_OF_DISTRIBUTION)

@@ -138,7 +138,7 @@ class DriftTracker:
 
     def __post_init__(self) -> None:
         self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.visible
-        slopes = self.model.shifted.jacobian(self.model.dots.places)
+        slopes = self.model.shifted.jacobian(self.model.marker_twin.places)
         size = self.model.size
         steps = {name: step * (size if name in _LENGTHS else 1.0) for name, step in _MOVES.items()}
         moves = slopes[..., [_CAMERA.index(name) for name in steps]] * list(steps.values())
@@ -189,7 +189,7 @@ class DriftTracker:
             return np.asarray(seen_px - self._ways[..., : self._free] @ followed)
         thicker = self.model.posterior.mean["thickness"]
         pose, slip = contact[TILT_SPACE.names], contact["inverse_friction"]
-        points = self.model.dots.evaluate(pose, slip, thicker).positions
+        points = self.model.marker_twin.evaluate(pose, slip, thicker).positions
         return np.asarray(seen_px - self.model.shifted.jacobian(points) @ (self._mix @ followed))
 
     def update(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:

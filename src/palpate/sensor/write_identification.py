@@ -35,7 +35,7 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
         )
     fitter = sensor.estimator.fitter
     spec = AccuracySpec(
-        noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.dots.twin.tilts_deg[-1])
+        noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.marker_twin.twin.tilts_deg[-1])
     )
     now, ranked = rank_next_presses(fitter.model, found.mounting, float(np.median(found.inverse_frictions)), spec)
     rows = found.rows(fitter.model.tolerance)

@@ -89,8 +89,8 @@ class VirtualBenchSpec(Spec):
         if self.min_depth > self.depth:
             raise PydanticCustomError(
                 "images-too-shallow",
-                "no image is evaluated: depth is {depth} mm, less than min_depth, {least} mm.",
-                {"depth": f"{self.depth:g}", "least": f"{self.min_depth:g}"},
+                "no image is evaluated: depth is {depth} mm, less than min_depth, {minimum} mm.",
+                {"depth": f"{self.depth:g}", "minimum": f"{self.min_depth:g}"},
             )
         return self
 

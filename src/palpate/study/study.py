@@ -377,6 +377,6 @@ def _each_in_bounds(
             spec.model_validate({**(others or {}), name: value})
         except ValidationError as error:
             first = error.errors()[0]
-            said = {"value": f"{value:g}", "says": first["msg"]}
-            raise PydanticCustomError(first["type"], "{value}: {says}", said) from None
+            said = {"value": f"{value:g}", "problem": first["msg"]}
+            raise PydanticCustomError(first["type"], "{value}: {problem}", said) from None
     return values

@@ -26,7 +26,7 @@ class BatchTwin:
 
     Parameters
     ----------
-    dots
+    marker_twin
         The layout's twin.
     camera
         The camera.
@@ -48,7 +48,7 @@ class BatchTwin:
 
     def __init__(
         self,
-        dots: MarkerTwin,
+        marker_twin: MarkerTwin,
         camera: Camera,
         corners: int = 1,
         thickness: float = 0.0,
@@ -57,7 +57,7 @@ class BatchTwin:
     ) -> None:
         self._torch = load_extra("torch", "learn")
         self._kind = {"device": device, "dtype": getattr(self._torch, dtype)}
-        self._camera, twin = camera, dots.twin
+        self._camera, twin = camera, marker_twin.twin
         half = twin.amplitudes.coefficients.shape[-1] // 3
         pressed = twin.amplitudes.coefficients[..., :half]
         if thickness:
@@ -66,7 +66,7 @@ class BatchTwin:
         self._shape = pressed.shape[:3]
         self._knots = [self._tensor(knots) for knots in twin.amplitudes.knots]
         self._table, self._order = self._tensor(pressed.reshape(-1, half)), self._tensor(twin.order)
-        self._waves, self._places = self._tensor(dots.waves.T), self._tensor(dots.places)
+        self._waves, self._places = self._tensor(marker_twin.waves.T), self._tensor(marker_twin.places)
         self._corners = corners
         with suppress(TypeError, RuntimeError):  # a lens from another package may be of numpy alone
             if self._torch.is_tensor(camera.project(self._places)):

@@ -49,7 +49,7 @@ class PoseBar(Element, component="scripts/pose_bar.js"):
         self.run_method("show", name, slot)
 
     def look(self, **look: Any) -> None:
-        """Select the visible parts: `colour`, `cut`, `dots`, `trails`, `wall`."""
+        """Select the visible parts: `colour`, `cut`, `markers`, `trails`, `wall`."""
         self.run_method("look", look)
 
     def animate(self, tilt_deg: float, azimuth_deg: float) -> None:

@@ -22,7 +22,7 @@ from palpate.viewer.page_head import PageHeader, error_label, heading, show_erro
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign
 
-_SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
+_SWITCHES = (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
 
 

@@ -37,7 +37,7 @@ class View:
         Pose of the wall: mm, degrees, degrees.
     colour
         Quantity shown by the colour.
-    cut, dots, trails, wall
+    cut, markers, trails, wall
         Visible parts: half the skin only, markers, their trails, the wall.
     """
 
@@ -52,7 +52,7 @@ class View:
     azimuth: float = 0.0
     colour: ColourQuantity = ColourQuantity.DISPLACEMENT
     cut: bool = True
-    dots: bool = True
+    markers: bool = True
     trails: bool = True
     wall: bool = True
 

@@ -103,7 +103,7 @@ class Workbench:
             ui.toggle(colours, value=colours[0], on_change=lambda event: bar.look(colour=event.value)).props(
                 'no-caps dense unelevated role="group" aria-label="Colour of the dome"'
             )
-            for name, label in (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall")):
+            for name, label in (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Trails"), ("wall", "Wall")):
                 ui.checkbox(
                     label, value=True, on_change=lambda event, name=name: bar.look(**{name: event.value})
                 ).props("dense")

@@ -185,7 +185,7 @@ def test_dots_are_foreseen_where_a_picture_of_a_press_shows_them() -> None:
     bent = fine.positions(edges.reshape(-1, 3))[-1].reshape(edges.shape)
     rest, pressed = camera.project(large.positions), camera.project(fine.positions(large.positions)[-1])
     astray = weighed(render(camera, bent), pressed) - pressed - (weighed(render(camera, edges), rest) - rest)
-    moved = camera.project(model.dots.evaluate(pose, 0.0).positions)
+    moved = camera.project(model.marker_twin.evaluate(pose, 0.0).positions)
     foreseen = model.predict(pose, 0.0, unit=False).pixels - moved - (belief.rest_px - rest)
     assert np.sqrt(np.mean(astray**2)) > 0.02
     assert np.sqrt(np.mean((foreseen - astray) ** 2)) < 0.5 * np.sqrt(np.mean(astray**2))

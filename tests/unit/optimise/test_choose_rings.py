@@ -96,14 +96,14 @@ def test_rings_can_be_printed_and_told_apart(places: RingCandidates, twin: Twin)
     layout = place_markers(twin.skin, choose_rings(places, 61).markers)
     points, pixels = layout.positions, CAMERA.project(layout.positions)
     apart = [np.linalg.norm(each[:, None] - each[None], axis=-1) + 99 * np.eye(61) for each in (points, pixels)]
-    assert apart[0].min() >= LIMITS.dot + LIMITS.gap - 1e-3
+    assert apart[0].min() >= LIMITS.marker_diameter + LIMITS.gap - 1e-3
     assert apart[1].min() >= 0.95 * LIMITS.apart_px
     assert np.degrees(np.arccos(twin.skin.normal(points)[:, 2])).max() <= LIMITS.max_slope_deg + 0.1
     assert CAMERA.visible(points, twin.skin).all()
 
 
 def test_more_than_fit_are_refused_with_the_number(twin: Twin) -> None:
-    limits = PrintLimits(max_markers=169, dot=2.5, places=14)
+    limits = PrintLimits(max_markers=169, marker_diameter=2.5, places=14)
     places = measure_ring_candidates(twin, CAMERA, TOLERANCE, AccuracySpec(max_tilt_deg=9.0, poses=4), limits)
     with refused("markers-not-printable", "169"):
         choose_rings(places, 169)
@@ -176,13 +176,13 @@ def test_every_number_of_rings_gets_the_distance_and_the_dots_that_are_best_for_
     )
     foreseen = AccuracySpec(max_tilt_deg=9.0, scale_noise_by_diameter=True)
     settings = list(measure_settings(twin, spec, choice, foreseen))
-    asked = {(setting.camera.spec.distance, setting.places.limits.dot) for setting in settings}
+    asked = {(setting.camera.spec.distance, setting.places.limits.marker_diameter) for setting in settings}
     assert asked == {(distance, dot) for distance in (32.0, 39.0, 46.0, 53.0) for dot in (0.5, 0.8, 1.25, 2.0)}
     for markers in (7, 19, 37):
         ranked = rank_settings(settings, markers)
         errors = [space_rings_evenly(setting.places, markers).rmse_deg for setting in ranked]
         assert errors == sorted(errors)
-        assert ranked[0].places.limits.dot > 0.5, "half a millimetre is too small a dot to be found well"
+        assert ranked[0].places.limits.marker_diameter > 0.5, "half a millimetre is too small a dot to be found well"
         exchanged = [choose_rings(setting.places, markers).rmse_deg for setting in ranked]
         assert exchanged[0] <= 1.02 * min(exchanged)
 

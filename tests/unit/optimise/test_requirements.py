@@ -133,7 +133,7 @@ def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once
     several = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
     front = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.31, 0.01, 0.02))
     assert [(title, entry.trial.number, entry.option.markers.count) for title, entry in front.extremes] == [
-        ("least force", 0, 37),
+        ("minimum force", 0, 37),
         ("fewest markers", 1, 19),
     ]
     assert Front(several, TRIED).error_threshold_deg == SPEC.error_deg, (
@@ -141,9 +141,9 @@ def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once
     )
     assert [entry.trial.number for _, entry in Front(several, TRIED).extremes] == [1, 1]
     assert front.winner is not None
-    assert [title for title, _ in _finalists(front, front.winner)] == ["winner", "least force", "fewest markers"]
+    assert [title for title, _ in _finalists(front, front.winner)] == ["winner", "minimum force", "fewest markers"]
     strict = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.16, 0.01, 0.02))
-    assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
+    assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, minimum force, fewest markers"]
     assert Front(SPEC, TRIED).extremes == ()
     page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate search wanted.yaml")
     check_values(page, "0.310°")

@@ -288,8 +288,8 @@ function placeWall(three, slot, depth) {
 function placeMarkers(three, slot, place) {
   const { positions } = slot.markers.arrays;
   const [images, count] = positions.shape;
-  three.balls.visible = stage.look.dots;
-  three.trails.visible = stage.look.dots && stage.look.trails;
+  three.balls.visible = stage.look.markers;
+  three.trails.visible = stage.look.markers && stage.look.trails;
   const image = Math.min(place.image, images - 1);
   const at = { image, next: Math.min(place.next, images - 1), share: place.share };
   const now = between(positions, count * 3, at, new Float32Array(count * 3));

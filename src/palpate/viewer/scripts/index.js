@@ -12,7 +12,7 @@ let drawn = false;
 
 export const stage = {
   pose: { depth: 0, tilt: 0, azimuth: 0 },
-  look: { colour: "displacement", cut: true, dots: true, trails: true, wall: true, dark: false },
+  look: { colour: "displacement", cut: true, markers: true, trails: true, wall: true, dark: false },
   slots: { a: emptySlot(), b: emptySlot() },
   fault: "",
 };
