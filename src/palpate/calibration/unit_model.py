@@ -157,7 +157,11 @@ def infer_from_rest(
         left = _at_rest(twin, printed, nominal, State(_REST, values)) - rest_px[seen]
         return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
 
-    fit = least_squares(miss, np.zeros(len(sd)), x_scale=sd, loss="huber", f_scale=_FORGIVEN)
+    def slopes(values: FloatArray) -> FloatArray:
+        found = _rest_slopes(twin, printed, nominal, values, _STEP * sd) / spread
+        return np.concatenate([np.nan_to_num(found).reshape(-1, len(sd)), np.diag(1 / sd)])
+
+    fit = least_squares(miss, np.zeros(len(sd)), slopes, x_scale=sd, loss="huber", f_scale=_FORGIVEN)
     covariance = np.diag(before**2)  # an image at rest says nothing of the thickness
     camera = slice(len(CAMERA_PARAMETERS))
     covariance[camera, camera] = np.linalg.inv(fit.jac.T @ fit.jac)[camera, camera]
@@ -178,12 +182,19 @@ def rest_jacobian(
         Standard deviation of a coordinate: noise and misprint of single markers.
     """
     steps = np.append(_STEP * unit_prior_sd(tolerance)[: len(CAMERA_PARAMETERS)], [1e-3, 1e-3])
-    found = np.empty((len(layout), 2, len(steps)))
-    for k, step in enumerate(steps):
-        away = step * np.eye(len(steps))[k]
-        high, low = (_at_rest(twin, layout, camera.spec, State(_REST, side * away)) for side in (1, -1))
-        found[..., k] = (high - low) / (2 * step)
+    found = _rest_slopes(twin, layout, camera.spec, np.zeros(len(steps)), steps)
     return found, _rest_spread(twin, camera.spec, tolerance, noise_px)
+
+
+def _rest_slopes(
+    twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: FloatArray, steps: FloatArray
+) -> FloatArray:
+    """Return derivatives (m, 2, 12) px of a rest image about values (12,), by central differences."""
+    found = np.empty((len(layout), 2, len(steps)))
+    for k, away in enumerate(np.diag(steps)):
+        high, low = (_at_rest(twin, layout, nominal, State(_REST, values + side * away)) for side in (1, -1))
+        found[..., k] = (high - low) / (2 * steps[k])
+    return found
 
 
 _REST = (*CAMERA_PARAMETERS, *PRINT_SHIFT)
@@ -302,7 +313,9 @@ class UnitModel:
         its curvature, 1/m. With `unit`, the derivatives by the unit parameters are computed too. They and the bias of
         the outlines change little with the pose, so they are taken from `near`, if that is given.
         """
-        moved = self.marker_twin.evaluate(pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature)
+        moved = self.marker_twin.evaluate(
+            pose, inverse_friction, self.posterior.mean["thickness"], lateral, curvature
+        )
         pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
         by_all = State(moved.jacobian.names, slopes @ moved.jacobian.values)
         by_thickness = by_all["thickness"]
@@ -355,8 +368,7 @@ def build_unit_model(
     seen = np.logical_and(seen, np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, layout.positions)
     rates, shifted = np.zeros((len(places), 3, len(CAMERA_PARAMETERS))), []
-    for k in range(len(CAMERA_PARAMETERS)):
-        name = CAMERA_PARAMETERS[k]
+    for k, name in enumerate(CAMERA_PARAMETERS):
         pair = posterior.camera(**{name: steps[k]}), posterior.camera(**{name: -steps[k]})
         high, low = (_places(each, twin, posterior.rest_px, bias) for each in pair)
         rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
