@@ -1,4 +1,4 @@
-"""A print that is bent as a whole, read by its twin: are poses right? docs/results/sensor/naming_bent_prints.md
+"""A print that is bent as a whole, read by its twin: are poses right? docs/other_laboratories.md
 
     python benchmarks/bent_print_poses.py TWIN.h5
 

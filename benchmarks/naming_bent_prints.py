@@ -1,11 +1,24 @@
-"""Name the dots of drawn prints that are bent as a whole, and refuse what is no print of the design; a page.
+"""Assign the markers of drawn prints that are distorted as a whole, and refuse what is no print of the design.
 
-python benchmarks/naming_bent_prints.py --out docs/results/sensor/naming_bent_prints.md [--draws 500] [--images 25]
+    python benchmarks/naming_bent_prints.py --out docs/results/sensor/bent_prints.csv [--draws 500] [--images 25]
+
+Rings that are distorted by any function within 15 % that keeps their order, and an ellipse of up to 8 % (half
+of the prints take their markers along). Each ring is up to 2 px eccentric, and each marker is rotated by up to
+0.5°. Any roll, a camera up to 6 mm off axis and tilted by 8°, with residual distortion. 5 % of the markers are
+missing (the mark among them); 10 false blobs lie a marker diameter away from markers. Images have blur, noise,
+uneven light and touching blobs. Half of the draws have an orientation mark.
+
+* Whole: every index correct, or correct up to a symmetry and reported as ambiguous if no mark was printed.
+* Ambiguous: the same although the mark was visible. Mark hidden: the same with a hidden mark.
+* Lost: a visible marker is reported as missing. Refused: rejected with a reason.
+* Stand-in (an additional count): a false blob within 0.18 of the spacing of an empty place is taken for its marker.
+* Reprojection: RMS distance from the print without the scatter of single markers.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import sys
 import time
 from collections import Counter
@@ -24,19 +37,7 @@ from palpate.vision import assign_markers, prepare_detector, register_dome
 COUNTS = (7, 37, 91, 169)
 SCALES = (1.0, 1.6)
 
-
-LEGEND = """\
-Rings that are distorted by any function within 15 % that keeps their order, and an ellipse of up to 8 % (half
-of the prints take their markers along). Each ring is up to 2 px eccentric, and each marker is rotated by up to
-0.5°. Any roll, a camera up to 6 mm off axis and tilted by 8°, with residual distortion. 5 % of the markers are
-missing (the mark among them); 10 false blobs lie a marker diameter away from markers. Images have blur, noise,
-uneven light and touching blobs. Half of the draws have an orientation mark.
-
-* Whole: every index correct, or correct up to a symmetry and reported as ambiguous if no mark was printed.
-* Ambiguous: the same although the mark was visible. Mark hidden: the same with a hidden mark.
-* Lost: a visible marker is reported as missing. Refused: rejected with a reason.
-* Stand-in (an additional count): a false blob within 0.18 of the spacing of an empty place is taken for its marker.
-* Reprojection: RMS distance from the print without the scatter of single markers."""
+VERDICTS = ("whole", "ambiguous", "mark hidden", "lost", "refused", "wrong", "stand-in")
 
 
 @dataclass
@@ -98,7 +99,7 @@ def _register(naming, drawn, design, row) -> None:
 
 
 def name_controls(draws: int) -> list[tuple[str, int, int]]:
-    """What must not be named: kind, how many, how many were named without a word."""
+    """Return kind, number, and number assigned of inputs that are no print of the design."""
     rows = []
     for kind, make in controls().items():
         named = tried = 0
@@ -122,36 +123,28 @@ def main() -> None:
     parser.add_argument("--images", type=int, default=25)
     parser.add_argument("--controls", type=int, default=6)
     given = parser.parse_args()
-    command = (__doc__ or "").split("\n\n")[1].strip()
-    lines = ["# Assignment of distorted prints", "", f"    {command}", "", LEGEND, ""]
-    names = ("whole", "ambiguous", "mark hidden", "lost", "refused", "wrong", "stand-in")
-    for image, draws in ((False, given.draws), (True, given.images)):
-        heading = "Full images through the detector" if image else "Marker positions"
-        lines += [f"## {heading}", "", f"| markers | draws | {' | '.join(names)} | CPU ms, median | most |"]
-        lines += ["| --- " * (len(names) + 4) + "|"]
-        rows = {count: name_draws(count, draws, image) for count in COUNTS}
-        for count, row in rows.items():
-            ms = 1e3 * np.array(row.seconds)
-            cells = [str(row.verdicts[name]) for name in names]
-            lines.append(f"| {count} | {draws} | {' | '.join(cells)} | {np.median(ms):.0f} | {ms.max():.0f} |")
-        lines.append("")
-        if not image:
-            lines += [
-                "## Reprojection at rest, px",
-                "",
-                "| markers | prints | ring model, median | 95 % | design alone, median | refused |",
-            ]
-            lines += ["| --- " * 6 + "|"]
-            for count, row in rows.items():
-                law = np.percentile(row.law_px, [50, 95])
-                lines.append(
-                    f"| {count} | {len(row.law_px)} | {law[0]:.2f} | {law[1]:.2f} | {np.median(row.nominal_px):.2f} "
-                    f"| {row.refused_pose} |"
-                )
-            lines.append("")
-    lines += ["## Controls", "", "| input | draws | assigned |", "| --- | --- | --- |"]
-    lines += [f"| {kind} | {tried} | {named} |" for kind, tried, named in name_controls(given.controls)]
-    given.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    rows: list[dict[str, object]] = []
+    for source, draws in (("markers", given.draws), ("images", given.images)):
+        for count in COUNTS:
+            found = name_draws(count, draws, source == "images")
+            ms, law = 1e3 * np.array(found.seconds), found.law_px
+            rows.append(
+                {"input": source, "design": count, "draws": draws}
+                | {name.replace(" ", "_").replace("-", "_"): found.verdicts[name] for name in VERDICTS}
+                | {"cpu_ms_median": f"{np.median(ms):.0f}", "cpu_ms_max": f"{ms.max():.0f}"}
+                | {
+                    f"ring_model_px_{name}": f"{np.percentile(law, q):.2f}"
+                    for name, q in (("median", 50), ("p95", 95))
+                    if law
+                }
+                | ({"design_px_median": f"{np.median(found.nominal_px):.2f}"} if law else {})
+            )
+    for kind, tried, named in name_controls(given.controls):
+        rows.append({"input": "control", "design": kind, "draws": tried, "whole": named})
+    with given.out.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
 
 
 if __name__ == "__main__":

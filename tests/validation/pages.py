@@ -97,8 +97,8 @@ PUBLISHED: tuple[Published, ...] = (
         "X. H. Liu, S. H. Lo, *Popular benchmark problems for geometric nonlinear analysis of shells*, "
         "Finite Elements in Analysis and Design 40, 1551–1569 (2004), doi 10.1016/j.finel.2003.11.001, "
         "table 9.",
-        read="The table is printed; its numbers are those of public codes that compare with it (MBDyn; "
-        "igafem and panels have parts of the same tables, with the same numbers). "
+        read="The table is printed; its numbers equal those in public codes (MBDyn; parts of it in "
+        "igafem and panels). "
         "The last digit is rounded: at most 0.01 % of the maximum.",
         ours="A quarter, 10 x 10 cells, one through the wall, hinged on the line in the middle of the wall's "
         "edge; neo-Hooke of the same E and nu; arc length past both limit points and, for the thin "
@@ -116,8 +116,8 @@ PUBLISHED: tuple[Published, ...] = (
         source="K. Y. Sze, X. H. Liu, S. H. Lo, *Popular benchmark problems for geometric nonlinear analysis "
         "of shells*, Finite Elements in Analysis and Design 40, 1551–1569 (2004), doi "
         "10.1016/j.finel.2003.11.001 (Abaqus, 24 x 36 cells).",
-        read="The table is printed; its numbers are those of public codes that compare with it (MBDyn; "
-        "igafem and panels have parts of the same tables, with the same numbers). "
+        read="The table is printed; its numbers equal those in public codes (MBDyn; parts of it in "
+        "igafem and panels). "
         "The last digit is rounded: at most 0.01 % of the maximum.",
         ours="An eighth, 24 x 8 cells, one through the wall (R/h = 53); neo-Hooke; a dead force in ten "
         "increments, through the snap between 0.50 and 0.525 of the load. Merit: three displacements. "
