@@ -6,6 +6,8 @@ is on the page
 
 * ``axis``: at ``r sin t``, its distance from the axis; the pad moves along the axis and does not spread (the paper);
 * ``arc``: at ``r t``; the pad rolls from the apex outward and preserves lengths along the meridian.
+
+A dot that is round on the dome is an ellipse on the page.
 """
 
 from __future__ import annotations
@@ -32,10 +34,12 @@ class Artwork:
     ----------
     dots
         (n, 2) mm, in the order of the markers.
+    axes
+        (n, 2, 2) mm, the longer and the shorter semi-axis of each ellipse.
     diameter
-        Diameter of a dot, mm.
-    mark
-        (2,) mm, the orientation mark, or `None`.
+        Diameter of a dot on the dome, mm.
+    mark, mark_axes
+        (2,) and (2, 2) mm, the orientation mark and its semi-axes, or `None`.
     crosses
         (4, 2) mm, centres of the alignment crosses, on the axes of the page.
     rim
@@ -47,12 +51,20 @@ class Artwork:
     """
 
     dots: FloatArray
+    axes: FloatArray
     diameter: float
     mark: FloatArray | None
+    mark_axes: FloatArray | None
     crosses: FloatArray
     rim: float
     mapping: PadMapping
     rim_line: FloatArray | None = None
+
+    @property
+    def ellipses(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Centres (2,) and semi-axes (2, 2) of the dots, and of the mark if there is one."""
+        marks = [] if self.mark is None or self.mark_axes is None else [(self.mark, self.mark_axes)]
+        return [*zip(self.dots, self.axes, strict=True), *marks]
 
 
 def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
@@ -63,15 +75,28 @@ def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark:
     line = None if skin.plan.is_round else project_to_page(skin, _follow_rim(skin), mapping)
     across, along = (rim, rim) if line is None else np.abs(line).max(axis=0).tolist()
     x, y = across + _MARGIN, along + _MARGIN
+    printed = layout.positions
+    if mark:
+        printed = np.vstack([printed, place_orientation_mark(skin, layout)])
+    centres, axes = project_to_page(skin, printed, mapping), project_dots(skin, printed, layout.diameter, mapping)
+    count = len(layout)
     return Artwork(
-        dots=project_to_page(skin, layout.positions, mapping),
+        dots=centres[:count],
+        axes=axes[:count],
         diameter=layout.diameter,
-        mark=project_to_page(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
+        mark=centres[count] if mark else None,
+        mark_axes=axes[count] if mark else None,
         crosses=np.array([[x, 0.0], [0.0, y], [-x, 0.0], [0.0, -y]]),
         rim=rim,
         mapping=mapping,
         rim_line=line,
     )
+
+
+def mark_azimuth_deg(skin: Skin, layout: MarkerLayout) -> float:
+    """Return the azimuth of the orientation mark."""
+    x, y, _ = place_orientation_mark(skin, layout)
+    return float(np.degrees(np.arctan2(y, x)))
 
 
 def _follow_rim(skin: Skin) -> FloatArray:
@@ -89,6 +114,19 @@ def project_to_page(skin: Skin, points: FloatArray, mapping: PadMapping) -> Floa
     else:
         scale = np.ones_like(rho)
     return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
+
+
+def project_dots(skin: Skin, points: FloatArray, diameter: float, mapping: PadMapping) -> FloatArray:
+    """Return the semi-axes (n, 2, 2) mm on the page, longer first, of dots that are round on the dome."""
+    _, along, around = skin.tangents(points)
+    ends = [
+        project_to_page(skin, skin.nearest(points + side * diameter / 2 * tangent), mapping)
+        for tangent in (along, around)
+        for side in (1, -1)
+    ]
+    conjugate = np.stack([(ends[0] - ends[1]) / 2, (ends[2] - ends[3]) / 2], axis=2)
+    turn, length, _ = np.linalg.svd(conjugate)
+    return np.asarray(np.swapaxes(turn * length[:, None, :], 1, 2))
 
 
 def project_to_skin(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:

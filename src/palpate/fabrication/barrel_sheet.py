@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin, place_orientation_mark
+from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
+from palpate.fabrication.artwork import mark_azimuth_deg
 from palpate.fabrication.enclosure import SCREWS
 from palpate.fabrication.frame import RODS, SCREW_LENGTH, BarrelFrame
 from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
@@ -86,8 +85,7 @@ def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
 def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     """Write the assembly of skin, rods and far end on the housing."""
     high = frame.module.top
-    mark = place_orientation_mark(frame.module.skin, layout)
-    turn = 90 - float(np.degrees(np.arctan2(mark[1], mark[0])))
+    turn = 90 - mark_azimuth_deg(frame.module.skin, layout)
     place = (
         f"the orientation mark, the single dot before the rim, {turn:.3g}°" if spec.orientation_mark else "a dot 90°"
     )

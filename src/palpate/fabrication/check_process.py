@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from palpate.camera import Camera
+from palpate.core import FloatArray
 from palpate.design import (
     Design,
     Finding,
@@ -14,8 +15,9 @@ from palpate.design import (
     Severity,
     Skin,
     check_design,
+    place_orientation_mark,
 )
-from palpate.fabrication.artwork import project_to_page
+from palpate.fabrication.artwork import project_dots, project_to_page
 from palpate.fabrication.spec import ProcessSpec
 from palpate.material import Material
 
@@ -192,15 +194,26 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
             f"The lowest dots lie on a slope of {slope:.3g}°; a pad prints up to {spec.max_slope_deg:g}°.",
             f"Keep dots within {_reached(skin, spec.max_slope_deg):.3g} mm of the axis.",
         )
-    page = project_to_page(skin, points, spec.mapping)
-    if len(page) > 1:
-        distance = np.linalg.norm(page[:, None] - page[None], axis=-1)
-        np.fill_diagonal(distance, np.inf)
-        gap = float(distance.min()) - layout.diameter
+    if spec.orientation_mark:
+        points = np.vstack([points, place_orientation_mark(skin, layout)])
+    if len(points) > 1:
+        gap = _smallest_gap(
+            project_to_page(skin, points, spec.mapping), project_dots(skin, points, layout.diameter, spec.mapping)
+        )
         if gap < spec.min_gap:
             yield Finding(
                 Severity.WARNING if gap > 0 else Severity.ERROR,
                 "dots-too-near",
-                f"Two dots of the artwork are {gap:.2g} mm apart; the pad needs {spec.min_gap:g} mm.",
+                f"Two dots of the artwork, or a dot and the mark, are {gap:.2g} mm apart; "
+                f"the pad needs {spec.min_gap:g} mm.",
                 f"Use dots below {layout.diameter + gap - spec.min_gap:.2g} mm, or the mapping arc.",
             )
+
+
+def _smallest_gap(centres: FloatArray, axes: FloatArray) -> float:
+    """Return a lower bound in mm of the gaps between ellipses: that along the lines between their centres."""
+    apart = centres[:, None] - centres[None]
+    distance = np.linalg.norm(apart, axis=-1)
+    np.fill_diagonal(distance, np.inf)
+    extent = np.linalg.norm(np.einsum("ijk,iak->ija", apart, axes), axis=-1) / distance
+    return float((distance - extent - extent.T).min())

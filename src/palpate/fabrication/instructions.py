@@ -20,6 +20,7 @@ from palpate.design import (
     Rim,
     Skin,
 )
+from palpate.fabrication.artwork import mark_azimuth_deg
 from palpate.fabrication.barrel_sheet import (
     barrel_assembly_steps,
     barrel_bill_of_materials,
@@ -88,7 +89,7 @@ def write_instructions(
         Section("Cast", cast, steps=True),
         *marks,
         Section("Inspect", measured),
-        Section("Enclosure", tuple(_assemble(enclosure, camera, layout, spec)), steps=True),
+        Section("Enclosure", tuple(_assemble(skin, enclosure, camera, layout, spec)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]
 
@@ -161,28 +162,36 @@ def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
 
 def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> Section:
     if not skin.pin:
-        lines = _print_markers(layout, spec, has_template=has_template)
+        lines = _print_markers(skin, layout, spec, has_template=has_template)
         return Section("Print the markers", tuple(lines), steps=True)
     lines = [
         "Wipe the tips of the pins with isopropanol; let them dry.",
         f"Roll silicone ink of a contrasting colour over the {len(layout)} tips; keep their sides clean.",
         "artwork.pdf shows where the tips are, as seen from the base.",
-        *(["The single pin at 15° is the orientation mark: paint it too."] if spec.orientation_mark else []),
+        *(
+            [f"The single pin at {mark_azimuth_deg(skin, layout):.3g}° is the orientation mark: paint it too."]
+            if spec.orientation_mark
+            else []
+        ),
         "Let the ink cure as its maker recommends.",
     ]
     return Section("Paint the tips", tuple(lines), steps=True)
 
 
-def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
+def _print_markers(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
     return [
         "Wipe the inner surface with isopropanol; let it dry.",
         f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
-        "the artwork is drawn for that, and as seen when the pad comes to the dome from its base.",
+        "the artwork is drawn for that, and as seen when the pad comes to the dome from its base. Its ellipses "
+        f"become round dots of {layout.diameter:g} mm on the dome.",
         "Center the pad on the alignment crosses; the dome stands on the core, or in the cavity, opening up.",
         f"Print {len(layout)} dots in one stroke.",
         *(["Without a pad printer: set template.stl into the dome and dab every hole."] if has_template else []),
         *(
-            ["The single dot outside the rings at 15° is the orientation mark: do not leave it out."]
+            [
+                f"The single dot outside the rings at {mark_azimuth_deg(skin, layout):.3g}° is the orientation mark "
+                "(orientation_mark.csv): do not leave it out."
+            ]
             if spec.orientation_mark
             else []
         ),
@@ -202,14 +211,14 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+def _assemble(skin: Skin, enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     view = camera.spec
     half = [0.5 * size / focal for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))]
     wide = [2 * tangent * enclosure.camera_distance for tangent in half]
     seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
     flange = (
-        "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
-        "screw the clamp ring on, crosswise."
+        f"Set the module's flange on the seat, the orientation mark {90 - mark_azimuth_deg(skin, layout):.3g}° from "
+        "the cable slot; screw the clamp ring on, crosswise."
     )
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [

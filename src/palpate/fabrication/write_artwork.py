@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Ellipse
 
 from palpate.core import FloatArray, load_extra
 from palpate.fabrication.artwork import Artwork
@@ -20,16 +21,16 @@ MM_PER_INCH = 25.4
 
 
 def write_dxf(path: Path, artwork: Artwork) -> None:
-    """Write DXF R2010 in mm: dots as circles on the layer DOTS, and MARK, ALIGNMENT, RIM."""
+    """Write DXF R2010 in mm: dots as ellipses on the layer DOTS, and MARK, ALIGNMENT, RIM."""
     ezdxf = load_extra("ezdxf", "cad")
     document = ezdxf.new("R2010", units=ezdxf.units.MM)
     for name, colour in (("DOTS", 7), ("MARK", 1), ("ALIGNMENT", 5), ("RIM", 8)):
         document.layers.add(name, color=colour)
     space = document.modelspace()
-    for x, y in artwork.dots:
-        space.add_circle((x, y), artwork.diameter / 2, dxfattribs={"layer": "DOTS"})
-    if artwork.mark is not None:
-        space.add_circle(tuple(artwork.mark), artwork.diameter / 2, dxfattribs={"layer": "MARK"})
+    for number, (centre, (longer, shorter)) in enumerate(artwork.ellipses):
+        layer = "DOTS" if number < len(artwork.dots) else "MARK"
+        ratio = float(np.linalg.norm(shorter) / np.linalg.norm(longer))
+        space.add_ellipse((*centre, 0.0), (*longer, 0.0), ratio, dxfattribs={"layer": layer})
     for start, end in _strokes(artwork):
         space.add_line(start, end, dxfattribs={"layer": "ALIGNMENT"})
     if artwork.rim_line is None:
@@ -52,19 +53,18 @@ def write_svg(path: Path, artwork: Artwork) -> None:
     """Write SVG whose user unit is 1 mm, y of the page upward."""
     reach = float(artwork.crosses.max()) + CROSS
     size = 2 * reach
-    radius = artwork.diameter / 2
+    ellipses = [_svg_ellipse(*one) for one in artwork.ellipses]
+    count = len(artwork.dots)
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size:.3f}mm" height="{size:.3f}mm" '
         f'viewBox="{-reach:.3f} {-reach:.3f} {size:.3f} {size:.3f}">',
-        f"<title>{len(artwork.dots)} dots of {artwork.diameter:g} mm, mapping: {artwork.mapping}</title>",
+        f"<title>{len(artwork.dots)} dots, {artwork.diameter:g} mm on the dome, mapping: {artwork.mapping}</title>",
         '<g id="dots" fill="black">',
-        *(f'<circle cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/>' for x, y in artwork.dots),
+        *ellipses[:count],
         "</g>",
+        *(f'<g id="mark" fill="black">{mark}</g>' for mark in ellipses[count:]),
     ]
-    if artwork.mark is not None:
-        x, y = artwork.mark
-        lines.append(f'<g id="mark" fill="black"><circle cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/></g>')
     lines.append(f'<g id="alignment" stroke="black" stroke-width="{LINE}">')
     lines += [
         f'<line x1="{a:.4f}" y1="{-b:.4f}" x2="{c:.4f}" y2="{-d:.4f}"/>' for (a, b), (c, d) in _strokes(artwork)
@@ -86,9 +86,9 @@ def draw_page(artwork: Artwork, title: str) -> Figure:
     axis.set_xlim(-PAGE[0] / 2, PAGE[0] / 2)
     axis.set_ylim(-PAGE[1] / 2, PAGE[1] / 2)
     axis.set_axis_off()
-    dots = [*artwork.dots, *([] if artwork.mark is None else [artwork.mark])]
-    for x, y in dots:
-        axis.add_patch(Circle((x, y), artwork.diameter / 2, color="black", linewidth=0))
+    for centre, axes in artwork.ellipses:
+        size = 2 * np.linalg.norm(axes, axis=1)
+        axis.add_patch(Ellipse(tuple(centre), *size, angle=_angle_deg(axes), color="black", linewidth=0))
     for (a, b), (c, d) in _strokes(artwork):
         axis.plot([a, c], [b, d], color="black", linewidth=0.4)
     low = -PAGE[1] / 2 + 25.0
@@ -101,6 +101,18 @@ def draw_page(artwork: Artwork, title: str) -> Figure:
         0, PAGE[1] / 2 - 32.0, "as seen when the pad approaches the dome, from its base", ha="center", fontsize=9
     )
     return figure
+
+
+def _svg_ellipse(centre: FloatArray, axes: FloatArray) -> str:
+    x, y = centre[0], -centre[1]
+    longer, shorter = np.linalg.norm(axes, axis=1)
+    turn = f"rotate({-_angle_deg(axes):.4f} {x:.4f} {y:.4f})"
+    return f'<ellipse cx="{x:.4f}" cy="{y:.4f}" rx="{longer:.4f}" ry="{shorter:.4f}" transform="{turn}"/>'
+
+
+def _angle_deg(axes: FloatArray) -> float:
+    """Return the angle of the longer semi-axis, from x to y."""
+    return float(np.degrees(np.arctan2(axes[0, 1], axes[0, 0])))
 
 
 def _strokes(artwork: Artwork) -> list[tuple[tuple[float, float], tuple[float, float]]]:

@@ -23,6 +23,7 @@ from palpate.design import (
     SurfaceMesh,
     build_contact_module,
     gather,
+    place_orientation_mark,
     raise_on_errors,
     write_step,
 )
@@ -200,6 +201,9 @@ def _write_print(work: Path, made: _Made) -> None:
     places = np.hstack([made.design.layout.positions, pages])
     rows = ([number, *(f"{value:.4f}" for value in place)] for number, place in enumerate(places))
     write_csv(work / "markers.csv", rows, columns)
+    if artwork is not None and artwork.mark is not None:
+        mark = place_orientation_mark(made.design.skin, made.design.layout)
+        write_csv(work / "orientation_mark.csv", [[f"{value:.4f}" for value in (*mark, *artwork.mark)]], columns[1:])
 
 
 def _title(made: _Made) -> str:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fabrication import PadMapping, draw_artwork, project_to_page, project_to_skin
+from palpate.fabrication import PadMapping, ProcessSpec, draw_artwork, project_to_page, project_to_skin
 
 
 @pytest.mark.parametrize("mapping", PadMapping)
@@ -30,6 +30,36 @@ def test_the_artwork_of_a_flat_pad_is_carried_back_and_has_its_rim(mapping: PadM
     if mapping is PadMapping.AXIS:
         assert most == pytest.approx([10.375, 1.217 * 10.375], rel=1e-4)
     assert draw_artwork(build_skin(DomeSpec()), layout, mapping).rim_line is None
+
+
+@pytest.mark.parametrize("mapping", PadMapping)
+@pytest.mark.parametrize("height", [10, 20, 30])
+def test_dots_are_round_on_the_dome(mapping: PadMapping, height: float) -> None:
+    """Points of the ellipses of the page, carried to the dome by the pad, lie on spheres about the markers."""
+    dome = build_skin(DomeSpec(height=height))
+    layout = place_markers(dome, MarkerSpec(count=169))
+    artwork = draw_artwork(dome, layout, mapping)
+    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    marks = [*layout.positions, place_orientation_mark(dome, layout)]
+    for marker, (centre, axes) in zip(marks, artwork.ellipses, strict=True):
+        outline = project_to_skin(dome, centre + circle @ axes, mapping)
+        assert np.linalg.norm(outline - marker, axis=1) == pytest.approx(layout.diameter / 2, rel=0.06)
+    slope = np.arccos(dome.normal(layout.positions)[:, 2]).max()
+    flattest = (np.linalg.norm(artwork.axes[:, 1], axis=1) / np.linalg.norm(artwork.axes[:, 0], axis=1)).min()
+    if mapping is PadMapping.AXIS:
+        assert flattest == pytest.approx(np.cos(slope), rel=0.06), "a circle seen along the axis"
+
+
+@pytest.mark.parametrize("count", [7, 37, 91, 169])
+@pytest.mark.parametrize("height", [10, 15, 20, 30])
+def test_the_mark_keeps_a_gap_to_the_dots(count: int, height: float) -> None:
+    dome = build_skin(DomeSpec(height=height))
+    layout = place_markers(dome, MarkerSpec(count=count))
+    mark = place_orientation_mark(dome, layout)
+    gap = np.linalg.norm(layout.positions[:, :2] - mark[:2], axis=1).min() - layout.diameter
+    assert gap >= ProcessSpec().min_gap
+    assert 10.0 < np.degrees(np.arctan2(mark[1], mark[0])) < 20.0, "no symmetry plane of the rings"
 
 
 def test_flatten_by_arc_keeps_lengths_along_the_meridian() -> None:

@@ -75,7 +75,7 @@ def test_dots_of_dxf_and_svg_lie_where_the_table_says(pack: FabricationPack) -> 
     document = ezdxf.readfile(pack.folder / "artwork.dxf")
     assert document.dxfversion == "AC1024"
     assert document.units == ezdxf.units.MM
-    drawn = [circle.dxf.center for circle in document.modelspace().query('CIRCLE[layer=="DOTS"]')]
+    drawn = [dot.dxf.center for dot in document.modelspace().query('ELLIPSE[layer=="DOTS"]')]
     assert np.array([[point.x, point.y] for point in drawn]) == pytest.approx(page, abs=1e-3)
     root = ElementTree.parse(pack.folder / "artwork.svg").getroot()
     group = next(node for node in root if node.get("id") == "dots")
@@ -140,4 +140,6 @@ def test_check_process_reports_each_limit_of_the_workshop() -> None:
     assert codes(DomeSpec(), MarkerSpec(count=169), max_slope_deg=45)["pad-reach"] is Severity.WARNING
     assert codes(DomeSpec(), MarkerSpec(count=7, diameter=0.5))["dot-in-pixels"] is Severity.WARNING
     assert codes(DomeSpec(height=5, base_radius=5), MarkerSpec(count=7, diameter=2))["dot-on-curve"]
-    assert codes(DomeSpec(), MarkerSpec(count=169, diameter=2.4))["dots-too-near"] is Severity.WARNING
+    wide = MarkerSpec(count=169, diameter=2.4)
+    assert codes(DomeSpec(), wide, orientation_mark=False)["dots-too-near"] is Severity.WARNING
+    assert codes(DomeSpec(), wide)["dots-too-near"] is Severity.ERROR, "the mark overlaps a dot"
