@@ -18,12 +18,20 @@ from palpate.cli.app import app  # noqa: E402
 from palpate.core import Spec, parameters  # noqa: E402
 
 project, author, copyright, release = "palpate", "The palpate developers", "The palpate developers", __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "mathml"]
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "results/**/*.csv", "images/*.py"]
 html_theme = "pydata_sphinx_theme"
-html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False}
+html_theme_options = {
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+    "header_links_before_dropdown": 7,
+    "secondary_sidebar_items": ["page-toc"],
+}
+html_sidebars = dict.fromkeys(("index", "install", "quick_start", "where_to_add"), [])
+html_show_sourcelink = False
+highlight_language = "text"
 html_title = "palpate"
 autodoc_member_order = "groupwise"
 autodoc_typehints = "none"
