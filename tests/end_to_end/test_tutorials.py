@@ -4,10 +4,12 @@ A fenced block of these pages has one of these languages:
 
 * `bash`: commands, run by the shell in the order of the page and in one folder. Each must end with exit code 0.
   Lines of `pip install` are not run; the extras that they name must exist and be installed, else the test is skipped.
-* `output`: lines that the block before prints, in this order; `...` stands for lines that are left out. A terminal shows
-  fewer columns than a file, so the end of a line may be missing. A number may differ by one unit of its last digit.
+* `output`: lines that the block before prints, in this order; `...` stands for lines that are left out. A terminal
+  shows fewer columns than a file, so the end of a line may be missing. A number may differ by one unit of its last
+  digit.
 * `yaml` with the first line `# NAME`: a file that the reader writes.
 * `text`: not run. The sentence before gives the reason: a command without end, or its cost.
+* `python`: run by `test_readme.py`.
 
 Directives of MyST have braces. Each file that a page names in back ticks exists after its commands.
 """
@@ -22,6 +24,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
 from needs import EXTRAS, needs
 
 ROOT = Path(__file__).parents[2]
