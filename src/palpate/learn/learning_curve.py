@@ -81,7 +81,8 @@ def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
     falls = np.log(np.array(first.rmse) / np.array(last.rmse)) / np.log(last.presses / first.presses)
     gain = float(1.0 - 2.0 ** -max(float(np.median(falls)), 0.0))
     verdict = "more presses would pay" if gain > 0.1 else "it is nearly enough" if gain > 0.04 else "it is enough"
+    word = "fell" if fell >= 0.0 else "rose"
     return (
-        f"From {first.presses} to {last.presses} presses the error fell by {fell:.0%}; "
+        f"From {first.presses} to {last.presses} presses the error {word} by {abs(fell):.0%}; "
         f"twice as many would bring about {gain:.0%}: {verdict}."
     )

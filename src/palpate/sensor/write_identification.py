@@ -64,7 +64,7 @@ def _page(
         "# An identified unit",
         f"The marker residual is {np.sqrt(found.misfit):.2f} times its expected value. Still open: {still}."
         + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else ""),
-        Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", ""), table),
+        Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", "result"), table),
         "## Most informative next press",
         f"The remaining uncertainty of the unit contributes {now:.3f}° to rx and ry. A press at a tilt of "
         f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "

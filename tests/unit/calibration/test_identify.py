@@ -601,6 +601,7 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     assert run("calibration", "identify", str(tmp_path / "known.csv"), *written) == 0
     assert "seating_x_deg" in capsys.readouterr().out
     page = (tmp_path / "report" / "identification.md").read_text()
+    assert "| prior standard deviation | result |" in page
     assert "| seating_x_deg |" in page
     assert (tmp_path / "report" / "identification.png").stat().st_size > 10_000
     unit = ["--unit", str(tmp_path / "unit.json")]
