@@ -115,16 +115,12 @@ class RslabSolver(LinearSolver):
         self._pattern = pattern
         self._symbolic: Any = None
 
-    def _full(self, data: FloatArray) -> scipy.sparse.csc_matrix:
-        upper = self._pattern.matrix(data)
-        return scipy.sparse.csc_matrix(upper + scipy.sparse.triu(upper, 1).T)
-
     def refactor(self, data: FloatArray) -> int:
         import rslab
 
         if not np.isfinite(data).all():
             raise SingularMatrixError("the matrix holds values that are not finite")
-        matrix = self._full(data)
+        matrix = self._pattern.matrix(data).T  # its lower triangle, with the zeros that a sum would drop
         try:
             if self._symbolic is None:
                 self._symbolic = rslab.analyze(matrix, path="ldlt", threads=1)

@@ -213,6 +213,13 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
             "Press deeper, or in shorter steps.",
             code="twin-few-images",
         )
+    short = min(presses, key=_stored)
+    if not first and _stored(short) < _FEWEST:
+        raise PalpateError(
+            f"The press at a tilt of {short.obstacle.tilt_deg:g}° has {_stored(short)} increments ({short.ended}).",
+            f"Press at least {_FEWEST} increments; a shorter step may converge.",
+            code="twin-short-press",
+        )
     return np.asarray(step * np.arange(begin, count + 1))
 
 

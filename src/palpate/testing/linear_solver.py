@@ -36,6 +36,17 @@ class LinearSolverSuite:
         right = np.random.default_rng(1).normal(size=300)
         assert 2 * (matrix @ solver.solve(right)) == pytest.approx(right, abs=1e-8)
 
+    def test_values_of_a_pattern_may_vanish(self, solver: LinearSolver) -> None:
+        matrix = _matrix(300, 2)
+        pattern, data = _pattern_of(matrix)
+        solver.analyze(pattern)
+        solver.refactor(data)
+        diagonal = np.zeros(len(data), dtype=bool)
+        diagonal[pattern.start[:-1]] = True
+        solver.refactor(np.where(diagonal, data, 0.0))
+        right = np.random.default_rng(1).normal(size=300)
+        assert data[diagonal] * solver.solve(right) == pytest.approx(right, abs=1e-8)
+
     def test_another_pattern_may_follow(self, solver: LinearSolver) -> None:
         for size in (40, 90):
             matrix = _matrix(size, 1)

@@ -186,6 +186,13 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
         build_twin([*presses, press(0.0, 0.9, thickness=3.0, derivatives=TWIN_DERIVATIVES)])
 
 
+def test_a_press_that_ends_at_once_is_named(presses: list[Press]) -> None:
+    one = presses[1]
+    gone = np.where(np.arange(len(one.depth)) > 0, "inverted", one.branch)
+    with refused("twin-short-press", f"{one.obstacle.tilt_deg:g}", "1"):
+        build_twin([presses[0], replace(one, branch=gone), *presses[2:]])
+
+
 def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press], twin: Twin, tmp_path: Path) -> None:
     """Against the distance of dots, found here by themselves; a dome that is thicker is told apart."""
     check = press(6.0, 0.9, azimuth_deg=77.0)
