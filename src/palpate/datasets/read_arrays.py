@@ -6,7 +6,6 @@ diffusion policies do; each episode counts as a press. Zarr needs the extra ``za
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, final
@@ -36,7 +35,9 @@ class ArraysReader(RecordingReader):
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         try:
             return self._read(place, _read_npz(place) if place.suffix.lower() == ".npz" else _read_zarr(place))
-        except (OSError, LookupError, TypeError, ValueError, RuntimeError, zipfile.BadZipFile) as error:
+        except PalpateError:
+            raise
+        except Exception as error:  # NumPy, zipfile and each codec of Zarr have errors of their own
             raise PalpateError(
                 f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
             ) from error
@@ -91,7 +92,7 @@ class _Rows(ImageSet):
                 yield read_row(self._images, number)
             except PalpateError as error:
                 yield error
-            except (OSError, ValueError) as error:
+            except Exception as error:  # each codec of Zarr has errors of its own
                 yield PalpateError(
                     f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
                 )
