@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -58,7 +58,7 @@ _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
     r"|tiefe|profondeur|深"
 )
-_FACTORS = {
+FACTORS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
     **dict.fromkeys(("rad", "radian", "radians", "弧度"), ("deg", 180.0 / np.pi)),
     **dict.fromkeys(("mm", "毫米"), ("mm", 1.0)),
@@ -68,6 +68,8 @@ _FACTORS = {
     **dict.fromkeys(("in", "inch", "inches"), ("mm", 25.4)),
     **{"n": ("N", 1.0), "mn": ("N", 1e-3), "kn": ("N", 1e3), "gf": ("N", 9.80665e-3), "kgf": ("N", 9.80665)},
     "lbf": ("N", 4.4482216152605),
+    **dict.fromkeys(("nm", "n·m", "n*m", "n.m", "n-m"), ("Nm", 1.0)),
+    **{**dict.fromkeys(("nmm", "n·mm", "n-mm", "mnm"), ("Nm", 1e-3)), "kgfm": ("Nm", 9.80665)},
 }
 """Unit that is written → unit of the program and factor."""
 AXES = {
@@ -130,6 +132,10 @@ class ColumnMapping:
         empty if poses are relative to it, or it is estimated.
     pose
         Topic of the poses of a ROS bag; empty if it has one.
+    forces
+        Table of forces with their times.
+    times, force_unit
+        Units of times and of forces without a unit: ``s``, ``ms``, ``us`` or ``ns``; ``N``, ``mN``, ``kN``, ``gf``, …
     """
 
     targets: tuple[str, ...] = ()
@@ -140,6 +146,9 @@ class ColumnMapping:
     euler: str = ""
     frame: str = ""
     pose: str = ""
+    forces: Path | None = None
+    times: str = ""
+    force_unit: str = ""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
@@ -335,7 +344,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     low = name.strip().lower()
     bare, unit = split_unit(low)
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
-    if unit not in _FACTORS or not bare:
+    if unit not in FACTORS or not bare:
         bare = low
         if _ANGLE.search(low):
             unit = choice.angles or ("deg" if most > _TURN else "")
@@ -357,7 +366,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
         note = (
             "" if given else f"Column {name} names no unit; by its values, up to {most:.3g}, it is taken as {unit}."
         )
-    target, factor = _FACTORS[unit]
+    target, factor = FACTORS[unit]
     return PoseColumn(name, short_name(bare), target, values * factor, note)
 
 

@@ -27,7 +27,7 @@ _RADIAL, _AXIAL = ("r", "rho", "radius", "x"), ("z", "height", "y")
 _CLOSE, _LOOSE = 0.01, 0.05
 """Deviation from the drawing, mm, that is aimed at, and from which a skin is rejected."""
 _FAR = 1e5
-"""Distance from the origin, mm, from which a point is a wrong number: the points between would fill the memory."""
+"""Distance from the origin, mm, from which a point is a wrong number; its curve would fill the memory."""
 _FLATTENING, _JOIN, _SPACING = 0.002, 0.01, 0.02
 """Chord error of arcs, largest gap between the ends of curves, distance of compared points, mm."""
 _MOST_POINTS = 16
@@ -165,7 +165,7 @@ def _table(path: Path) -> list[FloatArray]:
 
 
 def _near(path: Path, points: FloatArray) -> FloatArray:
-    """The points, none of which is farther from the origin than any skin."""
+    """The points, after a check that they are near enough to the origin to belong to a skin."""
     if (far := float(np.abs(points).max())) >= _FAR:
         raise PalpateError(
             f"{path} has a point {far:.3g} mm from the origin.", "Correct the number or its unit.", code="profile-far"
