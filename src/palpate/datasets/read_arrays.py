@@ -6,8 +6,10 @@ diffusion policies do; each episode counts as a press. Zarr needs the extra ``za
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from traceback import extract_tb
 from typing import Any, final
 
 import numpy as np
@@ -70,9 +72,16 @@ def _read_npz(place: Path) -> dict[str, Any]:
 
 def _read_zarr(place: Path) -> dict[str, Any]:
     zarr = load_extra("zarr", "zarr", "Zarr")
+    logging.getLogger("asyncio").addFilter(_is_not_of_zarr)
     root = zarr.open_group(str(place), mode="r")
     groups = [root, *(root[name] for name in ("data", "meta") if name in root)]
     return {name: array for group in groups for name, array in group.arrays()}
+
+
+def _is_not_of_zarr(record: logging.LogRecord) -> bool:
+    """Return whether a logged error is not one of Zarr, which logs those after the first."""
+    error = record.exc_info[1] if record.exc_info else None
+    return error is None or all("zarr" not in frame.filename for frame in extract_tb(error.__traceback__))
 
 
 @final
