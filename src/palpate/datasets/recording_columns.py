@@ -364,7 +364,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
 
 
 def _fits_circle(values: FloatArray) -> bool:
-    """Return whether angles from 0 to 2π lie about π or, on both sides, about 0: radians of one orientation."""
+    """Return whether angles lie in 0 to 2π about π or, on both sides, about 0: radians of one orientation."""
     known = values[np.isfinite(values)]
     away = np.abs(known - np.pi)
     return bool(known.min() >= 0 and away.max() <= np.pi and (away.max() < np.pi / 3 or away.min() > 2 * np.pi / 3))
