@@ -149,6 +149,7 @@ def run(count: int, names: list[str], seed: int = 0) -> list[str]:
 
 
 if __name__ == "__main__":
+    del __file__  # the processes of the CAD kernel need not import this file
     faulthandler.enable()
     chosen = sys.argv[3:] or list(DOORS)
     wrong = run(int(sys.argv[1]), chosen, int((*sys.argv, 0)[2]))
