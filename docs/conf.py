@@ -29,7 +29,7 @@ html_theme_options = {
     "header_links_before_dropdown": 7,
     "secondary_sidebar_items": ["page-toc"],
 }
-html_sidebars = dict.fromkeys(("index", "install", "quick_start", "where_to_add"), [])
+html_sidebars = {page: [] for page in ("index", "install", "quick_start", "where_to_add")}
 html_show_sourcelink = False
 highlight_language = "text"
 html_title = "palpate"

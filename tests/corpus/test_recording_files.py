@@ -1,6 +1,8 @@
 """Recordings in the layouts of LeRobot, ALOHA, robomimic, the TacTip toolkit, NPZ and Zarr, drawn with a seed."""
 
+import gc
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -196,3 +198,31 @@ def test_a_recording_without_its_parts_is_refused(
     write(tmp_path / name)
     with refused(code, name):
         read_recording(tmp_path / name)
+
+
+def test_a_damaged_chunk_of_a_zarr_store_is_an_error_in_the_place_of_its_image(tmp_path: Path) -> None:
+    """The codecs of Zarr have errors of their own kinds."""
+    root = zarr.open_group(str(tmp_path / "a.zarr"), mode="w")
+    root["images"] = IMAGES[..., 0]
+    for name, values in zip(NAMES, POSES.T, strict=True):
+        root[name] = values
+    chunk = next(path for path in (tmp_path / "a.zarr" / "images" / "c").rglob("*") if path.is_file())
+    chunk.write_bytes(b"damaged" + chunk.read_bytes()[7:])
+    (image,) = read_recording(tmp_path / "a.zarr").images.read([0])
+    assert isinstance(image, PalpateError)
+    assert image.code == "image-unreadable"
+
+
+def test_several_damaged_arrays_of_a_zarr_store_are_one_error(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Zarr opens arrays at the same time; errors after the first would be logged with tracebacks."""
+    root = zarr.open_group(str(tmp_path / "a.zarr"), mode="w")
+    for number in range(9):
+        root[f"array_{number}"] = POSES
+        (tmp_path / "a.zarr" / f"array_{number}" / "zarr.json").write_text("damaged")
+    with refused("recording-unreadable", "a.zarr"):
+        read_recording(tmp_path / "a.zarr")
+    time.sleep(0.2)
+    gc.collect()
+    assert [record for record in caplog.records if record.name == "asyncio"] == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -16,6 +16,7 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.progress import show_progress
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
 from palpate.core.report import page_markdown, plain_page
+from palpate.datasets import ColumnMapping
 from palpate.learn import RecordingSpec
 
 if TYPE_CHECKING:
@@ -32,6 +33,12 @@ _LEARN = (
 )
 _REST = "Image of the unloaded sensor, if the table has no row with the press or file name 'rest'."
 _POSE = "Topic of the poses of a ROS bag, if it has several."
+_FORCES = (
+    "Table of a force/torque sensor with a column of times (text, JSON lines, Parquet). Its forces are interpolated "
+    "to the times of the images, which are a column of their table."
+)
+_TIMES = "Unit of times whose column has no unit in its name."
+_FORCE_UNIT = "Unit of forces whose column has no unit in its name; torques are in this unit times m."
 _START = "Model to start from: of another unit of the same design (model.h5), or of its simulation (.onnx)."
 
 
@@ -44,6 +51,25 @@ class TableFlags:
     columns: ColumnFlags = ColumnFlags()
     rest: Annotated[Path | None, Parameter(help=_REST)] = None
     pose: Annotated[str, Parameter(help=_POSE)] = ""
+    forces: Annotated[Path | None, Parameter(help=_FORCES)] = None
+    times: Annotated[Literal["s", "ms", "us", "ns"] | None, Parameter(help=_TIMES)] = None
+    force_unit: Annotated[Literal["N", "mN", "kN", "gf", "kgf", "lbf"] | None, Parameter(help=_FORCE_UNIT)] = None
+
+    def mapping(self) -> ColumnMapping:
+        """Return the column mapping of these flags, which the reader accepts."""
+        if self.forces is None and (unit := self.times or self.force_unit):
+            raise PalpateError(
+                f"{unit} is a unit of the table --forces, which is missing.",
+                "Give --forces FILE, or leave --times and --force-unit out.",
+                code="forces-missing",
+            )
+        return replace(
+            self.columns.mapping(self.targets),
+            pose=self.pose,
+            forces=self.forces,
+            times=self.times or "",
+            force_unit=self.force_unit or "",
+        )
 
 
 def learn(
@@ -61,8 +87,7 @@ def learn(
 
     check_folder(out)
     begin = read_pretrained(start) if start is not None else None
-    choice = replace(table.columns.mapping(table.targets), pose=table.pose)
-    found = read_recording(recording, choice, table.rest, spec.max_images, spec.seed)
+    found = read_recording(recording, table.mapping(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _print_line(note)
     store, first = ArtefactStore(keep_results(out) / "store"), None

@@ -6,9 +6,10 @@ diffusion policies do; each episode counts as a press. Zarr needs the extra ``za
 
 from __future__ import annotations
 
-import zipfile
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from traceback import extract_tb
 from typing import Any, final
 
 import numpy as np
@@ -36,7 +37,9 @@ class ArraysReader(RecordingReader):
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         try:
             return self._read(place, _read_npz(place) if place.suffix.lower() == ".npz" else _read_zarr(place))
-        except (OSError, LookupError, TypeError, ValueError, RuntimeError, zipfile.BadZipFile) as error:
+        except PalpateError:
+            raise
+        except Exception as error:  # NumPy, zipfile and each codec of Zarr have errors of their own
             raise PalpateError(
                 f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
             ) from error
@@ -69,9 +72,16 @@ def _read_npz(place: Path) -> dict[str, Any]:
 
 def _read_zarr(place: Path) -> dict[str, Any]:
     zarr = load_extra("zarr", "zarr", "Zarr")
+    logging.getLogger("asyncio").addFilter(_is_not_of_zarr)
     root = zarr.open_group(str(place), mode="r")
     groups = [root, *(root[name] for name in ("data", "meta") if name in root)]
     return {name: array for group in groups for name, array in group.arrays()}
+
+
+def _is_not_of_zarr(record: logging.LogRecord) -> bool:
+    """Return whether a logged error is not one of Zarr, which logs those after the first."""
+    error = record.exc_info[1] if record.exc_info else None
+    return error is None or all("zarr" not in frame.filename for frame in extract_tb(error.__traceback__))
 
 
 @final
@@ -91,7 +101,7 @@ class _Rows(ImageSet):
                 yield read_row(self._images, number)
             except PalpateError as error:
                 yield error
-            except (OSError, ValueError) as error:
+            except Exception as error:  # each codec of Zarr has errors of its own
                 yield PalpateError(
                     f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
                 )

@@ -10,6 +10,7 @@ import numpy as np
 from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
 from palpate.core.files import natural_key
+from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
     ColumnMapping,
     PoseColumn,
@@ -127,9 +128,13 @@ def read_recording(
             f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); "
             "--max-images for more."
         )
-    chosen = chosen[kept]
-    posed = to_surface(table.rows(chosen), choice, (by, column))
-    notes += posed.notes[len(table.notes) :]
+    chosen, posed = chosen[kept], table.rows(chosen[kept])
+    if choice.forces is not None:
+        shown = _find_images(folder, posed, column) if images is None else SelectedImages(images, chosen.tolist())
+        posed, within = add_forces(posed, shown, choice)
+        chosen, posed = chosen[within], posed.rows(within)
+    posed = to_surface(posed, choice, (by, column))
+    notes += [f"{note}." if not note.endswith(".") else note for note in posed.notes[len(table.notes) :]]
     poses, others, left_out = find_pose_columns(posed, choice, (by, column))
     rows = np.concatenate([chosen, at_rest])
     if images is None:

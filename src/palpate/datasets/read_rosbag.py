@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from palpate.camera import decode_image
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra, load_opencv
 from palpate.datasets.recording_images import ImageSet, Item
 from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.samples import LEAST_SAMPLES, Samples, find_offset, shrink
 from palpate.datasets.table import Column, RecordingTable
 
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -27,27 +28,12 @@ _POSES = (
 )
 _FORCES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench")
 _REMEDY = "Give a rosbag1 (.bag), or a rosbag2 (folder, .mcap or .db3)."
-_GAP = 3.0
-"""Largest time between the samples around an image, over their median period."""
-_PARTS, _LEAST_OF_PART = 40, 8
-"""Parts of equal duration that count as presses, at most, and images of one."""
+_PARTS = 40
+"""Maximum number of parts of equal duration that count as presses."""
 _PAUSE = 5.0
 """Time between two images, over its median, from which a new press begins."""
-_RANGE_S, _FINE = 1.0, 0.25
-"""Largest clock offset that is searched, s, and its step over the time between images."""
-_SURE, _BETTER = 0.6, 0.7
-"""Minimum correlation of image change and motion; maximum ratio of residual variances."""
-_SMALL = 24
-"""Side of the images whose change is measured, px."""
 _MOSAICS = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}
 """Bayer mosaics by ROS, and OpenCV's names of the same: their second row, second and third column."""
-
-
-class _Samples(NamedTuple):
-    """Messages of one topic: their times (n,) s, and values (n, k)."""
-
-    time: FloatArray
-    values: FloatArray
 
 
 @final
@@ -92,9 +78,14 @@ class RosbagReader(RecordingReader):
         poses = self._pick(place, topics[_POSES], self.pose, "--pose")
         shots = _Shots(place, images, *_image_times(bag, images))
         moved = _samples(bag, poses, _pose_values)
-        offset, notes = _find_offset(shots, moved)
+        turned = Rotation.from_quat(moved.values[:, 3:])
+        ways = (
+            (turned[:-1].inv() * turned[1:]).magnitude(),
+            np.linalg.norm(np.diff(moved.values[:, :3], axis=0), axis=1),
+        )
+        offset, notes = find_offset(shots.times_s, shots.small, moved.time, ways, "poses")
         time = shots.times_s - offset
-        within = _is_between(moved.time, time)
+        within = moved.surround(time)
         if not within.any():
             raise PalpateError(
                 f"{place.name}: no image of {images.topic} has a pose of {poses.topic} at its time.",
@@ -105,17 +96,12 @@ class RosbagReader(RecordingReader):
             notes += (f"{int((~within).sum())} of {len(within)} images have no pose at their time and are left out",)
         shots.rows = np.flatnonzero(within)
         time = time[within]
-        turns = Slerp(moved.time, Rotation.from_quat(moved.values[:, 3:]))(time).as_quat()
-        columns: dict[str, Column] = {
-            f"{axis}_m": np.interp(time, moved.time, moved.values[:, number]) for number, axis in enumerate("xyz")
-        }
+        turns, places = Slerp(moved.time, turned)(time).as_quat(), moved.at(time)
+        columns: dict[str, Column] = {f"{axis}_m": places[:, number] for number, axis in enumerate("xyz")}
         columns |= {f"q{axis}": turns[:, number] for number, axis in enumerate("xyzw")}
         if len(topics[_FORCES]) == 1:
-            force = _samples(bag, topics[_FORCES][0], _force_values)
-            seen = _is_between(force.time, time)
-            names = ("fx_n", "fy_n", "fz_n", "tx_nm", "ty_nm", "tz_nm")
-            for number, name in enumerate(names):
-                columns[name] = np.where(seen, np.interp(time, force.time, force.values[:, number]), np.nan)
+            forces = _samples(bag, topics[_FORCES][0], _force_values).at(time)
+            columns |= dict(zip(("fx_n", "fy_n", "fz_n", "tx_nm", "ty_nm", "tz_nm"), forces.T, strict=True))
         columns["press"], note = _presses(time)
         return RecordingTable(place.name, columns, {}, (*notes, note)), shots
 
@@ -146,22 +132,19 @@ def _stamp_s(message: Any, bag_ns: int) -> float:
 
 def _image_times(bag: Any, topic: Any) -> tuple[IntArray, FloatArray, FloatArray]:
     """Times in the bag (n,) ns, times of the headers (n,) s, and small images (n, h, w) for their change."""
-    cv2 = load_opencv()
     recorded, stamped, small = [], [], []
     for connection, bag_ns, raw in bag.messages(connections=[topic]):
         message = bag.deserialize(raw, connection.msgtype)
         recorded.append(bag_ns)
         stamped.append(_stamp_s(message, bag_ns))
         try:
-            image = _decode(message, f"Image {len(recorded) - 1}")
-            grey = image if image.ndim == 2 else image.mean(axis=2)
-            small.append(cv2.resize(grey.astype(np.float32), (_SMALL, _SMALL), interpolation=cv2.INTER_AREA))
-        except PalpateError:
-            small.append(np.full((_SMALL, _SMALL), np.nan, np.float32))
+            small.append(shrink(_decode(message, f"Image {len(recorded) - 1}")))
+        except PalpateError as error:
+            small.append(shrink(error))
     return np.array(recorded, np.int64), np.array(stamped), np.array(small, float)
 
 
-def _samples(bag: Any, topic: Any, values: Any) -> _Samples:
+def _samples(bag: Any, topic: Any, values: Any) -> Samples:
     """Messages of a topic in ascending time, each time once."""
     rows = [
         (_stamp_s(message, bag_ns), *values(message))
@@ -169,8 +152,7 @@ def _samples(bag: Any, topic: Any, values: Any) -> _Samples:
         for message in [bag.deserialize(raw, connection.msgtype)]
     ]
     table = np.array(rows, float)
-    table = table[np.unique(table[:, 0], return_index=True)[1]]
-    return _Samples(table[:, 0], table[:, 1:])
+    return Samples.of(table[:, 0], table[:, 1:])
 
 
 def _pose_values(message: Any) -> tuple[float, ...]:
@@ -188,65 +170,14 @@ def _force_values(message: Any) -> tuple[float, ...]:
     return tuple(getattr(part, axis) for part in (body.force, body.torque) for axis in "xyz")
 
 
-def _is_between(known: FloatArray, asked: FloatArray) -> NDArray[np.bool_]:
-    """Whether two samples surround each time closely enough (n,)."""
-    if len(known) < 2:
-        return np.zeros(len(asked), bool)
-    after = np.clip(np.searchsorted(known, asked), 1, len(known) - 1)
-    gap = known[after] - known[after - 1]
-    inside = (asked >= known[0]) & (asked <= known[-1])
-    return np.asarray(inside & (gap <= _GAP * np.median(np.diff(known))))
-
-
-def _find_offset(shots: _Shots, moved: _Samples) -> tuple[float, tuple[str, ...]]:
-    """Estimate the time by which images are later than poses, s, from their motion; 0 if unclear."""
-    time, period = shots.times_s, float(np.median(np.diff(shots.times_s))) if len(shots.times_s) > 1 else 0.0
-    if len(time) < _LEAST_OF_PART or period <= 0 or len(moved.time) < _LEAST_OF_PART:
-        return 0.0, ()
-    change = np.mean(np.diff(shots.small, axis=0) ** 2, axis=(1, 2))
-    turned = Rotation.from_quat(moved.values[:, 3:])
-    ways = (
-        np.concatenate([[0.0], (turned[:-1].inv() * turned[1:]).magnitude()]),
-        np.concatenate([[0.0], np.linalg.norm(np.diff(moved.values[:, :3], axis=0), axis=1)]),
-    )
-    paths = [np.cumsum(way) for way in ways]
-
-    def correlation(offset: float) -> float:
-        """Return the correlation of image change with squared rotation and translation, by least squares."""
-        at = time - offset
-        both = np.isfinite(change) & (at[:-1] > moved.time[0]) & (at[1:] < moved.time[-1])
-        if both.sum() < _LEAST_OF_PART:
-            return -1.0
-        squares = np.column_stack([np.diff(np.interp(at, moved.time, path))[both] ** 2 for path in paths])
-        inputs = np.column_stack([squares / np.maximum(squares.max(axis=0), 1e-300), np.ones(both.sum())])
-        fitted = inputs @ np.linalg.lstsq(inputs, change[both], rcond=None)[0]
-        if np.std(fitted) <= 1e-12 * np.abs(fitted).max() or np.std(change[both]) == 0:
-            return -1.0
-        return float(np.corrcoef(fitted, change[both])[0, 1])
-
-    offsets = np.arange(-_RANGE_S, _RANGE_S, _FINE * min(period, 0.1))
-    found = np.array([correlation(offset) for offset in offsets])
-    best = int(np.argmax(found))
-    if not 0 < best < len(found) - 1:
-        return 0.0, ()
-    is_better = 1.0 - found[best] ** 2 < _BETTER * (1.0 - correlation(0.0) ** 2)
-    if found[best] < _SURE or not is_better or abs(offsets[best]) < 0.5 * period:
-        return 0.0, ()
-    low, mid, high = found[best - 1 : best + 2]
-    offset = float(offsets[best] + 0.5 * (low - high) / min(low - 2 * mid + high, -1e-12) * (offsets[1] - offsets[0]))
-    return offset, (
-        f"images come {1e3 * offset:.0f} ms later than poses, by their motion (correlation {mid:.2f}); corrected",
-    )
-
-
 def _presses(time: FloatArray) -> tuple[FloatArray, str]:
     """Number of the press of each image (n,), and a note on it: pauses, or parts of equal duration."""
     step = np.diff(time)
     begins = np.concatenate([[False], step > _PAUSE * np.median(step)]) if len(step) else np.zeros(len(time), bool)
     press = np.cumsum(begins).astype(float)
-    if press[-1] + 1 >= _LEAST_OF_PART:
+    if press[-1] + 1 >= LEAST_SAMPLES:
         return press, f"pauses divide the images into {int(press[-1]) + 1} presses"
-    count = int(np.clip(len(time) // _LEAST_OF_PART, 1, _PARTS))
+    count = int(np.clip(len(time) // LEAST_SAMPLES, 1, _PARTS))
     parts = np.floor(np.arange(len(time)) * count / len(time))
     return parts, f"the images follow each other without pauses; {count} parts of equal length count as presses"
 

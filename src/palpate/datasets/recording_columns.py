@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -36,43 +36,35 @@ _IMAGE = (
     "画像",
 )
 _PRESS = (
-    "press",
-    "contact",
-    "touch",
-    "tap",
-    "trial",
-    "episode",
-    "episode_index",
-    "demo",
-    "group",
-    "run",
-    "kontakt",
-    "appui",
-    "接触",
+    *("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run"),
+    *("kontakt", "appui", "接触"),
 )
 _INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
 _ANGLE = re.compile(
-    r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)([_ \d]|$)|angle"
+    r"(^|[_ ])(r[xyz]|rot\w*|euler\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)"
+    r"([_ \d]|$)|angle"
 )
 _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
     r"|tiefe|profondeur|深"
 )
-_FACTORS = {
+FACTORS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
     **dict.fromkeys(("rad", "radian", "radians", "弧度"), ("deg", 180.0 / np.pi)),
     **dict.fromkeys(("mm", "毫米"), ("mm", 1.0)),
-    "cm": ("mm", 10.0),
     **dict.fromkeys(("um", "µm", "μm"), ("mm", 1e-3)),
-    "m": ("mm", 1e3),
+    **{"cm": ("mm", 10.0), "m": ("mm", 1e3)},
     **dict.fromkeys(("in", "inch", "inches"), ("mm", 25.4)),
     **{"n": ("N", 1.0), "mn": ("N", 1e-3), "kn": ("N", 1e3), "gf": ("N", 9.80665e-3), "kgf": ("N", 9.80665)},
     "lbf": ("N", 4.4482216152605),
+    **dict.fromkeys(("nm", "n·m", "n*m", "n.m", "n-m"), ("Nm", 1.0)),
+    **{**dict.fromkeys(("nmm", "n·mm", "n-mm", "mnm"), ("Nm", 1e-3)), "kgfm": ("Nm", 9.80665)},
 }
 """Unit that is written → unit of the program and factor."""
 AXES = {
     **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
     **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
+    **{f"{word}_{axis}": f"r{axis}" for word in ("euler", "rot", "rotation", "angle") for axis in "xyz"},
     **dict.fromkeys(
         ("z", "penetration", "indentation", "tiefe", "eindringtiefe", "profondeur", "深度", "深さ"), "depth"
     ),
@@ -130,6 +122,10 @@ class ColumnMapping:
         empty if poses are relative to it, or it is estimated.
     pose
         Topic of the poses of a ROS bag; empty if it has one.
+    forces
+        Table of forces with their times.
+    times, force_unit
+        Units of times and of forces without a unit: ``s``, ``ms``, ``us`` or ``ns``; ``N``, ``mN``, ``kN``, ``gf``, …
     """
 
     targets: tuple[str, ...] = ()
@@ -140,6 +136,9 @@ class ColumnMapping:
     euler: str = ""
     frame: str = ""
     pose: str = ""
+    forces: Path | None = None
+    times: str = ""
+    force_unit: str = ""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
@@ -335,11 +334,14 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     low = name.strip().lower()
     bare, unit = split_unit(low)
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
-    if unit not in _FACTORS or not bare:
+    if unit not in FACTORS or not bare:
         bare = low
         if _ANGLE.search(low):
-            unit = choice.angles or ("deg" if most > _TURN else "")
-            other, flag = "radians or degrees", "--angles deg or --angles rad"
+            unit = choice.angles or ("deg" if most > _TURN and not _fits_circle(values) else "")
+            other, flag = (
+                "radians or degrees",
+                "--angles deg or --angles rad; near π, the tool points down in radians",
+            )
         elif _LENGTH.search(low):
             unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"
@@ -357,8 +359,15 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
         note = (
             "" if given else f"Column {name} names no unit; by its values, up to {most:.3g}, it is taken as {unit}."
         )
-    target, factor = _FACTORS[unit]
+    target, factor = FACTORS[unit]
     return PoseColumn(name, short_name(bare), target, values * factor, note)
+
+
+def _fits_circle(values: FloatArray) -> bool:
+    """Return whether angles lie in 0 to 2π about π or, on both sides, about 0: radians of one orientation."""
+    known = values[np.isfinite(values)]
+    away = np.abs(known - np.pi)
+    return bool(known.min() >= 0 and away.max() <= np.pi and (away.max() < np.pi / 3 or away.min() > 2 * np.pi / 3))
 
 
 def short_name(name: str) -> str:

@@ -108,7 +108,7 @@ class ArrayImages(ImageSet):
                         yield read_row(file[name], row)
                     except PalpateError as error:
                         yield error
-                    except (OSError, ValueError) as error:
+                    except (OSError, LookupError, RuntimeError, TypeError, ValueError) as error:
                         yield PalpateError(
                             f"Image {row} of {name} cannot be read: {error}.",
                             "Repair or leave it out.",

@@ -39,7 +39,9 @@ def read_circles(path: Path) -> FloatArray:
         raise PalpateError(f"{path} does not exist.", "Give the file of a layout.", code="file-missing")
     try:
         rows = list(_dxf_circles(path) if path.suffix.lower() == ".dxf" else _svg_circles(path))
-    except (ValueError, IndexError, ElementTree.ParseError, OSError) as error:
+    except PalpateError:
+        raise
+    except Exception as error:  # a damaged drawing ends the parsers by errors of every kind
         raise _broken(path, error) from error
     if not rows:
         raise PalpateError(
@@ -74,14 +76,14 @@ def dxf_entities(path: Path) -> tuple[list[Any], float]:
     ezdxf = load_extra("ezdxf", "cad")
     try:
         document = ezdxf.readfile(path)
-    except Exception as error:  # a damaged drawing ends the parser by errors of every kind
+        entities = [one for inserted in document.modelspace() for one in _visible(document, inserted)]
+    except Exception as error:  # as above
         raise _broken(path, error) from error
     unit = document.units or (4 if document.header.get("$MEASUREMENT", 0) == 1 else 0)
     if not unit:
         raise PalpateError(
             f"{path} has no unit ($INSUNITS is 0).", "Set the unit of the drawing, such as mm.", code="drawing-unit"
         )
-    entities = [one for inserted in document.modelspace() for one in _visible(document, inserted)]
     return entities, float(ezdxf.units.conversion_factor(unit, ezdxf.units.MM))
 
 
@@ -111,14 +113,7 @@ def _visible(document: Any, entity: Any) -> Iterator[Any]:
 
 def _svg_circles(path: Path) -> Iterator[tuple[float, float, float]]:
     """Centre and radius of circles and ellipses, mm, about the middle of the page with y upward."""
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (ElementTree.ParseError, OSError, UnicodeError) as error:
-        raise PalpateError(
-            f"{path} is not an SVG file that can be read ({error}).",
-            "Export the drawing again.",
-            code="drawing-broken",
-        ) from error
+    root = ElementTree.parse(path).getroot()
     box = [float(value) for value in re.findall(r"[-+.\deE]+", root.get("viewBox", ""))]
     width, height = (_length(path, root.get(name)) for name in ("width", "height"))
     if len(box) != 4 or box[2] <= 0 or box[3] <= 0:

@@ -26,6 +26,8 @@ _RADIAL, _AXIAL = ("r", "rho", "radius", "x"), ("z", "height", "y")
 """Names of the columns of a table: distance from the axis, height."""
 _CLOSE, _LOOSE = 0.01, 0.05
 """Deviation from the drawing, mm, that is aimed at, and from which a skin is rejected."""
+_FAR = 1e5
+"""Distance from the origin, mm, from which a point is a wrong number; its curve would fill the memory."""
 _FLATTENING, _JOIN, _SPACING = 0.002, 0.01, 0.02
 """Chord error of arcs, largest gap between the ends of curves, distance of compared points, mm."""
 _MOST_POINTS = 16
@@ -81,7 +83,7 @@ def read_profile(path: Path, thickness: float = 2.0) -> Profile:
     curves = (
         _step_curves(path) if kind in (".step", ".stp") else _dxf_curves(path) if kind == ".dxf" else _table(path)
     )
-    inner, *more = _chains(path, curves)
+    inner, *more = _chains(path, [_near(path, curve) for curve in curves])
     outer = more[0] if more else np.empty((0, 2))
     spec, deviation, at = _follow(path, inner, thickness)
     if deviation > _LOOSE:
@@ -149,7 +151,7 @@ def _table(path: Path) -> list[FloatArray]:
         raise PalpateError(
             f"{path} has the columns {', '.join(table.header)}.", "Write r_mm,z_mm.", code="columns-wrong"
         )
-    points = np.column_stack([found["r"], found["z"]])
+    points = _near(path, np.column_stack([found["r"], found["z"]]))
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 4 or steps.min() <= 0:
         raise PalpateError(
@@ -160,6 +162,15 @@ def _table(path: Path) -> list[FloatArray]:
     along = np.concatenate([[0.0], np.cumsum(steps)])
     fine = np.linspace(0.0, along[-1], _TABLE_POINTS)
     return [np.asarray(CubicSpline(along, points)(fine))]
+
+
+def _near(path: Path, points: FloatArray) -> FloatArray:
+    """The points, after a check that they are near enough to the origin to belong to a skin."""
+    if (far := float(np.abs(points).max())) >= _FAR:
+        raise PalpateError(
+            f"{path} has a point {far:.3g} mm from the origin.", "Correct the number or its unit.", code="profile-far"
+        )
+    return points
 
 
 def _dxf_curves(path: Path) -> list[FloatArray]:

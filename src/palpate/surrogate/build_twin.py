@@ -216,7 +216,7 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     short = min(presses, key=_stored)
     if not first and _stored(short) < _FEWEST:
         raise PalpateError(
-            f"The press at a tilt of {short.obstacle.tilt_deg:g}° has {_stored(short)} increments ({short.ended}).",
+            f"The press at {short.obstacle.radial:g}° has {_stored(short)} increments ({short.ended}).",
             f"Press at least {_FEWEST} increments; a shorter step may converge.",
             code="twin-short-press",
         )

@@ -222,7 +222,7 @@ ROWS = {
     ),
     "recording train": Row(
         "--recording {recording} --out new --estimators ridge",
-        ("--recording", "--rest", "--from"),
+        ("--recording", "--rest", "--from", "--forces"),
         ("--out",),
         (
             "--targets nothing",
@@ -230,6 +230,8 @@ ROWS = {
             "--press nothing",
             "--angles turns",
             "--lengths feet",
+            "--times s",
+            "--force-unit N",
             "--euler xx",
             "--estimators x",
             "--correspondence x",

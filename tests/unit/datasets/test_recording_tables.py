@@ -261,3 +261,34 @@ def test_a_table_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(content)
         with refused(*sentence):
             read_table(tmp_path / name)
+
+
+@pytest.mark.parametrize("head", ["rx,ry,depth_mm", "euler_x,euler_y,depth_mm", "rot_x,rot_y,depth_mm"])
+@pytest.mark.parametrize("turn", [0.0, np.pi])
+@pytest.mark.parametrize("circle", [False, True], ids=["-π to π", "0 to 2π"])
+def test_radians_without_a_unit_are_never_taken_as_degrees(
+    tmp_path: Path, head: str, turn: float, circle: bool
+) -> None:
+    """Tilts of 0.4 rad of a tool that points up (0) or down (π), in both ways of writing angles."""
+    angles = np.array([[row[0] + turn, row[1]] for row in waves(0.4, 0.4)], float)
+    angles = angles % (2 * np.pi) if circle else (angles + np.pi) % (2 * np.pi) - np.pi
+    cells = [[*row, 2 + 0.1 * number] for number, row in enumerate(angles.round(5).tolist())]
+    with refused("column-unit-unknown", "radians or degrees", "--angles deg", "--angles rad"):
+        read(tmp_path, head, cells)
+    if turn:
+        with refused(
+            "orientation-unknown" if not circle else ("orientation-unknown", "orientation-spread"), "--orientation"
+        ):
+            read(tmp_path, head, cells, angles="rad")
+        found = read(tmp_path, head, cells, angles="rad", euler="xyz")
+    else:
+        found = read(tmp_path, head, cells, angles="rad", **({"euler": "xyz"} if circle else {}))
+    assert np.abs(found.targets[:, :2]).max() == pytest.approx(np.degrees(0.4), abs=2.0)
+
+
+@pytest.mark.parametrize(("size", "shift"), [(6, 0), (20, -10)])
+def test_degrees_without_a_unit_are_read_as_such(tmp_path: Path, size: int, shift: int) -> None:
+    """Tilts from 0 to 6°, whose values would fit a circle of radians, and of both signs."""
+    cells = [[k % (size + 1) + shift, (3 * k) % (size + 1) + shift, 2 + 0.1 * k] for k in range(COUNT)]
+    found = read(tmp_path, "rx,ry,depth_mm", cells)
+    assert found.targets[:, :2] == pytest.approx(np.array(cells)[:, :2])

@@ -101,6 +101,14 @@ def test_circles_of_svg_are_read_about_the_middle_of_the_page(tmp_path: Path, pa
     assert same(read(svg(tmp_path / "a.svg", page, hidden + body)))
 
 
+def test_a_damaged_entity_of_dxf_is_refused(tmp_path: Path) -> None:
+    """The parser keeps an entity of an unknown name, without a layer."""
+    path = draw(tmp_path / "a.dxf", SHUFFLED)
+    path.write_text(path.read_text().replace("\nCIRCLE\n", "\nCnanIRCLE\n", 1))
+    with refused("drawing-broken", "a.dxf"):
+        read(path)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "code"),
     [

@@ -158,6 +158,7 @@ def cone(count: int = 50) -> np.ndarray:
         ("metres.csv", meridian(), "r_m,z_m", "profile-size"),
         ("no_unit.csv", meridian(), "r,z", "columns-wrong"),
         ("names.csv", meridian(), "a_mm,b_mm", "columns-wrong"),
+        ("far.csv", np.vstack([meridian(), [1e308, 0.0]]), "r_mm,z_mm", "profile-far"),
     ],
 )
 def test_a_curve_that_no_skin_follows_is_refused(tmp_path: Path, name: str, points, head: str, code: str) -> None:
