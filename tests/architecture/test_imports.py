@@ -13,7 +13,8 @@ from source_files import FILES, SOURCE, name, nodes
 
 ROOT = Path(__file__).parents[2]
 OWN_DOORS = tuple(
-    f"palpate.core.{name}" for name in ("files", "named_arrays", "report", "run", "state", "tables", "units")
+    f"palpate.core.{name}"
+    for name in ("files", "named_arrays", "report", "run", "state", "store_lock", "tables", "units")
 )
 """Modules that are imported by their own path: `palpate.core` has no room for their names."""
 STAGES = {path.name for path in SOURCE.iterdir() if path.is_dir() and path.name != "__pycache__"}

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
 from palpate.core.run import Progress
+from palpate.core.store_lock import take_lock
 from palpate.design import DomeSpec
 from palpate.optimise.evaluate_skin import SkinEvaluationTask, plan_skin_evaluation
 from palpate.optimise.front import Front, SearchBaselines, SkinTrial
@@ -34,6 +35,8 @@ CONTROL = "control.journal"
 """Journal of the random search in it."""
 ASKED = "requirements.json"
 """File of the requirements in it."""
+_LOCK = "search.lock"
+"""File that a running search locks: two would propose the same places."""
 _SEARCHED = ("error", "force", "size")
 """Objectives that depend on the skin; each skin offers options over the remaining ones."""
 _SLACK = 0.005
@@ -69,7 +72,7 @@ def optimise_design(
     Raises
     ------
     PalpateError
-        If the folder belongs to other requirements, or cannot be written.
+        If the folder belongs to other requirements, another search runs in it, or it cannot be written.
     MissingExtraError
         If optuna, torch or OpenCV is not installed.
     """
@@ -85,11 +88,20 @@ def optimise_design(
         n_objectives=len(searched),
         max_hours=spec.max_hours,
     )
-    tried = judge.search(space, plan, out / JOURNAL, judge.report_best)
-    rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
-    control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
-    front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
-    return replace(front, trials=judge.finish(front)) if spec.finalists else front
+    if (lock := take_lock(out / _LOCK)) is None:
+        raise PalpateError(
+            f"Another search runs in {out}.",
+            "Wait for its end, or give this one a folder of its own by --out.",
+            code="search-running",
+        )
+    try:
+        tried = judge.search(space, plan, out / JOURNAL, judge.report_best)
+        rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
+        control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
+        front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
+        return replace(front, trials=judge.finish(front)) if spec.finalists else front
+    finally:
+        lock.release()
 
 
 def validate_front(

@@ -13,6 +13,7 @@ import pytest
 
 from errors import check_values, refused
 from palpate.calibration import PredictedAccuracy
+from palpate.core.store_lock import take_lock
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
     Front,
@@ -92,6 +93,14 @@ def test_without_what_reads_images_nothing_is_begun(tmp_path: Path, monkeypatch:
     with refused("extra-missing", "OpenCV"):
         optimise_design(SPEC, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_second_search_in_a_folder_is_refused(tmp_path: Path) -> None:
+    lock = take_lock(tmp_path / "search.lock")
+    assert lock is not None
+    with refused("search-running", str(tmp_path)):
+        optimise_design(SPEC, tmp_path)
+    lock.release()
 
 
 def option(markers: int, worst: float) -> LayoutOption:
