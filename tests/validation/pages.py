@@ -121,8 +121,8 @@ PUBLISHED: tuple[Published, ...] = (
         "The last digit is rounded: at most 0.01 % of the maximum.",
         ours="An eighth, 24 x 8 cells, one through the wall (R/h = 53); neo-Hooke; a dead force in ten "
         "increments, through the snap between 0.50 and 0.525 of the load. Merit: three displacements. "
-        "24 x 18 cells differ by 0.8 % at most; 16 x 12 are 1 to 2 % stiffer and 9 % off at the snap, "
-        "10 x 8 are 5 % stiffer: cells longer than some five thicknesses lock.",
+        "24 x 18 cells differ by 0.8 % at most; 16 x 12 are 1 to 2 % stiffer (snap: 9 %), "
+        "10 x 8 are 5 to 7 % (15 %): cells longer than some five thicknesses lock.",
         control="A wall 3 % thicker is 6 to 11 % off.",
         missing="The pinched hemisphere with a hole of the same paper (R/h = 250): 24 x 24 cells are still 2 to "
         "5 % too stiff, 16 x 16 cells 7 to 14 %. One layer of 27-node cells does not resolve so thin a "
