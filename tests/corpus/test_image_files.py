@@ -123,7 +123,7 @@ def write_video(path: Path, codec: str, stamps: list[int], **options: str) -> No
         stream = container.add_stream(codec, rate=10, options=options)
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
         for number, stamp in enumerate(stamps):
-            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), 20 * number + 20, np.uint8), format="bgr24")
+            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), (20 * number + 20) % 256, np.uint8), format="bgr24")
             frame.pts = stamp
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
@@ -169,6 +169,21 @@ def test_a_video_that_is_cut_off_is_still_reported(tmp_path: Path) -> None:
     except PalpateError as error:
         last = error
     assert isinstance(last, PalpateError)
+
+
+@pytest.mark.parametrize("name", ["a.mkv", "a.webm"])
+@pytest.mark.parametrize("share", [0.6, 0.95])
+def test_a_matroska_video_without_its_last_images_is_reported(name: str, share: float, tmp_path: Path) -> None:
+    path = tmp_path / name
+    write_video(path, "libx264" if name.endswith("mkv") else "libvpx-vp9", list(range(200)))
+    with open_source(str(path)) as source:
+        assert not any(isinstance(image, PalpateError) for image in source.images()), "the whole video"
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    with open_source(str(path)) as source:
+        last = list(source.images())[-1]
+    assert isinstance(last, PalpateError)
+    assert last.code == "video-cut-off"
 
 
 def test_rows_find_the_video_of_their_press(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ class VideoSource(Source):
 
     def images(self) -> Iterator[ImageOrError]:
         cv2 = load_opencv()
-        promised, given, last_s = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0, 0.0
+        promised, given, last_s, gap_s = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0, 0.0, 0.0
         fps = max(float(self._capture.get(cv2.CAP_PROP_FPS)), 1e-3)
         codec = int(self._capture.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").lower()
         if codec == b"av01":
@@ -46,23 +46,25 @@ class VideoSource(Source):
             if not read:
                 break
             given += 1
-            last_s = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
+            now_s = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
+            last_s, gap_s = now_s, max(gap_s, now_s - last_s)
             yield np.asarray(image)
-        if not given or (given < promised and not self._is_whole(given, promised, fps, last_s)):
+        if not given or (given < promised and not self._is_whole(given, promised, fps, last_s + 1.5 * gap_s)):
             yield PalpateError(
                 f"{self._path.name} ends after {given} of {max(promised, 0)} images: it is cut off or damaged.",
                 "Record it again.",
                 code="video-cut-off",
             )
 
-    def _is_whole(self, given: int, promised: int, fps: float, last_s: float) -> bool:
+    def _is_whole(self, given: int, promised: int, fps: float, end_s: float) -> bool:
         """Test whether a video of fewer images than its header states is complete.
 
         It is if its edit list shows a part of its images, or if it has a variable frame rate in a container that
-        stores no count: the stated count is then the duration times the mean rate.
+        stores no count: the stated count is then the duration times the mean rate. The end of its images is the last
+        stamp and one and a half times their longest interval.
         """
         if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
-            return self._path.suffix.lower() in (".mkv", ".webm") and last_s >= 0.9 * promised / fps
+            return self._path.suffix.lower() in (".mkv", ".webm") and end_s >= (promised - 1) / fps
         return given + 1 >= int(_edited_s(self._path) * fps) > 0
 
     def _decode_av1(self) -> Iterator[ImageOrError]:
