@@ -50,8 +50,8 @@ from palpate.optimise.evaluate_skin import evaluate_skin
 from palpate.optimise.skin_evaluation import SkinEvaluation
 from palpate.simulation import run_unit_trial
 from palpate.simulation.trial import COLUMNS
-from palpate.surrogate import TWIN_DERIVATIVES, build_field
-from presses import run_tiny_study, solve_press, stored_folder
+from palpate.surrogate import TWIN_DERIVATIVES, MarkerTwin, build_field
+from presses import build_twin, run_tiny_study, solve_press, stored_folder
 from small_chain import TWIN_CELLS, TWIN_DEPTH, small_bench, small_twin, write_small_twin
 
 Results = dict[str, dict[str, Any]]
@@ -264,7 +264,18 @@ def twins() -> Results:
     for name, touch in {"straight": (0.0, 0.0, 2.0), "tilted": (5.0, -2.0, 3.3), "shallow": (1.0, 7.0, 0.7)}.items():
         moved = printed.evaluate(np.array(touch), 0.7, 0.02)
         results[name] = {"positions": moved.positions, "by": moved.jacobian.values, "force": moved.force}
+    moved = half_size_twin().evaluate(np.array((3.0, -2.0, 1.1)), 0.0, 0.01)
+    results["half the size"] = {"positions": moved.positions, "by": moved.jacobian.values, "force": moved.force}
     return results
+
+
+def half_size_twin() -> MarkerTwin:
+    """Twin of a dome of half the size, whose accuracy scales with it."""
+    skin = build_skin(skin_from_data(DOME | {"height": 10.0, "base_radius": 10.0, "thickness": 1.0}))
+    walls = [WallSpec(tilt_deg=tilt, contact="frictionless", depth=1.5, depth_step=0.3) for tilt in (0.0, 4.0, 8.0)]
+    mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    twin = build_twin([solve_press(mesh, get_material(SILICONE), wall, solver) for wall in walls])
+    return twin.with_markers(place_markers(skin, MarkerSpec(ring_diameters=(5.0, 10.0))).positions)
 
 
 def accuracies() -> Results:

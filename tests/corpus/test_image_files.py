@@ -123,7 +123,9 @@ def write_video(path: Path, codec: str, stamps: list[int], **options: str) -> No
         stream = container.add_stream(codec, rate=10, options=options)
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
         for number, stamp in enumerate(stamps):
-            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), (20 * number + 20) % 256, np.uint8), format="bgr24")
+            frame = av.VideoFrame.from_ndarray(
+                np.full((48, 64, 3), (20 * number + 20) % 256, np.uint8), format="bgr24"
+            )
             frame.pts = stamp
             container.mux(stream.encode(frame))
         container.mux(stream.encode())

@@ -25,8 +25,10 @@ _DRIFT = 3
 """Index of the first of these that is a lateral motion."""
 _WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
 """Changes for which modes are made: thickness (mm), curvature (1/m), lateral (mm), twist (degrees)."""
-_LOST_MM = 1.2e-3
-"""Maximum RMS contribution of all omitted modes over all presses, mm."""
+_WEIGHT_POWER = np.array([0.0, 1.0, -1.0, 1.0, 1.0, 0.0])
+"""Exponents of the length in the units of these changes."""
+_LOST_MM, _SIZE_MM = 1.2e-3, 20.0
+"""Maximum RMS contribution of all omitted modes, mm, on a skin of this base radius, mm."""
 _FEWEST, _FEWEST_DEPTHS = 3, 4
 """Minimum number of tilts, and of frictions if there are several; of depths.
 
@@ -104,7 +106,7 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     for filled in (values, pushes):
         _bridge(filled, reach, slips, depths)
     _straighten(values, pushes)
-    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
+    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1), table[0].mesh.skin.base_radius)
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
     # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
     parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
@@ -308,15 +310,16 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
     return np.concatenate([known, known[-1] + rest * (known[-1] - known[-2])])
 
 
-def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+def _reduce(values: FloatArray, base_radius: float) -> tuple[IntArray, FloatArray, FloatArray]:
     """Reduce series (1/µ, tilt, 6, depth, order, 3 circles) to modes: order (r,), shapes, amplitudes."""
-    weighted = values * _WEIGHTS[:, None, None, None]
+    size = base_radius / _SIZE_MM
+    weighted = values * (_WEIGHTS * size**_WEIGHT_POWER)[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]
     strength = np.sort(np.concatenate([each for each, _ in found]))
     presses = len(pressed) * 2 // len(_ACROSS)
     carried = np.sqrt(np.cumsum(strength**2) / (2 * presses * CIRCLES))  # half a square is a wave's mean
-    weakest = strength[np.searchsorted(carried, _LOST_MM)]
+    weakest = strength[np.searchsorted(carried, _LOST_MM * size)]
     kept = [modes[each >= weakest] for each, modes in found]
     amplitudes = [values[..., k, :] @ modes.T for k, modes in enumerate(kept)]
     order = np.repeat(np.arange(ORDERS), [len(modes) for modes in kept])

@@ -94,8 +94,8 @@ def test_half_the_size_has_half_the_lengths_and_twice_the_resolution_twice_the_p
 
 def test_a_sensor_of_half_the_size_in_as_many_pixels_is_as_sure_of_its_angles(twins: dict[float, Twin]) -> None:
     whole, half = (read(twins[size], size) for size in SIZES)
-    assert half.half_width[:2] == pytest.approx(whole.half_width[:2], rel=0.01)
-    assert half.half_width[2] == pytest.approx(0.5 * whole.half_width[2], rel=0.03)
+    assert half.half_width[:2] == pytest.approx(whole.half_width[:2], rel=1e-3)
+    assert half.half_width[2] == pytest.approx(0.5 * whole.half_width[2], rel=1e-3)
 
 
 def test_its_units_are_foreseen_to_be_as_good(twins: dict[float, Twin]) -> None:
