@@ -79,7 +79,7 @@ def is_finite(value: object) -> bool:
 def outcome(read: Read, path: Path) -> tuple[int, str]:
     """Exit code of a door for a file, and what is wrong with it; empty if it is read, or refused as it must be."""
     shown, said, tracebacks = io.StringIO(), io.StringIO(), []
-    logged = mock.patch.object(border, "_write_log", lambda: tracebacks.append(traceback.format_exc()))
+    logged = mock.patch.object(border, "_write_log", side_effect=lambda: tracebacks.append(traceback.format_exc()))
     signal.signal(signal.SIGALRM, _hang)
     signal.alarm(LONGEST_S)
     faulthandler.dump_traceback_later(3 * LONGEST_S, exit=True, file=sys.__stderr__)  # a library that hangs
