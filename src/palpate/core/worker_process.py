@@ -30,7 +30,7 @@ def single_threaded() -> Iterator[None]:
     with _CHANGING:
         before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
         os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
-        masked = _block_interrupts()
+        masked, deferred = _block_interrupts(), _DeferredInterrupt()
         try:
             yield
         finally:
@@ -41,6 +41,29 @@ def single_threaded() -> Iterator[None]:
                     os.environ[name] = value
             if masked is not None:  # last: a Ctrl-C that was blocked is raised here
                 signal.pthread_sigmask(signal.SIG_SETMASK, masked)
+            deferred.deliver()
+
+
+class _DeferredInterrupt:
+    """Ctrl-C that another thread of this process receives, to be raised in the main thread later.
+
+    A blocked signal goes to any thread that does not block it, and Python raises it in the main thread at once.
+    """
+
+    def __init__(self) -> None:
+        self._is_main = threading.current_thread() is threading.main_thread()
+        self._came = False
+        self._before = signal.signal(signal.SIGINT, self._note) if self._is_main else None
+
+    def _note(self, number: int, frame: object) -> None:
+        self._came = True
+
+    def deliver(self) -> None:
+        """Restore the handler, and call it if Ctrl-C came."""
+        if self._is_main:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if self._before is None else self._before)
+            if self._came and callable(self._before):
+                self._before(signal.SIGINT, None)
 
 
 def _block_interrupts() -> set[int] | None:
