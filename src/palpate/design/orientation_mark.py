@@ -1,9 +1,8 @@
 """Orientation mark: an additional marker outside the layout that breaks the symmetry of the rings.
 
 Rings of 6, 12, 18, … markers that all begin at azimuth 0 are symmetric under rotation by 60° and mirroring every 30°.
-A marker at 15° is as far from all symmetry planes as possible. If a marker of the outermost ring is too near there,
-the mark is in the middle between its two neighbours of that ring. Rows around a barrel are symmetric under rotation
-by their marker step, so the mark is at a quarter of it, between the last row and the rim.
+A marker at 15° is as far from all symmetry planes as possible. Rows around a barrel are symmetric under rotation by
+their marker step, so the mark is at a quarter of it, between the last row and the rim.
 """
 
 from __future__ import annotations
@@ -14,8 +13,7 @@ from palpate.core import FloatArray
 from palpate.design.markers import MarkerLayout
 from palpate.design.skin import Skin
 
-_AZIMUTH_DEG, _GAP = 15.0, 0.3
-"""Azimuth, and minimum gap to a marker as seen along the axis, mm (`ProcessSpec.min_gap`)."""
+AZIMUTH_DEG = 15.0
 _CLEARANCE = 1.4
 """Distance from the outermost markers, over the diameter of a marker, if the skin is large enough."""
 
@@ -37,15 +35,9 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     if skin.hole:
         return _neighbour_rows(skin, layout)
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    azimuth = np.radians(_AZIMUTH_DEG)
+    azimuth = np.radians(AZIMUTH_DEG)
     outermost = min(rho + _CLEARANCE * layout.diameter, (rho + float(skin.reach(azimuth))) / 2)
     point: FloatArray = skin.inner_point(outermost, azimuth)
-    if np.linalg.norm(layout.positions[:, :2] - point[:2], axis=1).min() < layout.diameter + _GAP:
-        ring = layout.positions[np.hypot(*layout.positions[:, :2].T) > rho - layout.diameter / 2]
-        around = np.sort(np.arctan2(ring[:, 1], ring[:, 0]))
-        before = int(np.searchsorted(around, azimuth)) - 1
-        if 0 <= before < len(around) - 1:
-            point = skin.inner_point(outermost, around[before : before + 2].mean())
     return point
 
 
