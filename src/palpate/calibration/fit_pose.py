@@ -17,7 +17,7 @@ from palpate.calibration.force import Force, StiffnessScale, prior_stiffness_sca
 from palpate.calibration.mounting import Mounting
 from palpate.calibration.noise import robust_weights
 from palpate.calibration.pose_fit import CONTACT_STATE, POSE, BranchState, FitState, Linear, PoseFit
-from palpate.calibration.scale import model_px, scale_contact, size_scale
+from palpate.calibration.scale import model_px, scale_contact
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.calibration.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
 from palpate.core import FloatArray
@@ -94,7 +94,7 @@ class PoseFitter:
     def __post_init__(self) -> None:
         self._sd = contact_prior_sd(self.model.tolerance)
         skin = self.model.marker_twin.twin.skin
-        self._size = size_scale(skin)
+        self._size = skin.size
         self._near, self._trust, self._small = (scale_contact(each, skin) for each in (_NEAR, _TRUST, _SMALL))
         self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.posterior.nominal) ** 2
         self._mean = State.zeros(CONTACT_STATE).replace(

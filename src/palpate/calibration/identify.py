@@ -19,7 +19,7 @@ from palpate.calibration.fit_pose import MAX_INVERSE_FRICTION, PoseFitter
 from palpate.calibration.force import StiffnessScale, prior_stiffness_scale
 from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd, prior_mounting
 from palpate.calibration.noise import robust_weights
-from palpate.calibration.scale import model_px, pixel_scale, size_scale
+from palpate.calibration.scale import model_px, pixel_scale
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
@@ -142,12 +142,12 @@ def identify(
 def twin_error_sd(skin: Skin, left_out: Sequence[str] = ()) -> FloatArray:
     """Twin error (15,) in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`; 0 if the twin leaves it out."""
     names = (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)
-    return size_scale(skin) * np.array([0.0 if name in left_out else _TWIN_SD.get(name, 0.0) for name in names])
+    return skin.size * np.array([0.0 if name in left_out else _TWIN_SD.get(name, 0.0) for name in names])
 
 
 def _lens_sd(skin: Skin) -> FloatArray:
     """Return the additional standard deviations (11,) of `UNIT_PARAMETERS` by the image scale."""
-    sizes = {"distance": size_scale(skin)}
+    sizes = {"distance": skin.size}
     return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNIT_PARAMETERS])
 
 

@@ -17,7 +17,6 @@ from scipy.optimize import least_squares
 
 from palpate.calibration.camera_derivatives import CameraDerivatives, Projection, project_with_jacobian
 from palpate.calibration.deviation import Deviation
-from palpate.calibration.scale import size_scale
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, marker_outlines, project_markers
 from palpate.core import BoolArray, FloatArray
@@ -295,7 +294,7 @@ class UnitModel:
     @property
     def size(self) -> float:
         """Size of the skin relative to that of the constants (`palpate.calibration.scale`)."""
-        return size_scale(self.marker_twin.twin.skin)
+        return self.marker_twin.twin.skin.size
 
     def predict(
         self,

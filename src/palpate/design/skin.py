@@ -21,6 +21,8 @@ from palpate.design.superellipse import Superellipse
 
 PAPER_BASE = 20.0
 """Base radius of the paper's domes in mm; names omit it."""
+SIZE_MM = 20.0
+"""Radius of the skin on which constants with a length were measured, mm: H20 T2."""
 _AT_APEX = 1e-9
 """Sine of the slope below which a point counts as the apex."""
 
@@ -99,6 +101,11 @@ class Skin(ABC):
     @abstractmethod
     def widest(self) -> tuple[float, float]:
         """Maximum distance of the inner surface from the axis and its height over the base, mm."""
+
+    @property
+    def size(self) -> float:
+        """Maximum radius over `SIZE_MM`; constants measured on a skin of size 1 scale with it."""
+        return self.widest[0] / SIZE_MM
 
     @property
     def plan(self) -> Superellipse:

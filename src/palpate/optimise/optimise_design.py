@@ -77,7 +77,7 @@ def optimise_design(
         If optuna, torch or OpenCV is not installed.
     """
     load_opencv()  # layouts are offered where images are read: not to be missed as skins that cannot be made
-    space, judge = SkinSpace.of(spec), _Evaluator(spec, out, workers, progress, cluster)
+    space, evaluator = SkinSpace.of(spec), _Evaluator(spec, out, workers, progress, cluster)
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
     plan = SearchPlan(
@@ -95,11 +95,11 @@ def optimise_design(
             code="search-running",
         )
     try:
-        tried = judge.search(space, plan, out / JOURNAL, judge.report_best)
-        rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
-        control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
-        front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
-        return replace(front, trials=judge.finish(front)) if spec.finalists else front
+        trials = evaluator.search(space, plan, out / JOURNAL, evaluator.report_best)
+        baseline = predict_baseline(spec, out, evaluator.run) if len(spec.objectives) > 1 else None
+        others = SearchBaselines(tuple(evaluator.draw(space, plan)), tuple(evaluator.grid()))
+        front = Front(spec, tuple(map(evaluator.skin, trials)), baseline=baseline, search_baselines=others)
+        return replace(front, trials=evaluator.finish(front)) if spec.finalists else front
     finally:
         lock.release()
 

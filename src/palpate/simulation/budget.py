@@ -71,7 +71,7 @@ def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
     clean = run_unit_trial(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
     for trial in (nominal, clean):
         if trial.failure:
-            raise PalpateError(f"The nominal unit cannot be simulated: {trial.failure}", code="unit-not-played")
+            raise PalpateError(f"The nominal unit cannot be simulated: {trial.failure}", code="unit-not-simulated")
     yield _line("model", "the model itself, nominal unit, clean images", "", clean.with_exact_poses(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:

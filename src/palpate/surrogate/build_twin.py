@@ -26,9 +26,9 @@ _DRIFT = 3
 _WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
 """Changes for which modes are made: thickness (mm), curvature (1/m), lateral (mm), twist (degrees)."""
 _WEIGHT_POWER = np.array([0.0, 1.0, -1.0, 1.0, 1.0, 0.0])
-"""Exponents of the length in the units of these changes."""
-_LOST_MM, _SIZE_MM = 1.2e-3, 20.0
-"""Maximum RMS contribution of all omitted modes, mm, on a skin of this base radius, mm."""
+"""Exponents by which these changes scale with `Skin.size`."""
+_LOST_MM = 1.2e-3
+"""Maximum RMS contribution of all omitted modes over all presses, mm, on a skin of size 1."""
 _FEWEST, _FEWEST_DEPTHS = 3, 4
 """Minimum number of tilts, and of frictions if there are several; of depths.
 
@@ -106,7 +106,7 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     for filled in (values, pushes):
         _bridge(filled, reach, slips, depths)
     _straighten(values, pushes)
-    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1), table[0].mesh.skin.base_radius)
+    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1), table[0].mesh.skin.size)
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
     # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
     parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
@@ -310,9 +310,8 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
     return np.concatenate([known, known[-1] + rest * (known[-1] - known[-2])])
 
 
-def _reduce(values: FloatArray, base_radius: float) -> tuple[IntArray, FloatArray, FloatArray]:
+def _reduce(values: FloatArray, size: float) -> tuple[IntArray, FloatArray, FloatArray]:
     """Reduce series (1/µ, tilt, 6, depth, order, 3 circles) to modes: order (r,), shapes, amplitudes."""
-    size = base_radius / _SIZE_MM
     weighted = values * (_WEIGHTS * size**_WEIGHT_POWER)[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]

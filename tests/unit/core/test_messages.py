@@ -106,13 +106,13 @@ HANDS_A_SENTENCE_ON = listed(
     """
     calibration-few-images columns-none doubts[0].code error.code*2 errors[0]['type'] evaluation-leaks
     finding.code*2 images-unreadable*2 inverted-state-missing path-ended*2 press-missing solver-no-increment
-    source-gone twin-not-made*2 unit-not-played units-not-drawn
+    source-gone twin-not-made*2 unit-not-simulated units-not-drawn
     """
 )
 """Messages that end in the sentence of something else, which has its own period."""
 WITHOUT_REMEDY = listed(
     """
-    dataset-column-lengths errors[0]['type'] estimates-shape model-outputs-missing unit-not-played video-cut-off
+    dataset-column-lengths errors[0]['type'] estimates-shape model-outputs-missing unit-not-simulated video-cut-off
     video-empty
     """
 )
