@@ -201,11 +201,11 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
             project_to_page(skin, points, spec.mapping), project_dots(skin, points, layout.diameter, spec.mapping)
         )
         if gap < spec.min_gap:
+            apart = f"are {gap:.2g} mm apart" if gap > 0 else f"overlap by {-gap:.2g} mm"
             yield Finding(
                 Severity.WARNING if gap > 0 else Severity.ERROR,
                 "dots-too-near",
-                f"Two dots of the artwork, or a dot and the mark, are {gap:.2g} mm apart; "
-                f"the pad needs {spec.min_gap:g} mm.",
+                f"Two dots of the artwork, or a dot and the mark, {apart}; the pad needs {spec.min_gap:g} mm.",
                 f"Use dots below {layout.diameter + gap - spec.min_gap:.2g} mm, or the mapping arc.",
             )
 
