@@ -21,7 +21,6 @@ ELSEWHERE = {
     ),
     "results/benchmark/README.md": {"212.5": "size of the set, MB"},
     "results/robot/README.md": dict.fromkeys(("93.7", "94.7"), "share over the rows of the file"),
-    "theory/skins.md": dict.fromkeys(("1.41", "3.1", "3.4"), "the default mesh, which the file does not have"),
 }
 """Page → number → its source, if it is in no file."""
 
