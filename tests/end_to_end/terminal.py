@@ -13,49 +13,67 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 CUT = re.compile(r"(?<!\d)…|…(?!\d)")
 """Mark of a cut text; between two numbers it stands for a range."""
-START, END = "\x01", "\x02"
+START, WIDTH, END = "\x01", "\x02", "\x03"
+"""Marks in the output: before a command, around the width of what follows, and before the exit code."""
 PROGRAM = f"""
-import fcntl, json, os, struct, sys, termios
+import fcntl, json, struct, sys, termios
 sys.path.insert(0, "{ROOT}/src")
 from palpate.cli import main
-for words, width in json.load(sys.stdin):
+from palpate.cli.output import JsonOutput, Output
+
+def print_at(width):
     fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, width, 0, 0))
+    print(f"{WIDTH}{{width}}{WIDTH}", end="", flush=True)
+
+def at_every_width(show):
+    def show_at_every_width(output, *parts):
+        for width in (*widths[1:], widths[0]):
+            print_at(width)
+            show(output, *parts)
+    return show_at_every_width
+
+for kind in (JsonOutput, Output):
+    kind.show = at_every_width(kind.show)
+commands, widths = json.load(sys.stdin)
+for words in commands:
     print("{START}", end="", flush=True)
+    print_at(widths[0])
     try:
         main(words)
     except SystemExit as left:
         print(f"{END}{{left.code}}", end="", flush=True)
 """
-"""One process for many commands: the package is imported once."""
+"""One process for many commands: the package is imported once. Each command computes once; its tables and sentences
+are printed at every width, and what it prints while it runs at the first."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a command showed in a terminal.
+    """What a command showed in terminals.
 
     Attributes
     ----------
-    width
-        Columns of the terminal.
     text
-        Standard output.
+        Width in columns → standard output.
     code
         Exit code.
     """
 
-    width: int
-    text: str
+    text: dict[int, str]
     code: int
 
     @property
-    def faults(self) -> list[str]:
-        """Lines with a cut text, or longer than the terminal is wide without being one word."""
-        lines = self.text.split("\n")
-        return [one for one in lines if CUT.search(one) or (len(one) > self.width and len(one.split()) > 1)]
+    def faults(self) -> dict[int, list[str]]:
+        """Width → lines with a cut text, or longer than the terminal is wide without being one word."""
+        found = {
+            width: [one for one in text.split("\n") if CUT.search(one) or (len(one) > width and len(one.split()) > 1)]
+            for width, text in self.text.items()
+        }
+        return {width: lines for width, lines in found.items() if lines}
 
 
-def show(commands: Sequence[tuple[str, int]], folder: Path, program: str = PROGRAM) -> list[Shown]:
-    """Run commands one after the other in one folder, each in a terminal of its width."""
+def show(commands: Sequence[str], widths: Sequence[int], folder: Path, program: str = PROGRAM) -> list[Shown]:
+    """Run commands one after the other in one folder, and show each in terminals of these widths."""
     reader, writer = pty.openpty()
     kept = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES", "FORCE_COLOR")}
     with (folder / "errors.txt").open("w") as errors:
@@ -69,7 +87,7 @@ def show(commands: Sequence[tuple[str, int]], folder: Path, program: str = PROGR
         )
     os.close(writer)
     assert process.stdin is not None
-    process.stdin.write(json.dumps([(words.split(), width) for words, width in commands]).encode())
+    process.stdin.write(json.dumps([[words.split() for words in commands], widths]).encode())
     process.stdin.close()
     told = b""
     try:
@@ -82,9 +100,13 @@ def show(commands: Sequence[tuple[str, int]], folder: Path, program: str = PROGR
         process.wait()
     parts = told.decode().replace("\r\n", "\n").split(START)[1:]
     assert len(parts) == len(commands), (folder / "errors.txt").read_text()[-2000:]
-    return [Shown(width, *_ended(part)) for (_, width), part in zip(commands, parts, strict=True)]
+    return [_shown(part) for part in parts]
 
 
-def _ended(part: str) -> tuple[str, int]:
-    text, code = part.split(END)
-    return text, int(code)
+def _shown(part: str) -> Shown:
+    printed, code = part.split(END)
+    _, *pieces = printed.split(WIDTH)
+    text: dict[int, str] = {}
+    for width, piece in zip(pieces[::2], pieces[1::2], strict=True):
+        text[int(width)] = text.get(int(width), "") + piece
+    return Shown(text, int(code))

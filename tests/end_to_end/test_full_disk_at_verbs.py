@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from presses import TINY_STUDY
 from small_disk import mounted
 
 DATA = Path(__file__).parents[2] / "examples" / "data"
@@ -54,7 +55,8 @@ def test_a_full_disk_is_one_sentence_at_every_verb(verb: str, small_disk: Path) 
 
 @pytest.mark.slow
 def test_with_room_a_study_goes_on_and_makes_nothing_twice(small_disk: Path) -> None:
-    words, folder = VERBS["run"]
+    words, folder = "run ../tiny.yaml --out kept --workers 2", "kept"
+    (small_disk.parent / "tiny.yaml").write_text(TINY_STUDY)
     subprocess.run(["mount", "-o", "remount,size=1m", str(small_disk)], check=True)  # some presses fit
     assert palpate(words, small_disk).returncode == 2
     made = {path: path.stat().st_mtime_ns for path in (small_disk / folder / "store").rglob("*.h5")}

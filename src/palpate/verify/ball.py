@@ -86,8 +86,8 @@ def make_pressing(
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:
     """Mesh an eighth of a sphere with cells of 0.15 times the contact radius (mm) under the contact."""
     cell = 0.15 * contact_radius / radius
-    along, below = graded(cell / (0.25 * np.pi), 10, 20), graded(cell / (1 - _CORE), 3, 16)
-    return make_ball(radius, along, below, 4, Turn(2))
+    along, below = graded(cell / (0.25 * np.pi), 10, 17), graded(cell / (1 - _CORE), 3, 13)
+    return make_ball(radius, along, below, 3, Turn(1))
 
 
 def hertz() -> list[Row]:

@@ -33,8 +33,8 @@ _TOLERANCE, _THICK = 2e-2, 20.0
 """Tolerance of forces, and R/h up to which h/R is added, the error of thin shells (Koiter 1960)."""
 _ONSET, _EXACT = 0.1, 0.02
 """Tolerance of the onset depth of the inverted cap, over h; last increments of unloading, over h/2."""
-_DRAWN_BACK = 4.0
-"""Displacement over h from which the plate is retracted."""
+_DRAWN_BACK, _ITERATIONS = 3.0, 20
+"""Displacement over h from which the plate is retracted, and Newton steps after which an increment has failed."""
 _CELLS = {"flat": 40, "dimple": 110}
 """Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
 _TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
@@ -87,7 +87,8 @@ def dimple_onset(ratio: float) -> list[Row]:
         depth = _DRAWN_BACK * pressing.size
         path = pressing.relax(depth, _mirrored(pressing, depth) if shape is None else shape)
         shape = path.last.state.u
-        path.spec = path.spec.model_copy(update={"first_step": 0.4, "largest_step": 0.4, "smallest_step": _EXACT})
+        steps = {"first_step": 0.4, "largest_step": 0.4, "smallest_step": _EXACT, "iterations": _ITERATIONS}
+        path.spec = path.spec.model_copy(update=steps)
         path.restart()
         path.advance(0.0)
         expected = data["delta_over_h"].min()

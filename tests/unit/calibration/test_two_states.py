@@ -25,7 +25,7 @@ EDGES = marker_outlines(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
 CAMERA = build_camera()
 NOISE = 0.02
 DEPTH = 6.0
-TILTS = (0.0, 4.0, 8.0, 12.0)
+TILTS = (0.0, 4.0, 8.0)
 
 
 def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.5) -> Press:

@@ -318,7 +318,7 @@ def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -
     from palpate.learn.fine_tune import transfer_network
 
     sensor = replace(SENSOR, misprint=0.03)
-    draw_recording(tmp_path / "a", draw_motions(150, 3, shear=1.0), sensor)
+    draw_recording(tmp_path / "a", draw_motions(110, 3, shear=1.0), sensor)
     draw_recording(tmp_path / "b", draw_motions(60, 4, shear=1.0), another_unit(sensor), seed=5)
     first = learn(tmp_path / "a", RecordingSpec(estimators="dots"))
     network = first.model.parts["dots-network"]
