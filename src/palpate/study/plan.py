@@ -119,6 +119,13 @@ def _refuse_unfit(study: Study, skin: Skin) -> None:
     """Reject settings of a study that the skin does not allow, with a `PalpateError`."""
     for position in study.positions:
         study.obstacle_at(position).check_skin(skin, study.mesh.rim)
+    if skin.symmetry is not Symmetry.REVOLVED and not study.obstacle.pose_space.is_tilt:
+        raise PalpateError(
+            f"{skin.name} is not a body of revolution: a study presses it by flat walls, not by "
+            f"{study.obstacle.label}.",
+            "Leave `obstacle` out of the study, or use `palpate press --obstacle` for single presses.",
+            code="study-needs-flat-wall",
+        )
     if skin.hole and study.material.gel:
         raise PalpateError(
             f"{skin.name} is open at both ends: a filling is not meshed.",

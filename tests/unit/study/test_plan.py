@@ -166,6 +166,12 @@ def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_
         plan_study(study.model_copy(update={"forces": True}))
     with refused("twin-needs-revolution"):
         plan_study(study.model_copy(update={"built": AsBuiltSpec()}))
+    with refused("study-needs-flat-wall", "ball"):
+        plan_study(
+            Study.model_validate(
+                {"name": "a", "offsets_mm": [0, 1], "designs": designs, "obstacle": {"kind": "ball"}}
+            )
+        )
 
 
 def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None:
