@@ -13,6 +13,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -76,17 +77,28 @@ def build_twin(presses: Iterable[Press], inverted: Iterable[Press] = ()) -> Twin
 
 
 def run_tiny_study(folder: Path) -> Path:
-    """Copy the results of `TINY_STUDY`, run by the command line with two workers, to a folder; return the folder."""
+    """Copy the results of `TINY_STUDY` to a folder, as `run_study` does; return the folder."""
+    return run_study(TINY_STUDY, folder)
+
+
+def run_study(text: str, folder: Path) -> Path:
+    """Copy the results of a study, run once by the command line with two workers, to a folder; return the folder."""
 
     def run(made: Path) -> None:
-        study = made / "tiny.yaml"
-        study.write_text(TINY_STUDY)
+        study = made / "study.yaml"
+        study.write_text(text)
         words = [sys.executable, "-m", "palpate", "run", str(study), "--out", str(made / "results"), "--workers", "2"]
-        done = subprocess.run(words, cwd=SOURCE.parent, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(words, cwd=SOURCE.parent, capture_output=True, text=True, timeout=1800)
         assert done.returncode == 0, done.stderr
 
-    shutil.copytree(stored_folder("study", [TINY_STUDY], run) / "results", folder, dirs_exist_ok=True)
+    shutil.copytree(stored_folder("study", [text], run) / "results", folder, dirs_exist_ok=True)
     return folder
+
+
+def copy_artefacts(study: Path, folder: Path) -> None:
+    """Copy the artefacts of a study to the store of a folder, where a run of the study finds them."""
+    with tempfile.TemporaryDirectory() as made:
+        shutil.copytree(run_study(study.read_text(), Path(made)) / "store", folder / "store")
 
 
 def stored(kind: str, inputs: Iterable[Any], make: Callable[[], Any]) -> Any:

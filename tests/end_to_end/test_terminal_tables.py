@@ -13,7 +13,7 @@ from terminal import ROOT, Shown, show
 from inventory.collect import verbs
 from inventory.commands import COMMANDS
 from inventory.compare import new_words
-from presses import stored_folder
+from presses import copy_artefacts, stored_folder
 from results import PAPER
 
 DATA = ROOT / "examples" / "data"
@@ -179,6 +179,7 @@ def every_verb() -> dict[str, str]:
 
 def run_every_verb(folder: Path) -> None:
     """Run every verb in one folder, so that later ones read the results of earlier ones."""
+    copy_artefacts(DATA / "small.yaml", folder / "small")
     found: dict[str, tuple[dict[int, str], int]] = {}
     for name, words in every_verb().items():
         if name == "benchmark score":

@@ -11,6 +11,8 @@ A fenced block of these pages has one of these languages:
 * `text`: not run. The sentence before gives the reason: a command without end, or its cost.
 * `python`: run by `test_readme.py`.
 
+The artefacts of `examples/data/small.yaml`, which four pages and tests need, are computed once, by its command line.
+
 Directives of MyST have braces. Each file that a page names in back ticks exists after its commands.
 """
 
@@ -26,6 +28,7 @@ from typing import NamedTuple
 import pytest
 
 from needs import EXTRAS, needs
+from presses import copy_artefacts
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs" / "tutorials").glob("*.md")), ROOT / "README.md"]
@@ -153,6 +156,7 @@ def test_a_page_runs_as_written(page: Path, tmp_path: Path) -> None:
         for module in EXTRAS.get(name, ()):
             needs(module)
     copy_clone(folder)
+    copy_artefacts(folder / "examples" / "data" / "small.yaml", folder / "results" / "small")
     environment, output = make_environment(tmp_path / "bin"), ""
     for block in blocks:
         if block.language == "bash":

@@ -205,13 +205,16 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def write_rows(path: Path, outcomes: Sequence[CaseOutcome]) -> None:
-    """Write the rows of all cases, with the CPU time of their case."""
+    """Write the rows of cases, with the CPU time of their case, in place of their rows in the file."""
     seconds = {outcome.case.name: f"{outcome.cpu_s:.1f}" for outcome in outcomes}
+    before = read_rows(path) if path.exists() else []
+    order = [row["case"] for row in before] + list(seconds)
+    found = [{**row, "cpu_s": seconds[str(row["case"])]} for row in outcome_report(outcomes).rows]
+    rows = [row for row in before if row["case"] not in seconds] + found
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
-        for row in outcome_report(outcomes).rows:
-            writer.writerow({**row, "cpu_s": seconds[str(row["case"])]})
+        writer.writerows(sorted(rows, key=lambda row: order.index(str(row["case"]))))
 
 
 def verification_page(rows: Sequence[dict[str, str]]) -> str:

@@ -31,7 +31,9 @@ SLOW = [pytest.mark.slow]
         pytest.param(partial(filled_hemisphere, bonded=False), 2, id="half ball sliding on its base", marks=SLOW),
         pytest.param(partial(pulled_cylinder, 1.03), 3, id="cylinder 3 % thicker", marks=SLOW),
         pytest.param(partial(bistable_cap, 1.05), 2, id="bistable caps 5 % thicker", marks=SLOW),
-        pytest.param(partial(complete_spheres, (20.0, 40.0), 1.05), 2, id="sphere under pressure 5 % thicker", marks=SLOW),
+        pytest.param(
+            partial(complete_spheres, (20.0, 40.0), 1.05), 2, id="sphere under pressure 5 % thicker", marks=SLOW
+        ),
     ],
 )
 def test_a_control_does_not_pass(control: Callable[[], list[Row]], failing: int) -> None:

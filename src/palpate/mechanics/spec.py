@@ -15,7 +15,7 @@ class SolverSpec(Spec):
     penalty_ratio: float = parameter(
         60.0,
         unit="1",
-        meaning="contact penalty over E/T; a tenfold penalty changes the force by less than 0.1 %",
+        meaning="contact penalty over E/T; a tenfold penalty changes the force by 0.2 %",
         gt=1,
         le=1e6,
     )

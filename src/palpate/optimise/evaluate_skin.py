@@ -54,8 +54,7 @@ from palpate.surrogate import Twin, read_twin
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the coarse presses of the search.
 
-They cost a seventh of the presses of a twin at full fidelity; the figures agree within a few per cent
-(docs/design_notes/optimise.md).
+The winner is evaluated again by the presses of its reading twin.
 """
 _EVALUATED_BY = (
     "seed",

@@ -34,7 +34,7 @@ _TOLERANCE, _THICK = 2e-2, 20.0
 _ONSET, _EXACT = 0.1, 0.02
 """Tolerance of the onset depth of the inverted cap, over h; last increments of unloading, over h/2."""
 _DRAWN_BACK, _ITERATIONS = 3.0, 20
-"""Displacement over h from which the plate is retracted, and Newton steps after which an increment has failed."""
+"""Displacement over h from which the plate is retracted; Newton steps of an increment at most."""
 _CELLS = {"flat": 40, "dimple": 110}
 """Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
 _TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
