@@ -103,12 +103,14 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
+    if Path(source).suffix:
+        open_source(source).close()  # a missing file is rejected before the search of a twin
     model = reads.find(flags.built)
     if is_recorded_model(model):
         return _live_recorded(read_model(model), source, out, flags, output.json)
     unit, many = flags.built.unit(reads.material), flags.rig.rest_images
     reads_with = open_model(model, unit.design.skin)
-    with _open(source, unit) as opened:
+    with open_images(source, unit) as opened:
         images = opened.images()
         sensor = open_printing_scale(
             _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit.design)
@@ -149,7 +151,8 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
     return 0
 
 
-def _open(source: str, unit: Unit) -> Source:
+def open_images(source: str, unit: Unit) -> Source:
+    """Open a source of images, or the simulated sensor of a unit for ``synthetic``."""
     if source != "synthetic":
         return open_source(source)
     from palpate.simulation import simulate_sensor
