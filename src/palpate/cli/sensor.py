@@ -18,7 +18,7 @@ from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, Output, check_file, check_folder, print_text
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
-from palpate.core.report import Column, Report
+from palpate.core.report import EMPTY, Column, Report
 from palpate.design import Design, PoseSpace
 from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import SensorSpec
@@ -80,7 +80,7 @@ class LiveFlags:
     built: UnitFlags = UnitFlags()
     rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec()
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
-    press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
+    press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE, negative="")] = None
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
 
@@ -218,7 +218,8 @@ def _print_lines(rows: Iterator[dict[str, Any]], space: PoseSpace) -> None:
     names = ["image", *space.names, "touching", "found", "latency_ms", "flags"]
     print(" ".join(f"{name:>{_WIDTH}}" for name in names))
     for row in rows:
-        cells = [_show(row[name]).rjust(max(_WIDTH, len(name))) for name in names]
+        pose = dict.fromkeys(space.names, EMPTY) if row["touching"] is False else {}  # no wall, no pose
+        cells = [pose.get(name, _show(row[name])).rjust(max(_WIDTH, len(name))) for name in names]
         reason = f" ({row['reason']})" if row["reason"] else ""
         print_text(" ".join(cells).rstrip() + reason)
 

@@ -209,6 +209,15 @@ def test_serve_opens_a_simulated_sensor(model, monkeypatch):
     assert served[0][0].assignment.found.sum() == 37
 
 
+def test_live_prints_no_pose_of_an_untouched_dome(model, capsys):
+    words = ["sensor", "live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
+    assert run(*words, "--rest-images", "3", "--count", "30") == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    cells = [dict(zip(lines[0], line, strict=False)) for line in lines[1:]]
+    assert [row["rx_deg"] == "–" for row in cells] == [row["touching"] == "False" for row in cells]
+    assert {row["touching"] for row in cells} == {"False", "True"}
+
+
 def test_live_says_what_to_do_without_a_camera(model, capsys):
     assert run("sensor", "live", "--model", str(model), "--source", "987", "--markers", "37") == 2
     check_refusal(capsys.readouterr().err, "source-not-opened", 987, "synthetic")
