@@ -122,8 +122,8 @@ def check_artwork(folder: Path, design: Design, process: ProcessSpec) -> dict[st
     dome, layout = design.skin, design.layout
     with (folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])
-    circles = ezdxf.readfile(folder / "artwork.dxf").modelspace().query('CIRCLE[layer=="DOTS"]')
-    drawn = np.array([[circle.dxf.center.x, circle.dxf.center.y] for circle in circles])
+    ellipses = ezdxf.readfile(folder / "artwork.dxf").modelspace().query('ELLIPSE[layer=="DOTS"]')
+    drawn = np.array([[ellipse.dxf.center.x, ellipse.dxf.center.y] for ellipse in ellipses])
     group = next(node for node in ElementTree.parse(folder / "artwork.svg").getroot() if node.get("id") == "dots")
     vector = np.array([[float(node.get("cx")), -float(node.get("cy"))] for node in group])
     off = max(np.linalg.norm(found - page, axis=1).max() for found in (drawn, vector))
@@ -158,7 +158,7 @@ def main() -> None:
                 except PalpateError as error:
                     row |= {"findings": str(error)}
                 else:
-                    row |= {"files": len(pack.files) + 1, "wall_s": time.perf_counter() - started[0]}
+                    row |= {"files": len(list(pack.folder.iterdir())), "wall_s": time.perf_counter() - started[0]}
                     row |= {"cpu_s": time.process_time() - started[1], **check(pack.folder, made, process)}
                     row |= {"findings": " ".join(item.code for item in pack.findings)}
             writer.writerow({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in row.items()})

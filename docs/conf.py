@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -97,7 +98,9 @@ def write_examples() -> None:
     place = HERE / "reference" / "examples"
     place.mkdir(parents=True, exist_ok=True)
     lines = ["# Examples", "", "Each was run when this page was made, and a test asserts its number.", ""]
-    for program in sorted((HERE.parent / "examples").glob("ex*.py")):
+    programs = sorted((HERE.parent / "examples").glob("ex*.py"))
+    for number, program in enumerate(programs, start=1):
+        print(f"running {program.stem} ({number} of {len(programs)})", flush=True)
         text = _run_example(program, place)
         title = program.read_text(encoding="utf-8").split("\n", 1)[0].strip('"').rstrip(".")
         lines += [
@@ -115,13 +118,18 @@ def write_examples() -> None:
 
 
 def _run_example(program: Path, place: Path) -> str:
-    """What an example prints; kept until a source changes."""
+    """What an example prints, or the package that it lacks; kept until a source changes."""
     kept = place / f"{program.stem}.txt"
     newest = max(path.stat().st_mtime for path in [program, *(HERE.parent / "src").rglob("*.py")])
     if not kept.is_file() or kept.stat().st_mtime < newest:
         call = [sys.executable, str(program)]
-        text = subprocess.run(call, capture_output=True, text=True, check=True, cwd=place, env=_plain()).stdout
-        kept.write_text(text, encoding="utf-8")
+        done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=place, env=_plain())
+        if missing := re.search(r"^ModuleNotFoundError: (No module named .*)$", done.stderr, re.MULTILINE):
+            print(f"{program.stem}: {missing[1]}", flush=True)
+            return missing[1]
+        if done.returncode:
+            raise RuntimeError(f"{program.name} failed:\n{done.stderr}")
+        kept.write_text(done.stdout, encoding="utf-8")
     return kept.read_text(encoding="utf-8")
 
 

@@ -1,8 +1,17 @@
 """Pages on the design: status and length of decisions, length of design notes, and paths that exist."""
 
+import ast
+import os
 import re
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
+from typing import Any
+
+import pytest
+
+from errors import check_values
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -32,3 +41,23 @@ def test_every_path_and_name_in_where_to_add_exists() -> None:
     assert [name for module, name in names if not hasattr(import_module(f"palpate.{module}"), name)] == []
     suites = set(re.findall(r"`(\w+Suite)`", page))
     assert suites == set(import_module("palpate.testing").__all__)
+
+
+def test_an_example_that_lacks_a_package_is_named_and_one_that_fails_shows_its_error(tmp_path: Path) -> None:
+    """`docs/conf.py` writes pages when it is imported, so its function is taken alone."""
+    functions = ("_run_example", "_plain")
+    body = ast.parse((DOCS / "conf.py").read_text("utf-8")).body
+    parts: list[ast.stmt] = [part for part in body if isinstance(part, ast.FunctionDef) and part.name in functions]
+    names: dict[str, Any] = {"HERE": DOCS, "Path": Path, "os": os, "re": re, "subprocess": subprocess}
+    names |= {"sys": sys, "Any": Any}
+    exec(compile(ast.Module(parts, []), "conf.py", "exec"), names)
+    example = tmp_path / "ex99_none.py"
+    example.write_text("import nowhere_to_be_found\n")
+    assert "nowhere_to_be_found" in names["_run_example"](example, tmp_path)
+    assert not (tmp_path / "ex99_none.txt").exists()
+    example.write_text("raise ValueError('some 37')\n")
+    with pytest.raises(RuntimeError) as caught:
+        names["_run_example"](example, tmp_path)
+    check_values(str(caught.value), 37)
+    example.write_text("print(1 + 1)\n")
+    assert names["_run_example"](example, tmp_path) == "2\n"

@@ -11,7 +11,7 @@ from typing import Any
 
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.camera import LENSES, CameraSpec
-from palpate.core import child_seed, generator
+from palpate.core import child_seed, generator, parameters
 from palpate.design import Design, SkinSpec
 from palpate.material import Material
 
@@ -140,6 +140,11 @@ class Imperfection:
     signed: bool = True
     solved: bool = False
     stream: str = ""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the deviation; ``"1"`` for a ratio."""
+        return next(note.unit for note in parameters(ToleranceSpec) if note.name == self.name).replace("deg", "°")
 
 
 IMPERFECTIONS = (

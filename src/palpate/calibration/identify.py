@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from palpate.calibration.calibration_press import CalibrationPress, RobotUncertainty
+from palpate.calibration.deviation import IMPERFECTIONS
 from palpate.calibration.fit_pose import MAX_INVERSE_FRICTION, PoseFitter
 from palpate.calibration.force import StiffnessScale, prior_stiffness_scale
 from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd, prior_mounting
@@ -92,21 +93,20 @@ class IdentificationResult:
     left_out: tuple[str, ...] = ()
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
-        """Return name, mean, sd and prior sd (`before`) of every parameter and of 1/µ of every press."""
+        """Return name, unit, mean, sd and prior sd (`before`) of every parameter and of 1/µ of every press."""
+        units = {part: item.unit for item in IMPERFECTIONS for part in item.parts} | {"stiffness": "1"}
         before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
         means, names = [*self.estimate.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
         spread = [*np.sqrt(np.diag(self.estimate.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
-            {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
+            {"name": name, "unit": units[name], "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
             if name not in self.left_out
         ]
-        prior = tolerance.inverse_friction_prior[1]
-        slips = enumerate(zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True), start=1)
-        return found + [
-            {"name": f"1/friction of press {k}", "mean": float(mean), "sd": float(sd), "before": prior}
-            for k, (mean, sd) in slips
-        ]
+        prior = {"unit": "1", "before": tolerance.inverse_friction_prior[1]}
+        for k, (mean, sd) in enumerate(zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True), start=1):
+            found.append({"name": f"1/friction of press {k}", "mean": float(mean), "sd": float(sd), **prior})
+        return found
 
 
 def identify(

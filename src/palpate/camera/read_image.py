@@ -52,7 +52,7 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
         content = path.read_bytes()
     except OSError as error:
         raise PalpateError(
-            f"{path.name} cannot be read: {error}.", "Check the file.", code="image-unreadable"
+            f"{path.name} cannot be read: {error.strerror}.", "Give an image.", code="image-unreadable"
         ) from error
     return decode_image(content, path.name, largest_mpx)
 

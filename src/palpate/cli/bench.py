@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from palpate.calibration import AccuracySpec, ToleranceSpec, predict_budget
+from palpate.calibration import IMPERFECTIONS, AccuracySpec, ToleranceSpec, predict_budget
 from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
@@ -33,6 +33,7 @@ _BUDGET = (
 _PREDICTED = (
     Column("imperfection", prose=True),
     Column("tolerance"),
+    Column("unit"),
     Column("alone_deg", "angle RMSE alone", meaning="RMSE of rx and ry by this imperfection alone"),
     Column("saved_deg", "saved by its absence", meaning="decrease of the total RMSE, in squares"),
 )
@@ -130,7 +131,17 @@ def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> N
     """Write and print the error budget of units with a twin as estimator, computed without simulation."""
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
     costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
-    rows = [(cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}") for cost in costs]
+    units = {"all": "", "noise": "px", **{item.name: item.unit for item in IMPERFECTIONS}}
+    rows = [
+        (
+            cost.words,
+            f"{cost.tolerance:g}",
+            units[cost.name],
+            f"{cost.alone_deg:.4f}",
+            f"{cost.saved_deg:.4f}",
+        )
+        for cost in costs
+    ]
     out.mkdir(parents=True, exist_ok=True)
     write_csv(out / "budget.csv", rows, [column.name for column in _PREDICTED])
     table = Report.of("error budget, predicted", _PREDICTED, rows, f"Table: {out / 'budget.csv'}")

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _COLUMNS = (
     Column("name", "parameter"),
+    Column("unit"),
     Column("mean", form=".4g", meaning="mean of the posterior"),
     Column("sd", "standard deviation", form=".2g", meaning="standard deviation of the posterior"),
     Column("before", "prior standard deviation", form=".2g"),

@@ -148,11 +148,13 @@ def press(
 
     if export is not None:
         check_export(export)
-    solved = how.solve(flags.problem())
+    problem = flags.problem()
+    solved = how.solve(problem)
     if export is not None:
         export_press(export, solved)
     facts = describe_press(solved, followed)
-    output.show(facts, _report(facts, str(export / "force.csv") if export is not None else ""))
+    title = f"{flags.shape.skin_spec().build().name}, {problem[1].name}: {problem[2].label}, {problem[2].contact}"
+    output.show(facts, _report(title, facts, str(export / "force.csv") if export is not None else ""))
 
 
 def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, Any]:
@@ -209,7 +211,7 @@ def _read_inner_points(path: Path, skin: Skin) -> FloatArray:
     return points
 
 
-def _report(facts: dict[str, Any], file: str) -> Report:
+def _report(title: str, facts: dict[str, Any], file: str) -> Report:
     rows = [
         image
         | dict(zip(("force_x_n", "force_y_n", "force_z_n"), image["force_n"], strict=True))
@@ -220,4 +222,4 @@ def _report(facts: dict[str, Any], file: str) -> Report:
         f"ended: {facts['ended']} at {facts['ended_depth_mm']:.2f} mm; {facts['unknowns']} unknowns, "
         f"{facts['newton_iterations']} Newton iterations, {facts['cpu_s']:.1f} CPU-seconds"
     )
-    return Report("press", _COLUMNS, rows, (note,), file)
+    return Report(title, _COLUMNS, rows, (note,), file)

@@ -26,7 +26,9 @@ from palpate.study import (
     evaluate_grid,
     grid_column,
     grid_report,
+    is_grid,
     ranking_column,
+    read_grid,
     read_study,
     run_study,
     sort_rows,
@@ -125,12 +127,14 @@ def run(
     with show_progress(quiet=output.json) as progress:
         result = run_study(chosen, folder, worker_flags.workers, progress, worker_flags.timeout, worker_flags.cluster)
     grid = evaluate_grid(result.designs)
+    replaced = _describe_replaced(folder, grid.designs)
     write_grid(folder, grid)
     rows = sort_rows(grid.designs, ranking_column(grid.columns))
     output.show(
         {"out": str(folder), **_tally(result), "designs": grid.designs},
         grid_report(rows, title=chosen.name, file=str(folder / "grid.csv")),
         f"{_sentence(result)} Results: {folder}",
+        *replaced,
         *_describe_best(rows, ranking_column(grid.columns), folder),
     )
     for failure in result.failures:
@@ -140,6 +144,16 @@ def run(
             name = f"{design.design.skin.name}, {len(design.design.layout)} markers"
             print(f"{name}: {design.failure}", file=sys.stderr)
     return 1 if result.failures else 0
+
+
+def _describe_replaced(folder: Path, designs: Sequence[Row]) -> tuple[str, ...]:
+    """Return a sentence on the earlier tables of a folder that other results replace."""
+    try:
+        before = read_grid(folder).designs if is_grid(folder) else ()
+    except PalpateError:  # a damaged table
+        return ()
+    lost = sum(row not in designs for row in before)
+    return (f"Replaced the earlier tables in {folder}: {lost} of {len(before)} rows differ.",) if lost else ()
 
 
 def _tally(result: StudyResult) -> dict[str, Any]:

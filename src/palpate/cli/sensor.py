@@ -18,7 +18,7 @@ from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, Output, check_file, check_folder, print_text
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
-from palpate.core.report import Column, Report
+from palpate.core.report import EMPTY, Column, Report
 from palpate.design import Design, PoseSpace
 from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import SensorSpec
@@ -80,7 +80,7 @@ class LiveFlags:
     built: UnitFlags = UnitFlags()
     rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec()
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
-    press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
+    press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE, negative="")] = None
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
 
@@ -103,12 +103,14 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
+    if Path(source).suffix:
+        open_source(source).close()  # a missing file is rejected before the search of a twin
     model = reads.find(flags.built)
     if is_recorded_model(model):
         return _live_recorded(read_model(model), source, out, flags, output.json)
     unit, many = flags.built.unit(reads.material), flags.rig.rest_images
     reads_with = open_model(model, unit.design.skin)
-    with _open(source, unit) as opened:
+    with open_images(source, unit) as opened:
         images = opened.images()
         sensor = open_printing_scale(
             _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit.design)
@@ -149,7 +151,8 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
     return 0
 
 
-def _open(source: str, unit: Unit) -> Source:
+def open_images(source: str, unit: Unit) -> Source:
+    """Open a source of images, or the simulated sensor of a unit for ``synthetic``."""
     if source != "synthetic":
         return open_source(source)
     from palpate.simulation import simulate_sensor
@@ -215,7 +218,8 @@ def _print_lines(rows: Iterator[dict[str, Any]], space: PoseSpace) -> None:
     names = ["image", *space.names, "touching", "found", "latency_ms", "flags"]
     print(" ".join(f"{name:>{_WIDTH}}" for name in names))
     for row in rows:
-        cells = [_show(row[name]).rjust(max(_WIDTH, len(name))) for name in names]
+        pose = dict.fromkeys(space.names, EMPTY) if row["touching"] is False else {}  # no wall, no pose
+        cells = [pose.get(name, _show(row[name])).rjust(max(_WIDTH, len(name))) for name in names]
         reason = f" ({row['reason']})" if row["reason"] else ""
         print_text(" ".join(cells).rstrip() + reason)
 

@@ -10,13 +10,16 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.camera import open_source
 from palpate.cli.flag import flags_of
+from palpate.cli.sensor import open_images
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
 from palpate.sensor import SensorSpec
 
-_SOURCE = "Number of a camera, a video or a folder of images. The first images must show the unloaded skin."
+_SOURCE = (
+    "Number of a camera, a video, a folder of images, or 'synthetic' (simulated images). The first images must show "
+    "the unloaded skin."
+)
 _HOST = "Address to listen at; at other addresses than this machine's own, clients need a token."
 _PORT = "Port to listen at; 0 selects a free port."
 _TOKEN = "Token of the clients, at least 16 letters and digits; by default it is generated if needed."
@@ -46,7 +49,7 @@ def serve(
 
     unit = built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
-    with open_source(source) as opened:
+    with open_images(source, unit) as opened:
         rest, clock = list(islice(opened.images(), rig.rest_images)), opened.clock
     images = [image for image in rest if not isinstance(image, PalpateError)]
     if len(images) < rig.rest_images:
@@ -57,7 +60,7 @@ def serve(
         )
     sensor = open_printing_scale(images, unit, model, rig)
     sensor.clock = clock
-    feed = Feed(lambda: open_source(source), again=not Path(source).exists())
+    feed = Feed(lambda: open_images(source, unit), again=not Path(source).exists())
     serve_readings(sensor, feed, ServeSpec(door.host, door.port, door.token), _announce)
 
 

@@ -28,7 +28,7 @@ from palpate.fabrication.barrel_sheet import (
     barrel_inspection_steps,
     describe_barrel,
 )
-from palpate.fabrication.enclosure import Enclosure
+from palpate.fabrication.enclosure import SCREWS, Enclosure
 from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
 from palpate.fabrication.spec import CameraBody, PadMapping, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
@@ -218,7 +218,7 @@ def _assemble(skin: Skin, enclosure: Enclosure, camera: Camera, layout: MarkerLa
     seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
     flange = (
         f"Set the module's flange on the seat, the orientation mark {90 - mark_azimuth_deg(skin, layout):.3g}° from "
-        "the cable slot; screw the clamp ring on, crosswise."
+        f"the cable slot; screw the clamp ring on with {SCREWS} M3 screws, crosswise. They cut their own threads."
     )
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [

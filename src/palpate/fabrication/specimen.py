@@ -138,7 +138,7 @@ def write_specimen_molds(folder: Path, spec: ProcessSpec, count: int = 5) -> dic
         for mold in molds:
             write_step(work / f"{mold.name}.step", mold.name, {"specimen": mold.specimen, "tray": mold.tray})
             for suffix in ("stl", "3mf"):
-                write_mesh(work / f"{mold.name}_tray.{suffix}", mold.tray.mesh())
+                write_mesh(work / f"{mold.name}_tray.{suffix}", mold.tray.mesh(), mold.tray.volume)
         files = hash_files(work)
         manifest = {
             "made_by": provenance(),

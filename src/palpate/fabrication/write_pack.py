@@ -175,7 +175,7 @@ def _write_solids(
             findings = (*findings, Finding(Severity.NOTE, "no-template", error.problem, error.remedy))
     for name, mesh in meshes.items():
         for suffix in ("stl", "3mf"):
-            write_mesh(work / f"{name}.{suffix}", mesh)
+            write_mesh(work / f"{name}.{suffix}", mesh, made.solids[name].volume if name in made.solids else None)
     return meshes, findings
 
 

@@ -15,7 +15,7 @@ from palpate.learn.force_graph import FORCE, FORCE_HALF_WIDTH
 from palpate.learn.graph import open_session
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUT_OF_DISTRIBUTION, POSE
-from palpate.learn.io import AGAIN, INPUT, check_format
+from palpate.learn.io import INPUT, check_format
 
 _INTERVAL, _FORCES = (HALF_WIDTH, OUT_OF_DISTRIBUTION), (FORCE, FORCE_HALF_WIDTH)
 
@@ -98,6 +98,8 @@ def open_predictor(path: Path) -> Predictor:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(
-            f"{path} is not an estimator: {type(error).__name__}.", AGAIN, code="model-unreadable"
+            f"{path} is not an estimator (.onnx) of `palpate study model`.",
+            "Give one, a twin (.h5) of `palpate calibration predict`, or model.h5 of `palpate recording train`.",
+            code="model-unreadable",
         ) from error
     return Predictor(session, markers, level, space, "forces" in metadata)

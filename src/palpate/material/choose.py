@@ -49,12 +49,12 @@ def get_material(text: str) -> Material:
     law, colon, numbers = text.partition(":")
     model = get_model(law) if colon and law not in LAWS and law in list_models() else None
     if not colon or (law not in LAWS and model is None):
-        near = get_close_matches(text if not colon else law, [*library_names(), *LAWS.names], n=1, cutoff=0.3)
+        near = get_close_matches(text if not colon else law, [*library_names(), *LAWS.names], n=1, cutoff=0.5)
         hint = f"Did you mean {near[0]}? " if near else ""
-        laws = ", ".join(f"{name}:{form.constants_text()}" for name, form in LAWS.available())
         raise PalpateError(
             f"There is no material '{text}'.",
-            f"{hint}Known: {', '.join(list_materials())}; or {laws} in MPa; or a material file (.yaml).",
+            f"{hint}Give a name of `palpate material list`, LAW:CONSTANTS in MPa ({', '.join(LAWS.names)}), or a "
+            "material file (.yaml).",
             code="material-unknown",
         )
     names = LAWS.get(law).constants_text() if model is None else ",".join(_constants(model))

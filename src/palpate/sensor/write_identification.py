@@ -56,7 +56,8 @@ def _page(
     rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]
 ) -> list[str | Report]:
     table = [
-        (row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row)) for row in rows
+        (row["name"], row["unit"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row))
+        for row in rows
     ]
     best, least = ranked[0], ranked[-1]
     still = ", ".join(row["name"] for row in rows if _word(row) == "open") or "nothing"
@@ -64,7 +65,9 @@ def _page(
         "# An identified unit",
         f"The marker residual is {np.sqrt(found.misfit):.2f} times its expected value. Still open: {still}."
         + (f" Left out, as the twin has no derivative by it: {', '.join(found.left_out)}." if found.left_out else ""),
-        Report.of("", ("parameter", "mean", "standard deviation", "prior standard deviation", "result"), table),
+        Report.of(
+            "", ("parameter", "unit", "mean", "standard deviation", "prior standard deviation", "result"), table
+        ),
         "## Most informative next press",
         f"The remaining uncertainty of the unit contributes {now:.3f}° to rx and ry. A press at a tilt of "
         f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "

@@ -46,6 +46,12 @@ def read_study(source: str | Path) -> Study:
     if not path.exists() and str(source) in list_presets():
         text = (resources.files("palpate.study") / "presets" / f"{source}.yaml").read_text("utf-8")
         return _parse(text, Path(f"{source}.yaml"))
+    if path.is_dir():
+        raise PalpateError(
+            f"{path} is a folder, not a study.",
+            f"Give its YAML file, and its result folder by --out; `palpate study show {path}` shows results.",
+            code="study-is-folder",
+        )
     try:
         text = path.read_text("utf-8")
     except OSError as error:

@@ -140,5 +140,9 @@ def _state(search: SearchFolder) -> str:
             f"{search.skins} of {search.spec.skins} skins so far, by coarse presses. The search is running, or was "
             "stopped; load the page again to see more."
         )
-    found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
+    found = (
+        f"{search.front} design{'s' if search.front > 1 else ''} that none of {search.skins} skins beats"
+        if search.front
+        else "No design"
+    )
     return f"{found}; errors are predicted after {search.spec.calibration_presses} calibration presses."

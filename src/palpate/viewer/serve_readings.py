@@ -102,6 +102,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
                 gone.cancel()
 
     routes = [
+        Route("/", newest),
         Route("/reading", newest),
         Route("/image", take_image, methods=["POST"]),
         WebSocketRoute("/readings", stream),

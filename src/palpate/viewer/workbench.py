@@ -148,7 +148,7 @@ class Workbench:
                     ui.label(f"{finding.message} {finding.remedy}")
             if not findings:
                 with ui.element("li"):
-                    ui.label("Nothing speaks against this design.")
+                    ui.label("No finding.")
 
     def _draw_force(self) -> None:
         curves = self._curves or [ChartCurve("force", [], FIRST)]

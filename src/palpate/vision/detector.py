@@ -153,7 +153,7 @@ def prepare_detector(
     grey = to_grey(image, spec.largest_mpx)
     none = PalpateError(
         f"No field of markers was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
-        "Check light and focus, or give polarity and diameter_px.",
+        "Check light and focus. `palpate sensor detect --polarity … --diameter …` tests other settings.",
         code="markers-not-found",
     )
     field = choose_field(grey, spec)

@@ -317,6 +317,8 @@ def test_one_press_leaves_open_what_it_cannot_tell(twin: Twin, units: list[Built
     belief = opened(twin, unit)
     one = identify(build_unit_model(twin, LAYOUT, belief, TOLERANCE), known(unit, seen)[:1], NOISE)
     rows = {row["name"]: row for row in one.rows(TOLERANCE)}
+    units = [rows[name]["unit"] for name in ("offset_x", "roll_deg", "centre_x_px", "k1", "depth_zero", "stiffness")]
+    assert units == ["mm", "°", "px", "1", "mm", "1"]
     assert rows["seating_turn_deg"]["sd"] > 0.8 * rows["seating_turn_deg"]["before"]
     assert abs(rows["depth_zero"]["mean"] - unit.deviation.depth_zero) < 4 * rows["depth_zero"]["sd"] < 0.2
 

@@ -14,6 +14,8 @@ from errors import check_refusal, check_values
 from palpate.cli import main
 from palpate.cli.app import OLD_VERBS, app, current_words
 from palpate.cli.border import guarded
+from palpate.study import StudyResult
+from results import FIRST
 
 
 def call(*words: str) -> int:
@@ -69,11 +71,13 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("dezign",), ("usage", "dezign")),
         (("press", "--tilt", "50"), ("less_than_equal", "--tilt", 30, 50)),
         (("press", "--contact", "sticky"), ("contact-unknown", "--contact", "sticky")),
-        (("press", "--material", "cheese"), ("material-unknown", "--material", "cheese")),
+        (("press", "--material", "cheese"), ("material-unknown", "--material", "cheese", "palpate material list")),
         (("press", "--material", "yeoh:1,2"), ("law-constant-count", "yeoh", "C10,C20,C30")),
         (("press", "--bulk-ratio", "1"), ("greater_than_equal", "--bulk-ratio")),
         (("press", "--rim", "round"), ("enum", "--rim", "round")),
         (("press", "--points", "nowhere.csv"), ("file-unreadable", "nowhere.csv")),
+        (("study", "status", "."), ("study-is-folder", ".", "--out", "palpate study show")),
+        (("sensor", "live", "--source", "nowhere.mp4"), ("file-missing", "nowhere.mp4")),
         (("run", "second"), ("file-unreadable", "second", "first, flat_pad")),
         (("run", "first", "--workers", "0"), ("option-out-of-bounds", "--workers", 0)),
         (("run",), ("usage", "--study")),
@@ -95,6 +99,29 @@ def test_bad_input_is_one_sentence_and_exit_code_2(
     check_refusal(shown.err, *says)
     assert "Traceback" not in shown.err
     assert len(shown.err.splitlines()) <= 12
+
+
+def test_the_table_of_a_press_names_design_material_obstacle_and_contact(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--thickness", "3", "--tilt", "2", "--contact", "0.5", "--depth", "0.4", "--step", "0.4", "--cells", "4"]
+    assert call("press", *words, "--material", "neo-hooke:0.02") == 0
+    check_values(capsys.readouterr().out.splitlines()[0], "H20 T3", "neo-hooke:0.02", "tilt 2°", 0.5)
+
+
+def test_a_run_reports_how_many_rows_of_earlier_tables_it_replaces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = [FIRST]
+    monkeypatch.setattr("palpate.cli.run.announce_compilation", lambda: None)
+    monkeypatch.setattr(
+        "palpate.cli.run.run_study", lambda *_: StudyResult("first", tuple(made[-1]), (), {}, {}, 1.0)
+    )
+    shown = []
+    for designs in (FIRST, FIRST, FIRST[2:]):
+        made.append(designs)
+        assert call("run", "first", "--out", str(tmp_path)) == 0
+        shown.append([line for line in capsys.readouterr().out.splitlines() if "earlier" in line])
+    assert shown[:2] == [[], []]
+    check_values(shown[2][0], tmp_path, 2, len(FIRST))
 
 
 def test_a_point_outside_the_dome_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -246,3 +273,8 @@ def test_every_verb_that_ends_states_its_cost() -> None:
         assert words[: 1 + len(verb.split())] == ["palpate", *verb.split()]
         assert app.parse_args(words[1:], exit_on_error=False, print_error=False)[0]
         assert float(row["cpu_s"]) > 0
+
+
+def test_the_front_lists_no_names_of_its_implementation() -> None:
+    assert {"DomeSpec", "solve_press"} <= set(dir(palpate))
+    assert not {"Any", "TYPE_CHECKING", "import_module"} & set(dir(palpate))

@@ -173,7 +173,7 @@ def test_live_refuses_a_file_that_is_no_model(recording, capsys):
         run("sensor", "live", "--model", str(recording / "m.onnx"), "--source", str(recording), "--markers", "37")
         == 2
     )
-    check_refusal(capsys.readouterr().err, "model-unreadable", "m.onnx")
+    check_refusal(capsys.readouterr().err, "model-unreadable", "m.onnx", "palpate calibration predict")
 
 
 def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, tmp_path, capsys):
@@ -199,6 +199,23 @@ def test_live_plays_a_simulated_sensor_until_asked_to_stop(model, capsys):
     shown = json.loads(capsys.readouterr().out)
     assert not shown[2]["touching"]
     assert shown[29]["touching"]
+
+
+def test_serve_opens_a_simulated_sensor(model, monkeypatch):
+    served = []
+    monkeypatch.setattr("palpate.viewer.serve_readings", lambda sensor, feed, *_: served.append((sensor, feed)))
+    words = ["sensor", "serve", "--model", str(model), "--source", "synthetic", "--markers", "37"]
+    assert run(*words, "--rest-images", "3") == 0
+    assert served[0][0].assignment.found.sum() == 37
+
+
+def test_live_prints_no_pose_of_an_untouched_dome(model, capsys):
+    words = ["sensor", "live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
+    assert run(*words, "--rest-images", "3", "--count", "30") == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    cells = [dict(zip(lines[0], line, strict=False)) for line in lines[1:]]
+    assert [row["rx_deg"] == "–" for row in cells] == [row["touching"] == "False" for row in cells]
+    assert {row["touching"] for row in cells} == {"False", "True"}
 
 
 def test_live_says_what_to_do_without_a_camera(model, capsys):

@@ -1,5 +1,7 @@
 """Mold, enclosure and template as solids."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ from palpate.design import (
     build_skin,
     place_markers,
 )
-from palpate.fabrication import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
+from palpate.fabrication import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template, write_mesh
 from palpate.fabrication.enclosure import free_travel
 
 needs("build123d")
@@ -139,3 +141,12 @@ def test_a_template_that_cannot_be_is_refused(
     dome = build_skin(DomeSpec(height=height))
     with refused(*message):
         build_template(dome, place_markers(dome, MarkerSpec(count=count, diameter=diameter)), SPEC)
+
+
+@pytest.mark.parametrize("suffix", ["stl", "3mf"])
+def test_a_written_mesh_of_another_volume_than_its_solid_is_reported(suffix: str, tmp_path: Path) -> None:
+    solid = box((0.0, 0.0, 0.0), (10.0, 10.0, 10.0))
+    write_mesh(tmp_path / f"whole.{suffix}", solid.mesh(), solid.volume)
+    write_mesh(tmp_path / f"near.{suffix}", solid.mesh(), 1.004 * solid.volume)
+    with refused("mesh-file-volume", 1000, 1006):
+        write_mesh(tmp_path / f"far.{suffix}", solid.mesh(), 1.006 * solid.volume)

@@ -16,6 +16,7 @@ from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, MarkerSpec, Severity
 from palpate.fabrication import FabricationPack, ProcessSpec, check_process, write_pack
+from palpate.fabrication.enclosure import SCREWS
 from palpate.material import get_material
 
 needs("build123d")
@@ -91,6 +92,7 @@ def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
     pours = [float(amount) for amount in re.findall(r"Pour (?:the remaining )?([\d.]+) mL", text)]
     assert len(pours) == 2
     assert sum(pours) == pytest.approx(2 * half / 1.3, abs=0.1), "the mold holds what is poured"
+    assert f"{SCREWS} M3 screws" in text
     sheet = (pack.folder / "instructions.pdf").read_bytes()
     assert sheet.startswith(b"%PDF")
     boxes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", sheet)

@@ -1,7 +1,9 @@
 import csv
 import json
+import warnings
 from dataclasses import replace
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from palpate.study import (
 from palpate.study.grid import column_unit
 from results import FIRST, PAPER, make_design
 
+PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 PROMISED = {
     "height_mm",
     "thickness_mm",
@@ -307,3 +310,12 @@ def test_a_row_says_how_the_dome_deforms():
     assert (row["peak_stress_straight_mpa"], row["peak_stress_mpa"]) == (0.04, 0.05)
     assert (row["displacement_max_straight_mm"], row["displacement_mean_straight_mm"]) == (8.0, 3.1)
     assert (row["displacement_max_mm"], row["apex_gap_mm"]) == (9.0, 1.5)
+
+
+@pytest.mark.parametrize("path", sorted(PUBLISHED.glob("*/grid.json")), ids=lambda path: path.parent.name)
+def test_published_grids_have_the_present_columns(path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", FutureWarning)
+        grid = read_grid(path.parent)
+    header = (path.parent / "grid.csv").read_text("utf-8").partition("\n")[0].split(",")
+    assert set(header) <= {"name", *grid.columns}

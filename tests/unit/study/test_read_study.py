@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -6,6 +7,7 @@ from errors import refused
 from palpate.core import PalpateError
 from palpate.study import Study, list_presets, read_study
 from palpate.study.plan import plan_study
+from palpate.study.task import PressTask
 
 ROOT = Path(__file__).parents[3]
 
@@ -127,6 +129,15 @@ def test_several_errors_come_together_in_the_order_of_the_file(tmp_path: Path) -
 def test_more_errors_than_a_screen_holds_are_counted(tmp_path: Path) -> None:
     keys = "".join(f"key{i}: 1\n" for i in range(12))
     assert refusal(tmp_path, "name: a\n" + keys).splitlines()[-1].count("4") == 1
+
+
+def test_a_number_of_presses_in_the_comment_of_a_preset_is_that_of_its_plan() -> None:
+    files = {name: ROOT / "src" / "palpate" / "study" / "presets" / f"{name}.yaml" for name in list_presets()}
+    stated = {name: re.findall(r"\b(\d+) presses", file.read_text("utf-8")) for name, file in files.items()}
+    assert stated["first"] == ["28"]
+    for name, numbers in stated.items():
+        tasks = plan_study(read_study(name)).tasks() if numbers else ()
+        assert set(numbers) <= {str(sum(isinstance(task, PressTask) for task in tasks))}, name
 
 
 def test_an_unknown_name_lists_the_presets() -> None:

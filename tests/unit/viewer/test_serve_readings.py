@@ -138,7 +138,7 @@ def test_a_client_sends_an_image_and_gets_its_reading(sensor: Sensor) -> None:
         assert (row["schema"], row["found"]) == (SCHEMA_VERSION, 37)
         assert row["touching"] is False
         time.sleep(0.1)
-        assert client.get("/reading").json() == row
+        assert client.get("/reading").json() == client.get("/").json() == row
         with client.websocket_connect("/readings") as socket:
             client.post("/image", content=png.tobytes())
             sent = json.loads(socket.receive_text())
