@@ -1,6 +1,7 @@
 """Run cases and write the pages of the documentation.
 
-In the folder `tests`: `python -m validation ../docs [NAME…]`. Without names all cases run. A name may contain `*` and `?`; the rows of other cases are kept.
+In the folder `tests`: `python -m validation ../docs [NAME…]`. Without names all cases run. A name may contain `*` and
+`?`; the rows of other cases are kept.
 """
 
 import sys
