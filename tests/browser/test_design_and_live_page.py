@@ -82,6 +82,9 @@ def test_a_number_that_cannot_be_is_answered_at_its_field(page, link):
         box(page, name).fill(value)
         page.locator(f"[data-testid=field-{name}-wrong][role=alert]:visible").wait_for()
         assert numbers(page, f"field-{name}-wrong") == bounds
+        page.get_by_test_id("press").click()
+        page.locator("[data-testid=fault][data-code=field-wrong]:visible").wait_for()
+        assert page.get_by_test_id("cancel").is_hidden()
         box(page, name).fill(right)
         page.wait_for_function("![...document.querySelectorAll('.field-wrong')].some(e => e.textContent)")
     wait_for_dots(page, 169)

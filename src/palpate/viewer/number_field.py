@@ -13,6 +13,8 @@ from palpate.core import parameters
 from palpate.viewer.sketch import bounds_of
 
 Change = Callable[[float], None]
+WRONG_FIELD = "wrong-field"
+"""Marker of the labels that state what is wrong about a field; empty if nothing is."""
 
 
 class NumberField:
@@ -76,7 +78,8 @@ class NumberField:
             self._box = ui.number(value=value, step=step, on_change=self._type).props(
                 f'dense borderless hide-bottom-space aria-label="{label}" data-testid="{place}"'
             )
-            self._wrong = ui.label("").classes("field-wrong").props(f'role="alert" data-testid="{place}-wrong"')
+            self._wrong = ui.label("").mark(WRONG_FIELD).classes("field-wrong")
+            self._wrong.props(f'role="alert" data-testid="{place}-wrong"')
 
     def _slide(self, event: events.ValueChangeEventArguments[Any]) -> None:
         if event.value is not None and event.value != self._box.value:

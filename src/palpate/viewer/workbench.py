@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from nicegui import ui
+from nicegui import ElementFilter, ui
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
@@ -22,7 +22,7 @@ from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
-from palpate.viewer.number_field import NumberField
+from palpate.viewer.number_field import WRONG_FIELD, NumberField
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import build_shell
@@ -176,7 +176,10 @@ class Workbench:
     def _start(self, work: Callable[..., Any], what: str) -> None:
         if self._pool is not None:
             return
-        show_error(self._fault, "")
+        wrong = sum(bool(label.text) for label in ElementFilter(kind=ui.label, marker=WRONG_FIELD))
+        show_error(self._fault, f"Correct the {wrong} marked field(s) first." if wrong else "", "field-wrong")
+        if wrong:
+            return
         self._ordered = (self._sketch, self._drawn)
         self._pool, self._done, self._what, self._cancelled = LocalWorkers(1), Progress(), what, False
         self._pool.submit(work, self._sketch, progress=self._done)
