@@ -76,6 +76,8 @@ def test_a_running_search_shows_what_was_tried(page, folder, tmp_path):
         open_page(page, link)
         page.locator("[data-testid=search-state][data-finished=false]").wait_for()
         assert numbers(page, "search-state")[:2] == [8, 8]
+        shutil.copytree(folder, running, dirs_exist_ok=True)
+        page.locator("[data-testid=search-state][data-finished=true]").wait_for()
         page.goto(link + "live")
         fault(page, "model-missing")
         page.goto("about:blank")

@@ -8,7 +8,7 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.optimise import SearchFolder
+from palpate.optimise import SearchFolder, read_search
 from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.front_chart import COLUMNS, design_words, front_chart, role_of
@@ -18,6 +18,8 @@ from palpate.viewer.workbench import Workbench
 
 _DEEPEST = 20.0
 """Maximum depth on the page, mm."""
+_REFRESH_S = 5.0
+"""Time between two looks at the folder of a search that has not finished, s."""
 
 
 class SearchPage:
@@ -45,9 +47,11 @@ class SearchPage:
 
     def build(self) -> None:
         """Place every element and show the winner."""
+        if not self._search.finished:
+            ui.timer(_REFRESH_S, self._follow)
         if not self._search.rows:
             with ui.element("div").classes("empty"):
-                ui.label("No skin was evaluated yet. Load the page again in some minutes.").props('role="status"')
+                ui.label("No skin was evaluated yet. The page shows the first one.").props('role="status"')
             return
         with ui.element("div").classes("explorer search"):
             with ui.element("section").classes("side").props('aria-label="Front"'):
@@ -59,6 +63,12 @@ class SearchPage:
         self._wall_fields["depth"].put(min(self._search.spec.depth, _DEEPEST))
         self._draw_front()
         self._show()
+
+    def _follow(self) -> None:
+        """Load the page again when the folder has another skin or the results."""
+        found = read_search(self._search.folder)
+        if (found.skins, found.finished) != (self._search.skins, self._search.finished):
+            ui.navigate.reload()
 
     def _build_front(self) -> None:
         with ui.element("div").classes("card"):
@@ -138,7 +148,7 @@ def _state(search: SearchFolder) -> str:
     if not search.finished:
         return (
             f"{search.skins} of {search.spec.skins} skins so far, by coarse presses. The search is running, or was "
-            "stopped; load the page again to see more."
+            "stopped; new skins appear here."
         )
     found = (
         f"{search.front} design{'s' if search.front > 1 else ''} that none of {search.skins} skins beats"
