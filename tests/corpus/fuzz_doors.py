@@ -271,8 +271,8 @@ def turned() -> Image.Exif:
 
 PAGE = 'width="40mm" height="40mm" viewBox="0 0 40 40"'
 TURNED_CIRCLES = f'<g transform="rotate(20)">{drawings.CIRCLES}</g>'
-FIT = verb("material fit --tension {file} --alone --no-figure --json")
-RELAX = verb("material fit --files {curve} --relaxation {file} --alone --no-figure --json")
+FIT = verb("material fit --tension {file} --alone --json")
+RELAX = verb("material fit --files {curve} --relaxation {file} --alone --json")
 SHOW = verb("design show --layout {file} --json")
 PROFILE = verb("design profile --file {file} --json")
 ACCEPT = verb("calibration accept --truth {file} --readings {readings} --no-zero --min-depth 0 --json")

@@ -31,7 +31,7 @@ CHEAP = {
     "claims": "claims small",
     "calibrate": f"calibration camera {DATA}/board --board chessboard:9x6:25",
     "find": "sensor detect images",
-    "fit": f"material fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone --no-figure "
+    "fit": f"material fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone "
     f"--relaxation {DATA}/rubber/relaxation.csv",
     "verify": "verify --only cook",
 }
@@ -53,7 +53,7 @@ DEAR = {
     "live": "sensor live --source {data}/recording --model small/twins/H20_T2.h5 --markers 61 --count 4",
     "benchmark score": "benchmark score predictions.csv --set set/set",
     "fit": "material fit --uniaxial {data}/rubber/uniaxial.csv --equibiaxial {data}/rubber/equibiaxial.csv "
-    "--planar {data}/rubber/planar.csv --model yeoh --no-figure",
+    "--planar {data}/rubber/planar.csv --model yeoh",
 }
 """Words that differ from those of the inventory, or are none of its own."""
 NOT_RUN = {

@@ -134,7 +134,11 @@ def new_words(name: str) -> str:
     verb = name.partition(",")[0]
     words = COMMANDS[name].removeprefix(verb).split()
     flags = renames("flag")
-    moved = [flags.get(f"{verb} {word}", word).split()[-1] if word.startswith("--") else word for word in words]
+    moved = [
+        part
+        for word in words
+        for part in (flags.get(f"{verb} {word}", word).split()[-1:] if word.startswith("--") else [word])
+    ]
     return " ".join([renames("verb").get(verb, verb), *moved])
 
 

@@ -120,14 +120,8 @@ class OutputFlags(Output):
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], help=_OUT)] = None
     source: Annotated[str, Parameter(help="Source of the data, stored in the material's file.")] = ""
     licence: Annotated[str, Parameter(help="Licence of the data, stored in the material's file.")] = ""
-    figure: Annotated[Path | None, Parameter(help=_FIGURE)] = Path("fit.png")
-    no_figure: Annotated[bool, Parameter(negative="", help="Do not draw a figure.")] = False
+    figure: Annotated[Path | None, Parameter(help=_FIGURE)] = None
     alone: Annotated[bool, Parameter(negative="", help=_RANK)] = False
-
-    @property
-    def draws(self) -> Path | None:
-        """File of the figure; `None` if no figure is drawn."""
-        return None if self.no_figure else self.figure
 
 
 @Parameter(name="*")
@@ -155,7 +149,7 @@ def fit(
 ) -> None:
     """Fit a hyperelastic model and a relaxation to test files; report errors, intervals and stability."""
     check_file(out.output)
-    check_file(out.draws, ".png", ".svg", ".pdf")
+    check_file(out.figure, ".png", ".svg", ".pdf")
     held = [*(path for path in files if is_relaxation(path)), *relaxing.relaxation]
     elastic = [*((path, None) for path in files if not is_relaxation(path)), *tests.pairs()]
     material = find_law(relaxing, out.output, alone=bool(held) and not elastic)
@@ -166,14 +160,14 @@ def fit(
         samples = read_samples(elastic, curves)
         found = fit_material(samples, fitting.spec)
         facts = describe_fit(samples, found, alone=out.alone)
-        if out.draws is not None:
-            written.append(_save(out.draws, draw_fit(samples, found)))
+        if out.figure is not None:
+            written.append(_save(out.figure, draw_fit(samples, found)))
         if out.output is not None:
             material = _make_material(out, samples, found)
     if series is not None:
         facts["relaxation"] = describe_relaxation(*series)
-        if out.draws is not None:
-            path = out.draws.with_stem(f"{out.draws.stem}_relaxation") if elastic else out.draws
+        if out.figure is not None:
+            path = out.figure.with_stem(f"{out.figure.stem}_relaxation") if elastic else out.figure
             written.append(_save(path, draw_relaxation(*series)))
         material = add_relaxation(material, series[1]) if material is not None else None
     if out.output is not None and material is not None:

@@ -72,7 +72,7 @@ def test_ten_files_of_a_bench_give_the_material_its_limits_and_the_picture(
 
 
 def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    shown = run_fit(capsys, *sorted(bench.glob("*.csv")), "--no-figure")
+    shown = run_fit(capsys, *sorted(bench.glob("*.csv")))
     assert [item["name"] for item in shown["constants"]] == ["C10", "C20", "C30"]
     assert all(item["low"] < item["value"] < item["high"] for item in shown["constants"])
     assert len(shown["samples"]) == 10
@@ -84,7 +84,7 @@ def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixt
 
 
 def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone") == 0
+    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--alone") == 0
     shown = capsys.readouterr().out
     assert "-3.6" in shown
     check_values(shown, "Drucker", 11.68, "--stable")
@@ -92,7 +92,7 @@ def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.
 
 
 def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = run_fit(capsys, ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "--stable")
+    shown = run_fit(capsys, ECOFLEX, "--max-stretch", "5", "--alone", "--stable")
     assert shown["stable"]
     assert shown["stable_fit"] is None
     assert shown["constants"][0]["low"] is None
@@ -103,7 +103,7 @@ def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFix
 
 def test_an_unstable_material_is_written_with_its_caution(tmp_path: Path) -> None:
     out = tmp_path / "soft.yaml"
-    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
+    assert call("material", "fit", ECOFLEX, "--max-stretch", "5", "--alone", "-o", out) == 0
     check_values(read_material(out).caution, 11.68)
 
 
@@ -129,8 +129,8 @@ def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFix
         ((ECOFLEX, "--confidence", "95"), ("less_than", "--confidence", 95)),
         ((ECOFLEX, "--figure", "fit.bmp"), ("file-ending-unknown", "fit.bmp", ".png")),
         ((ECOFLEX, "--figure", "no/folder/fit.png"), ("file-unwritable", "fit.png")),
-        ((ECOFLEX, "--no-figure", "-o", "no/folder/mine.yaml"), ("file-unwritable", "mine.yaml")),
-        ((ECOFLEX, "--model", "mooney-rivlin", "--no-figure", "-o", "mine.yaml"), ("shear-modulus-not-positive",)),
+        ((ECOFLEX, "-o", "no/folder/mine.yaml"), ("file-unwritable", "mine.yaml")),
+        ((ECOFLEX, "--model", "mooney-rivlin", "-o", "mine.yaml"), ("shear-modulus-not-positive",)),
         ((ECOFLEX, "--colour", "red"), ("usage", "--colour")),
     ],
 )
@@ -196,7 +196,7 @@ def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     plain = get_material("zaid_2024_ecoflex_00_30")
-    words = ("fit", HELD, "--moduli", "instantaneous", "-o", "mine.yaml")
+    words = ("fit", HELD, "--moduli", "instantaneous", "-o", "mine.yaml", "--figure", "fit.png")
     assert call(*words, "--onto", plain.name) == 0
     shown = capsys.readouterr().out
     for text in ("AICc", "0.15 %", "instantaneous"):

@@ -266,7 +266,7 @@ def test_the_command_refuses_it_in_one_sentence_and_leaves_with_2(
     path = write(tmp_path / "tension.csv", text)
     flags = [word for key, value in spec.items() for word in (f"--{key.replace('_', '-')}", str(value))]
     with pytest.raises(SystemExit) as left:
-        main(["material", "fit", str(path), "--alone", "--no-figure", *flags])
+        main(["material", "fit", str(path), "--alone", *flags])
     shown = capsys.readouterr()
     assert left.value.code == 2
     assert shown.err.startswith("Error: ")

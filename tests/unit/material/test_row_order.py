@@ -117,7 +117,7 @@ def test_the_command_reads_a_compression_file_whose_stretches_rise(
     rows = [f"{a:.6f},{b:.6f}" for a, b in zip(stretch, 0.05 * (stretch - stretch**-2), strict=True)]
     path.write_text("\n".join(["stretch,stress (MPa)", *rows]))
     with pytest.raises(SystemExit) as left:
-        main(["material", "fit", str(path), "--model", "neo-hooke", "--alone", "--no-figure"])
+        main(["material", "fit", str(path), "--model", "neo-hooke", "--alone"])
     assert left.value.code in (0, None)
     shown = capsys.readouterr().out
     assert re.search(r"^compression.csv +compression +40 +0.55 to 1 +137.8 *$", shown, re.MULTILINE)  # no remark

@@ -22,7 +22,7 @@ def fit_file(tmp_path: Path, capsys: pytest.CaptureFixture[str], *flags: str) ->
     path = tmp_path / "tension.csv"
     path.write_text("\n".join(["stretch,stress (MPa)", *rows]))
     with pytest.raises(SystemExit) as left:
-        main(["material", "fit", str(path), "--alone", "--no-figure", "--json", *flags])
+        main(["material", "fit", str(path), "--alone", "--json", *flags])
     assert left.value.code in (0, None)
     return json.loads(capsys.readouterr().out)
 
