@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray, PalpateError, load_extra
+from palpate.core import FloatArray, IntArray, PalpateError, load_extra, provenance
 from palpate.design.outline import Arc, Outline, Plan, Point, SmoothCurve
 
 _LINEAR_MM, _ANGULAR_RAD = 0.02, 0.1
@@ -29,6 +30,8 @@ _MERGE_MM = 1e-6
 _CURVE_POINTS = 40
 _QUARTER, _BENDS = 33, 9
 """Points per quarter of a plan, and sections of a bent edge of an outline, for smooth curves."""
+_AUTHOR = re.compile(rb"\(\s*'Author'\s*\)\s*,\s*\(\s*'Open CASCADE'\s*\)")
+"""Author and organisation in the header of a STEP file, as the kernel writes them."""
 _INTEGRAL = 1e-7
 """Relative error at which the refinement of a volume integral ends."""
 
@@ -251,7 +254,7 @@ def gather(parts: Sequence[CadSolid]) -> CadSolid:
 
 
 def write_step(path: Path, name: str, parts: dict[str, CadSolid]) -> None:
-    """Write named parts as one assembly, in mm."""
+    """Write named parts as one assembly, in mm; the author of the file is the program."""
     cad = _cad()
     children = []
     for label, solid in parts.items():
@@ -262,7 +265,8 @@ def write_step(path: Path, name: str, parts: dict[str, CadSolid]) -> None:
     memory = io.BytesIO()  # of a full disk the library says no more than that it failed
     with _silent():
         cad.export_step(cad.Compound(label=name, children=children), memory, unit=cad.Unit.MM)
-    path.write_bytes(memory.getbuffer())
+    author = f"('palpate {provenance()['palpate']}'),('')"
+    path.write_bytes(_AUTHOR.sub(author.encode(), memory.getvalue(), count=1))
 
 
 def read_step(path: Path) -> dict[str, CadSolid]:

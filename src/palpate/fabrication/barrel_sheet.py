@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
 from palpate.fabrication.artwork import mark_azimuth_deg
-from palpate.fabrication.enclosure import SCREWS
-from palpate.fabrication.frame import RODS, SCREW_LENGTH, BarrelFrame
-from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
+from palpate.fabrication.frame import RODS, BarrelFrame
+from palpate.fabrication.mold import Mold
+from palpate.fabrication.process_sheet import clamping, sprues, thickness_tolerance
 from palpate.fabrication.spec import ProcessSpec
-
-DENSITY = 1.07
-"""Density of Ecoflex, g/mL (Smooth-On technical bulletin)."""
 
 
 def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: ProcessSpec) -> list[str]:
@@ -25,30 +22,11 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
     ]
 
 
-def barrel_bill_of_materials(mixed: float, mold: Mold, frame: BarrelFrame, spec: ProcessSpec) -> list[str]:
-    """Write the bill of materials, for `mixed` mL of elastomer in all."""
-    ink = mold.pins_mm3 / 1000
-    return [
-        f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume), "
-        f"{DENSITY * mixed:.0f} g at {DENSITY:g} g/mL.",
-        f"For the dots, silicone of the same kind with a contrasting pigment: {ink:.1f} mL, mix {2 * ink:.0f} mL.",
-        f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow. "
-        "Core with its plate on the bed; halves of the cavity upright, floor on the bed, with support only in the "
-        "recess next to the floor.",
-        f"Four dowels of {DOWEL_DIAMETER:g} mm, 12 mm long; mold release; petroleum jelly; three hose clamps.",
-        "Enclosure in black PLA: housing, robot_plate, end_cap, clamp_ring and end_ring (two halves each). "
-        f"{2 * SCREWS} screws M2 x {SCREW_LENGTH:g}; four M3 for the robot plate; those of the camera.",
-        f"{RODS} threaded rods M5, {frame.length:.0f} mm long, painted matt black (rods.stl only shows them); "
-        f"{2 * RODS} nuts M5; epoxy.",
-    ]
-
-
-def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
+def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin, spec: ProcessSpec) -> list[str]:
     """Write the steps from the printed mold to the skin."""
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
-        "Sand the hollow of the cavity and the core smooth; wash, dry, and spray with mold release, the core's "
-        "dimples too.",
+        "Wash and dry hollow and core; spray them with mold release, the core's dimples too.",
         "Fill every dimple with the pigmented silicone and draw a flexible blade over it, so that it is flush; wipe "
         "the core clean between the dots. Let it cure until it is firm but still tacky: the elastomer bonds to it.",
         "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "
@@ -59,9 +37,10 @@ def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
         f"Pour {volume:.0f} mL into the cavity. Lower the core into it within some 5 min, so that the elastomer "
         "rises around it and drives the air before it, until the spigot is in the floor and the three pins enter: it "
         "fits one way only.",
-        "Fill up through the hole until elastomer stands in every vent. Clamp.",
+        "Fill up through the hole until elastomer stands in every vent. " + clamping(mold),
         "Cure for 4 h at 23 °C on a level table.",
-        "Cut the sprues, loosen the clamps, take the halves of the cavity off.",
+        sprues(mold.module, spec),
+        "Loosen the clamps, take the halves of the cavity off.",
         "The core is whole. Work soapy water under the flange at its plate and on all around, then push the skin off "
         f"over the far end: its rim stretches {stretch:.3g} times as it passes the middle. A core in segments "
         "would avoid that stretch, but leave a seam along every joint, among the dots.",
@@ -73,7 +52,7 @@ def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
     """Write the measurements."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
-        f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"± {thickness_tolerance(skin):.2g} mm.",
         f"Distance between the flanges, lying without load: {skin.height:g} mm, "
         f"± {max(0.2, 0.002 * skin.height):.2g} mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within {PRINT_TOLERANCE:g} mm of "

@@ -43,13 +43,17 @@ M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
 SCREWS = 6
 _LAND = 0.5
 """Level width of the clamp ring beyond the corners of an opening that is not round, mm."""
-_THREAD = 10.0
+THREAD = 10.0
 """Depth of a self-cut thread, mm."""
 _TURNS = 31
 """Number of tested azimuths of a wall, from 0 to 90°; all are equal for a body of revolution."""
 ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
 """Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, plate thickness."""
 ISO_RADIUS = 31.5
+SLOT = (12.0, 8.0)
+"""Width and height of the cable slot, mm."""
+M6_SEAT = 4.0
+"""Plate under the head of an M6 screw, mm; its recess holds the low head of DIN 7984 (4 mm)."""
 
 
 @dataclass(frozen=True)
@@ -151,16 +155,17 @@ def build_enclosure(
         )
     far = module.farthest
     bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
-    outer = max(
-        bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).clearance, ISO_RADIUS
-    )
+    screw = _screw(module)
+    outer = max(bore + WALL, far * module.flange_foot + screw.clear + 2 * screw.clearance, ISO_RADIUS)
     low = shelf - body.depth - WALL
+    screws_at = max((bore + outer) / 2, bore + WALL, ISO_RADIUS + M3.head / 2 + spec.clearance)
+    base = max(outer, screws_at + M3.clear / 2 + WALL)
     ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
-    housing = _housing(module, body, (bore, outer, shelf, low), window)
+    housing = _housing(module, body, (bore, outer, shelf, low, base, screws_at), window)
     parts = {
         "housing": housing if frame is None else housing.join(*frame.posts()).cut(*frame.sockets(spec)),
         "clamp_ring": _clamp_ring(module, spec, outer),
-        "robot_plate": _robot_plate((bore + outer) / 2, outer, low),
+        "robot_plate": _robot_plate(screws_at, base, low),
     }
     for name, part in parts.items():
         spec.require_room(name, part.bounds)
@@ -193,16 +198,18 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
 
 
 def _housing(
-    module: ContactModule, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
+    module: ContactModule, body: BodySizes, sizes: tuple[float, ...], window: WindowPlate | None
 ) -> CadSolid:
-    """Build the tube with flange seat, lip, LED recess and camera shelf."""
-    bore, outer, shelf, low = sizes
+    """Build the tube with flange seat, lip, LED recess and camera shelf, and the foot on the robot plate."""
+    bore, outer, shelf, low, base, screws_at = sizes
     seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
     recess = module.farthest * module.opening_foot + LED_WIDTH
     section = [
         (0.0, seat),
         (outer, seat),
-        (outer, low),
+        (outer, low + THREAD),
+        (base, low + THREAD),
+        (base, low),
         (bore, low),
         (bore, lip),
         (recess, lip),
@@ -218,9 +225,9 @@ def _housing(
     tube = tube.join(plate).cut(cylinder(body.lens / 2, shelf - 1, shelf + SHELF + 1))
     holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
     core = _screw(module).core / 2
-    screws = [cylinder(core, seat - _THREAD, seat + 1, at) for at in _screw_places(module, outer)]
-    under = [cylinder(M3_CORE / 2, low - 1, low + 10, at) for at in _circle(4, (bore + outer) / 2, 0.0)]
-    cable = box((-6.0, 0.0, low + WALL), (6.0, outer + 1, low + WALL + 8.0))
+    screws = [cylinder(core, seat - THREAD, seat + 1, at) for at in _screw_places(module, outer)]
+    under = [cylinder(M3_CORE / 2, low - 1, low + THREAD, at) for at in _circle(4, screws_at, 45.0)]
+    cable = box((-SLOT[0] / 2, 0.0, low + WALL), (SLOT[0] / 2, base + 1, low + WALL + SLOT[1]))
     return tube.cut(*holes, *screws, *under, cable)
 
 
@@ -267,12 +274,12 @@ def _ring_top(module: ContactModule) -> float:
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:
-    """Build the plate with boss, screws and pin of ISO 9409-1-50-4-M6, screwed under the housing."""
+    """Build the plate of ISO 9409-1-50-4-M6; screws to the housing are outside the robot's flange."""
     plate = cylinder(outer, top - ISO_PLATE, top).join(
         cylinder(ISO_BOSS / 2 - 0.05, top - ISO_PLATE - ISO_BOSS_HEIGHT, top - ISO_PLATE / 2)
     )
     screws = [cylinder(M6_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
-    heads = [cylinder(5.5, top - 4.0, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
+    heads = [cylinder(5.5, top - ISO_PLATE + M6_SEAT, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
     pin = cylinder(ISO_PIN / 2 + 0.05, top - ISO_PLATE - 1, top + 1, _circle(1, ISO_PITCH / 2, 90.0)[0])
-    fixing = [cylinder(M3_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, screw_radius, 0.0)]
+    fixing = [cylinder(M3_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, screw_radius, 45.0)]
     return plate.cut(*screws, *heads, *fixing, pin)

@@ -31,8 +31,6 @@ NUT, NUT_HEIGHT, ROD_CLEAR = 8.8, 4.7, 5.5
 """Width across corners and height of an M5 nut, and clearance hole of a rod (ISO 4032, ISO 273), mm."""
 CAP, CAP_THREAD = 8.0, 7.0
 """Thickness of the end cap, and depth of the threads for the end ring's screws, mm."""
-SCREW_LENGTH = 8.0
-"""Length of the rings' M2 screws, mm: 2 mm of ring under the head, the rest within `CAP_THREAD`."""
 POST, SOCKET = 4.2, 10.0
 """Outer radius of a socket, and its depth under the seat of the flange, mm."""
 _FLOOR, _GAP, _LUG, _END = 1.0, 0.8, 3.0, 2.0

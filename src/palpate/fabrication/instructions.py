@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
-from palpate.camera import Camera
+from palpate.core.report import Report, report_markdown
 from palpate.design import (
     PRINT_TOLERANCE,
     Finding,
@@ -23,18 +23,30 @@ from palpate.design import (
 from palpate.fabrication.artwork import mark_azimuth_deg
 from palpate.fabrication.barrel_sheet import (
     barrel_assembly_steps,
-    barrel_bill_of_materials,
     barrel_casting_steps,
     barrel_inspection_steps,
     describe_barrel,
 )
-from palpate.fabrication.enclosure import SCREWS, Enclosure
-from palpate.fabrication.mold import DOWEL_DIAMETER, Mold
-from palpate.fabrication.spec import CameraBody, PadMapping, ProcessSpec
+from palpate.fabrication.bill_of_materials import CAMERAS, bill_of_materials
+from palpate.fabrication.enclosure import SCREWS
+from palpate.fabrication.mold import Mold
+from palpate.fabrication.pack import PackContent
+from palpate.fabrication.process_sheet import (
+    ADHESION,
+    clamping,
+    printing_lines,
+    ring_screw,
+    sprues,
+    thickness_tolerance,
+    torques,
+)
+from palpate.fabrication.spec import PadMapping, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
 
 _LINES, _WIDTH = 58, 92
 """Lines of a page of text and characters of a line."""
+_CELLS = (4, 18, 11, 48, 28, 24)
+"""Characters of the columns of a table."""
 _A4 = (8.27, 11.69)
 """Width and height of a page, inches."""
 _DRAWING_DPI = 200
@@ -42,54 +54,39 @@ _MAPPINGS = {
     PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
     PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
 }
-_BODIES = {CameraBody.DAVIS346: "DAVIS 346", CameraBody.BOARD28: "board camera with holes 28 mm apart"}
 
 
 @dataclass(frozen=True)
 class Section:
-    """Heading with lines, which are numbered if they are steps."""
+    """Heading with a table or lines, which are numbered if they are steps."""
 
     title: str
-    lines: tuple[str, ...]
+    lines: tuple[str, ...] = ()
     steps: bool = False
+    table: Report | None = None
 
 
-def write_instructions(
-    skin: Skin,
-    layout: MarkerLayout,
-    material: str,
-    made: tuple[Mold, Enclosure, Camera, ProcessSpec],
-    findings: Sequence[Finding],
-) -> list[Section]:
-    """Write the sheet of a module: `made` is mold, enclosure, camera and process."""
-    mold, enclosure, camera, spec = made
-    volume = mold.hollow() / 1000
-    mixed = volume * (1 + spec.excess_percent / 100)
-    frame = enclosure.frame
-    if frame is None:
-        told = (
-            _describe(skin, layout, material, mold),
-            _list_material(mixed, mold, spec),
-            _cast(volume, mixed, mold),
-            _inspect(skin, layout),
-        )
+def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[Section]:
+    """Write the sheet of a module."""
+    skin, layout, mold, spec = made.module.skin, made.design.layout, made.mold, made.process
+    volume, mixed = mold.hollow() / 1000, made.mixed
+    if made.enclosure.frame is None:
+        described, measured = _describe(skin, layout, made.design.material.name, mold), _inspect(skin, layout)
+        cast = _cast(volume, mixed, mold, spec)
         marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
     else:
-        told = (
-            describe_barrel(skin, layout, material, mold, spec),
-            barrel_bill_of_materials(mixed, mold, frame, spec),
-            barrel_casting_steps(mixed, mold, skin),
-            barrel_inspection_steps(skin, layout),
-        )
+        described = describe_barrel(skin, layout, made.design.material.name, mold, spec)
+        cast, measured = barrel_casting_steps(mixed, mold, skin, spec), barrel_inspection_steps(skin, layout)
         marks = []
-    what, needed, cast, measured = (tuple(lines) for lines in told)
     return [
-        Section("Contact module", what),
-        Section("Material", needed),
-        Section("Cast", cast, steps=True),
+        Section("Contact module", tuple(described)),
+        Section("Bill of materials", table=bill_of_materials(made)),
+        Section("Print the parts", tuple(printing_lines(skin, spec))),
+        Section("Cast", tuple(cast), steps=True),
         *marks,
-        Section("Inspect", measured),
-        Section("Enclosure", tuple(_assemble(skin, enclosure, camera, layout, spec)), steps=True),
+        *([write_filling(made.window, made.gel, spec)] if made.window else []),
+        Section("Inspect", tuple(measured)),
+        Section("Enclosure", tuple(_assemble(made)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]
 
@@ -106,34 +103,21 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
     ]
 
 
-def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
-    return [
-        f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume).",
-        f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow; "
-        "cavity with its opening up, core with its plate on the bed.",
-        "Mold release or soapy water; a hose clamp or cable ties around the mold.",
-        *(
-            [f"Three dowels of {DOWEL_DIAMETER:g} mm, 12 mm long, in the halves of the cavity."]
-            if mold.is_split
-            else []
-        ),
-        f"Silicone ink (black) and cliché or template; dots of {spec.min_marker_diameter:g} mm and more.",
-    ]
-
-
-def _cast(volume: float, mixed: float, mold: Mold) -> list[str]:
+def _cast(volume: float, mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
     first = 2 / 3 * volume
     return [
-        "Sand the hollow of cavity and core smooth; wash, dry, and spray with mold release.",
+        "Wash and dry hollow and core; spray them with mold release.",
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
         f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
         "Pot life 45 min at 23 °C.",
         "Draw air out under vacuum for 5 min.",
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
-        f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. Clamp.",
+        f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. "
+        + clamping(mold),
         "Cure for 4 h at 23 °C on a level table.",
-        "Lift the core straight out with the part on it, then peel the part off from the flange. Cut the sprues.",
+        "Lift the core straight out with the part on it, then peel the part off from the flange.",
+        sprues(mold.module, spec),
     ]
 
 
@@ -174,13 +158,14 @@ def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: 
             else []
         ),
         "Let the ink cure as its maker recommends.",
+        ADHESION,
     ]
     return Section("Paint the tips", tuple(lines), steps=True)
 
 
 def _print_markers(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
     return [
-        "Wipe the inner surface with isopropanol; let it dry.",
+        "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
         f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
         "the artwork is drawn for that, and as seen when the pad comes to the dome from its base. Its ellipses "
         f"become round dots of {layout.diameter:g} mm on the dome.",
@@ -196,6 +181,7 @@ def _print_markers(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_t
             else []
         ),
         "Let the ink cure as its maker recommends.",
+        ADHESION,
     ]
 
 
@@ -203,7 +189,7 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0]) - skin.pin
     return [
         f"Thickness at the apex {skin.thickness:g} mm, at four places half way down {half_way:.3g} mm, "
-        f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"± {thickness_tolerance(skin):.2g} mm.",
         f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
         f"{PRINT_TOLERANCE:g} mm of markers.csv: measure them from an image by `palpate calibration inspect`.",
@@ -211,24 +197,28 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def _assemble(skin: Skin, enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
-    view = camera.spec
-    half = [0.5 * size / focal for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))]
-    wide = [2 * tangent * enclosure.camera_distance for tangent in half]
+def _assemble(made: PackContent) -> list[str]:
+    skin, enclosure, spec, layout = made.module.skin, made.enclosure, made.process, made.design.layout
+    view = made.design.camera_spec
+    wide = [
+        size / focal * view.distance for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))
+    ]
     seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
     flange = (
         f"Set the module's flange on the seat, the orientation mark {90 - mark_azimuth_deg(skin, layout):.3g}° from "
-        f"the cable slot; screw the clamp ring on with {SCREWS} M3 screws, crosswise. They cut their own threads."
+        f"the cable slot; screw the clamp ring on with {SCREWS} screws M3 × {ring_screw(made.module)[0]}, "
+        "crosswise. They cut their own threads."
     )
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [
-        f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole is "
+        f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf; its pinhole is "
         f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
         *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
-        *([window] if "window" in enclosure.parts else []),
+        *([window] if made.window else []),
         *(barrel_assembly_steps(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
-        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
+        torques(made.module),
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate from below.",
     ]
 
 
@@ -239,20 +229,43 @@ def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[s
         text += [f"## {section.title}", ""]
         marks = [f"{k}. " if section.steps else "* " for k in range(1, len(section.lines) + 1)]
         text += [mark + line for mark, line in zip(marks, section.lines, strict=True)]
+        text += [report_markdown(section.table).rstrip()] if section.table else []
         text.append("")
     text += [f"![{Path(name).stem.replace('_', ' ')}]({name})" for name in pictures]
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
 def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], more: Sequence[Figure]) -> None:
-    """Write the sheet as PDF on A4: text, one page of drawings, and further pages (the artwork 1:1)."""
+    """Write the sheet as PDF on A4: text, tables, drawings, and further pages (the artwork 1:1)."""
     with PdfPages(path, metadata={"CreationDate": None}) as pages:
-        lines = [line for section in sections for line in _lay_out(section)]
+        lines = [line for section in sections if section.lines for line in _lay_out(section)]
         for start in range(0, len(lines), _LINES):
             pages.savefig(_page(lines[start : start + _LINES]))
+        for section in sections:
+            for page in _table_pages(section.title, section.table) if section.table else []:
+                pages.savefig(page)
         pages.savefig(_page_of_drawings(drawings))
         for page in more:
             pages.savefig(page)
+
+
+def _table_pages(title: str, table: Report) -> list[Figure]:
+    """Draw the rows of a table, with the texts of its columns wrapped, on as many pages as they need."""
+    rows = [[column.label for column in table.columns]]
+    rows += [[column.text(row.get(column.name)) for column in table.columns] for row in table.rows]
+    pages: list[Figure] = []
+    used = float(_LINES)
+    for k, row in enumerate(rows):
+        cells = [textwrap.wrap(text, wide) for text, wide in zip(row, _CELLS, strict=True)]
+        tall = max(len(cell) for cell in cells) + 0.4
+        if used + tall > _LINES:
+            pages.append(_page([(title, True)]))
+            used = 2.0
+        for cell, indent in zip(cells, np.cumsum([0, *_CELLS]), strict=False):
+            x, y, weight = 0.06 + 0.0068 * indent, 0.955 - 0.0155 * used, "normal" if k else "bold"
+            pages[-1].text(x, y, "\n".join(cell), fontsize=7, fontweight=weight, va="top", linespacing=1.35)
+        used += 0.85 * tall
+    return pages
 
 
 def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:

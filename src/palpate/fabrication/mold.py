@@ -67,6 +67,12 @@ class Mold:
         return _SPIGOT * self.module.opening_radius
 
     @property
+    def closed_height(self) -> float:
+        """Height of the closed mold, mm."""
+        ends = np.array([part.bounds[:, 2] for part in self.parts.values()])
+        return float(ends.max() - ends.min())
+
+    @property
     def is_split(self) -> bool:
         """Whether the cavity is in halves."""
         return len(self.parts) > 2

@@ -1,11 +1,43 @@
-"""Fabrication pack: the folder for the workshop."""
+"""Fabrication pack: its content, and the folder for the workshop."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.design import Finding
+from palpate.design import CadSolid, ContactModule, Design, Finding, MountSpec
+from palpate.fabrication.artwork import Artwork
+from palpate.fabrication.enclosure import LED_WIDTH, Enclosure
+from palpate.fabrication.mold import Mold
+from palpate.fabrication.spec import ProcessSpec
+from palpate.fabrication.window_plate import WindowPlate
+
+
+@dataclass(frozen=True)
+class PackContent:
+    """Content of a pack, before it is written."""
+
+    design: Design
+    mount: MountSpec
+    process: ProcessSpec
+    module: ContactModule
+    mold: Mold
+    enclosure: Enclosure
+    artwork: Artwork | None
+    solids: dict[str, CadSolid]
+    gel: str
+    window: WindowPlate | None
+
+    @property
+    def mixed(self) -> float:
+        """Elastomer to mix, mL."""
+        return self.mold.hollow() / 1000 * (1 + self.process.excess_percent / 100)
+
+    @property
+    def led_radii(self) -> tuple[float, float]:
+        """Inner and outer radius of the seat of the LED ring, mm."""
+        opening = self.module.farthest * self.module.opening_foot
+        return opening, opening + LED_WIDTH
 
 
 @dataclass(frozen=True)

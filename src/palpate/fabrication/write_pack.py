@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,8 @@ from palpate.design import (
     raise_on_errors,
     write_step,
 )
-from palpate.fabrication.artwork import Artwork, draw_artwork
+from palpate.fabrication.artwork import draw_artwork
+from palpate.fabrication.bill_of_materials import bill_of_materials
 from palpate.fabrication.check_parts import (
     check_enclosure,
     check_frame,
@@ -38,13 +39,13 @@ from palpate.fabrication.check_parts import (
 from palpate.fabrication.check_process import check_process
 from palpate.fabrication.draw import draw_bodies, draw_module_section, draw_mold_section
 from palpate.fabrication.draw_barrel import draw_barrel_mold, draw_barrel_section, draw_cut_open
-from palpate.fabrication.enclosure import Enclosure, build_enclosure
+from palpate.fabrication.enclosure import build_enclosure
 from palpate.fabrication.folder import hash_files
 from palpate.fabrication.frame import plan_frame
-from palpate.fabrication.instructions import write_filling, write_instructions, write_markdown, write_sheet
+from palpate.fabrication.instructions import write_instructions, write_markdown, write_sheet
 from palpate.fabrication.mesh_file import write_mesh
-from palpate.fabrication.mold import Mold, build_mold
-from palpate.fabrication.pack import FabricationPack
+from palpate.fabrication.mold import build_mold
+from palpate.fabrication.pack import FabricationPack, PackContent
 from palpate.fabrication.pins import build_dimples, build_pins
 from palpate.fabrication.spec import ProcessSpec
 from palpate.fabrication.template import build_template
@@ -58,22 +59,6 @@ _TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring",
 """Parts that are printed upside down."""
 _CLAMPED = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
 _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
-
-
-@dataclass(frozen=True)
-class _Made:
-    """Content of a pack."""
-
-    design: Design
-    mount: MountSpec
-    process: ProcessSpec
-    module: ContactModule
-    mold: Mold
-    enclosure: Enclosure
-    artwork: Artwork | None
-    solids: dict[str, CadSolid]
-    gel: str
-    window: WindowPlate | None
 
 
 def write_pack(
@@ -104,22 +89,22 @@ def write_pack(
             *_check_filling(made),
             *(check_frame(made.enclosure.frame, layout, camera) if made.enclosure.frame else ()),
         )
-        meshes, findings = _write_solids(work, made, findings)
+        findings = _write_solids(work, made, findings)
         _write_print(work, made)
-        _write_sheets(work, made, meshes, findings)
+        _write_sheets(work, made, findings)
         volumes = {name: solid.volume for name, solid in made.solids.items()}
         files = hash_files(work)
         _write_manifest(work / MANIFEST, made, (files, volumes, findings))
     return FabricationPack(folder, files, volumes, findings)
 
 
-def _check_filling(made: _Made) -> tuple[Finding, ...]:
+def _check_filling(made: PackContent) -> tuple[Finding, ...]:
     if made.window is None:
         return ()
     return tuple(check_window(made.window, made.design.layout, made.gel, made.design.camera, made.process))
 
 
-def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
+def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> PackContent:
     skin, layout = design.skin, design.layout
     module = build_contact_module(skin, mount)
     window = _build_window(design, process, module)
@@ -143,7 +128,7 @@ def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> _Made:
     artwork = None if skin.hole else draw_artwork(skin, layout, process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
     gel = design.material.gel.name if design.material.gel else ""
-    return _Made(design, mount, process, module, mold, enclosure, artwork, solids, gel, window)
+    return PackContent(design, mount, process, module, mold, enclosure, artwork, solids, gel, window)
 
 
 def _build_window(design: Design, process: ProcessSpec, module: ContactModule) -> WindowPlate | None:
@@ -160,9 +145,7 @@ def _build_window(design: Design, process: ProcessSpec, module: ContactModule) -
     return build_window(module, window.thickness, process)
 
 
-def _write_solids(
-    work: Path, made: _Made, findings: tuple[Finding, ...]
-) -> tuple[dict[str, SurfaceMesh], tuple[Finding, ...]]:
+def _write_solids(work: Path, made: PackContent, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
     """Write STEP of the assemblies, and STL and 3MF of every part as printed."""
     write_step(work / "module.step", "contact_module", {"module": made.solids["module"]})
     write_step(work / "mold.step", "mold", made.mold.parts)
@@ -176,7 +159,7 @@ def _write_solids(
     for name, mesh in meshes.items():
         for suffix in ("stl", "3mf"):
             write_mesh(work / f"{name}.{suffix}", mesh, made.solids[name].volume if name in made.solids else None)
-    return meshes, findings
+    return findings
 
 
 def _for_printer(name: str, mesh: SurfaceMesh) -> SurfaceMesh:
@@ -188,7 +171,7 @@ def _as_printed(name: str, solid: CadSolid) -> CadSolid:
     return solid.turned("x", 180.0) if name in _TURNED else solid
 
 
-def _write_print(work: Path, made: _Made) -> None:
+def _write_print(work: Path, made: PackContent) -> None:
     artwork = made.artwork
     if artwork is not None:
         write_dxf(work / "artwork.dxf", artwork)
@@ -206,12 +189,12 @@ def _write_print(work: Path, made: _Made) -> None:
         write_csv(work / "orientation_mark.csv", [[f"{value:.4f}" for value in (*mark, *artwork.mark)]], columns[1:])
 
 
-def _title(made: _Made) -> str:
+def _title(made: PackContent) -> str:
     skin = made.design.skin
     return f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.design.layout)} markers"
 
 
-def _write_sheets(work: Path, made: _Made, meshes: dict[str, SurfaceMesh], findings: tuple[Finding, ...]) -> None:
+def _write_sheets(work: Path, made: PackContent, findings: tuple[Finding, ...]) -> None:
     mold, enclosure = made.mold, made.enclosure
     assembly = [made.solids["module"], *enclosure.parts.values()]
     figures = {
@@ -225,22 +208,15 @@ def _write_sheets(work: Path, made: _Made, meshes: dict[str, SurfaceMesh], findi
         figures["assembly_section"] = draw_cut_open(assembly, enclosure.frame.azimuths[0])
     for name, figure in figures.items():
         figure.savefig(work / f"{name}.png", dpi=120)
-    sections = write_instructions(
-        made.design.skin,
-        made.design.layout,
-        made.design.material.name,
-        (mold, enclosure, made.design.camera, made.process),
-        findings,
-    )
-    if made.window is not None:
-        place = next(k for k, section in enumerate(sections) if section.title == "Inspect")
-        sections.insert(place, write_filling(made.window, made.gel, made.process))
+    sections = write_instructions(made, findings)
+    table = bill_of_materials(made)
+    write_csv(work / "bill_of_materials.csv", table.rows, [column.name for column in table.columns])
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
     pages = [] if made.artwork is None else [draw_page(made.artwork, _title(made))]
     write_sheet(work / "instructions.pdf", sections, [*figures.values()], pages)
 
 
-def _draw_sections(made: _Made, process: ProcessSpec) -> dict[str, Figure]:
+def _draw_sections(made: PackContent, process: ProcessSpec) -> dict[str, Figure]:
     """Draw the sections of module and mold."""
     mold, sizes = made.mold, (process.mold_floor, process.plate)
     if made.design.skin.hole:
@@ -261,7 +237,7 @@ def _markers_data(design: Design) -> dict[str, Any]:
 
 
 def _write_manifest(
-    path: Path, made: _Made, found: tuple[dict[str, str], dict[str, float], tuple[Finding, ...]]
+    path: Path, made: PackContent, found: tuple[dict[str, str], dict[str, float], tuple[Finding, ...]]
 ) -> None:
     files, volumes, findings = found
     data = {

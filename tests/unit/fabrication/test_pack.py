@@ -92,11 +92,11 @@ def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
     pours = [float(amount) for amount in re.findall(r"Pour (?:the remaining )?([\d.]+) mL", text)]
     assert len(pours) == 2
     assert sum(pours) == pytest.approx(2 * half / 1.3, abs=0.1), "the mold holds what is poured"
-    assert f"{SCREWS} M3 screws" in text
+    assert f"{SCREWS} screws M3 × 10" in text
     sheet = (pack.folder / "instructions.pdf").read_bytes()
     assert sheet.startswith(b"%PDF")
     boxes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", sheet)
-    assert len(boxes) == 3, "text, drawings, artwork"
+    assert len(boxes) == 5, "two pages of text, table, drawings, artwork"
     assert all((float(w), float(h)) == pytest.approx((595, 842), abs=2) for w, h in boxes), "all on A4"
     assert (pack.folder / "artwork.pdf").read_bytes().startswith(b"%PDF")
 

@@ -1,0 +1,101 @@
+"""Lines of the workshop sheet on 3-D printing, roughness, clamping, sprues, adhesion and screws."""
+
+from __future__ import annotations
+
+from math import ceil, pi, sqrt
+
+from palpate.design import ContactModule, Skin
+from palpate.fabrication.enclosure import ISO_PLATE, M6_CLEAR, SQUEEZE, THREAD, WALL
+from palpate.fabrication.frame import CAP_THREAD
+from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, Mold
+from palpate.fabrication.spec import ProcessSpec
+
+DENSITY = 1.07
+"""Density of Ecoflex (Smooth-On technical bulletin), g/mL."""
+NOZZLE, LAYER, RESIN_LAYER = 0.4, 0.1, 0.05
+"""Nozzle and layers of a filament and a resin printer, mm."""
+LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30)
+"""Nominal lengths of ISO 4762 and DIN 7984, mm."""
+_SPARE, _M6_HEAD = 1.0, 10.0
+"""Free depth below the end of a screw, and diameter of an M6 head (DIN 7984), mm."""
+_BOND, _SAFETY, _COEFFICIENT = 17.0, 2.0, 0.2
+"""PLA between layers, MPa (Prusament PLA data sheet: 17 ± 3); safety; torque coefficient (dry steel)."""
+ADHESION = (
+    "Check adhesion on the excess elastomer, cast flat and marked alike: press on a tape of 6 to 10 N per 25 mm and "
+    "pull it off at about 60° within 1 s (ISO 2409). No marker may come off, or crack when stretched; otherwise "
+    "prime the surface, or use another primer."
+)
+
+
+def thickness_tolerance(skin: Skin) -> float:
+    """Return the tolerance of the thickness, mm."""
+    return max(0.05, 0.05 * skin.thickness)
+
+
+def screw_length(grip: float, depth: float) -> int:
+    """Return the longest standard screw (mm) that does not reach the bottom of a thread, mm."""
+    return max(length for length in LENGTHS if length <= grip + depth - _SPARE)
+
+
+def ring_screw(module: ContactModule) -> tuple[int, float]:
+    """Return length and grip of the clamp ring's screws, mm, which also fit a barrel's end cap."""
+    grip = 2 / 3 * module.flange_thickness
+    return screw_length(grip, CAP_THREAD if module.skin.hole else THREAD), grip
+
+
+def thread_torque(diameter: float, engaged: float) -> float:
+    """Return the torque of a screw in PLA, N·m, at half the load that strips half its flanks."""
+    return _COEFFICIENT * diameter * 0.5 * pi * diameter * engaged * _BOND / sqrt(3) / _SAFETY / 1000
+
+
+def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
+    """Write how the parts are printed and their surface is finished."""
+    halves = "halves of the cavity upright, with support only in the recess next to the floor"
+    web = (spec.mold_wall - spec.pin_diameter - 2 * spec.clearance) / 2
+    return [
+        f"Filament printer (FDM): nozzle of {NOZZLE:g} mm, layers of {LAYER:g} mm. Mold: {ceil(web / NOZZLE)} walls; "
+        f"enclosure: {ceil(WALL / 2 / NOZZLE)} walls. Infill 100 %, so that threads, pins and hollow are in solid "
+        f"material. Core with its plate on the bed; {halves if skin.hole else 'cavity with its opening up'}.",
+        f"Resin printer (SLA, MSLA), for the mold only: layers of {RESIN_LAYER:g} mm, solid. Wash and post-cure it "
+        "as the resin's maker recommends, then seal it with clear acrylic lacquer: uncured resin inhibits platinum "
+        "silicone (Smooth-On bulletin, Ecoflex series).",
+        f"Roughness of core and hollow: Rz {100 * thickness_tolerance(skin):.2g} µm or less (ISO 21920-2), a tenth "
+        f"of the tolerance of the thickness. Layers leave steps of up to {1000 * LAYER:g} µm, or "
+        f"{1000 * RESIN_LAYER:g} µm of resin. Sand off half a layer ({LAYER / 2:g} mm, resin {RESIN_LAYER / 2:g} "
+        "mm), fill the rest with sandable filler, and sand wet with P240, P400 and P600 (ISO 6344).",
+        "Measure Rz on the plate of the core, finished alike, with a tester or a comparison specimen.",
+    ]
+
+
+def clamping(mold: Mold) -> str:
+    """Write how the filled mold is clamped, against the buoyancy of its core."""
+    pins = ", ".join(f"{azimuth:g}°" for azimuth in PIN_AZIMUTHS_DEG)
+    lift = 9.81e-6 * DENSITY * mold.module.solid(mold.module.inside()).volume
+    return (
+        f"Clamp core and cavity at the three pins ({pins}). The elastomer lifts the core with {lift:.2g} N in all: "
+        "clamps only close the parting plane; more force bends the plate."
+    )
+
+
+def sprues(module: ContactModule, spec: ProcessSpec) -> str:
+    """Write how the sprues are cut."""
+    middle = (module.opening_foot + module.flange_foot) / 2
+    return (
+        f"Cut the sprues with a blade flat on the foot of the flange: one of {spec.pour_diameter / 2:g} mm radius "
+        f"and {spec.vents} of {spec.vent_diameter / 2:g} mm, {middle:.4g} mm from the axis (along x). Leave at most "
+        f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no notch: the foot is the seat."
+    )
+
+
+def torques(module: ContactModule) -> str:
+    """Write the squeeze of the flange and the torques of the screws."""
+    thread, (length, grip), thick = 2 if module.skin.hole else 3, ring_screw(module), module.flange_thickness
+    plate = thread_torque(3, screw_length(ISO_PLATE, THREAD) - ISO_PLATE)
+    robot = _COEFFICIENT * 6 * _BOND * pi / 4 * (_M6_HEAD**2 - M6_CLEAR**2) / _SAFETY / 1000
+    return (
+        f"The clamp ring lies on the housing without a gap and then compresses the flange by {SQUEEZE:g} mm, from "
+        f"{thick:g} to {thick - SQUEEZE:g} mm. Beyond the torque that cuts the thread, tighten its M{thread} screws "
+        f"by at most {thread_torque(thread, length - grip):.2f} N·m, those of the robot plate by {plate:.2f} N·m, "
+        f"M6 into the robot by {robot:.2f} N·m (PLA, {_BOND:g} MPa between layers, Prusament data sheet; safety "
+        f"{_SAFETY:g})."
+    )
