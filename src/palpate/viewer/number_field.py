@@ -14,7 +14,7 @@ from palpate.viewer.sketch import bounds_of
 
 Change = Callable[[float], None]
 WRONG_FIELD = "wrong-field"
-"""Marker of the labels that state what is wrong about a field; empty if nothing is."""
+"""Marker of the labels that state the error of a field; empty without one."""
 
 
 class NumberField:
