@@ -13,7 +13,6 @@ import pickle
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -77,12 +76,13 @@ def build_twin(presses: Iterable[Press], inverted: Iterable[Press] = ()) -> Twin
 
 
 def run_tiny_study(folder: Path) -> Path:
-    """Copy the results of `TINY_STUDY` to a folder, as `run_study` does; return the folder."""
-    return run_study(TINY_STUDY, folder)
+    """Copy the results of `TINY_STUDY` to a folder; return the folder."""
+    shutil.copytree(study_results(TINY_STUDY), folder, dirs_exist_ok=True)
+    return folder
 
 
-def run_study(text: str, folder: Path) -> Path:
-    """Copy the results of a study, run once by the command line with two workers, to a folder; return the folder."""
+def study_results(text: str) -> Path:
+    """Return the results of a study, run once by the command line with two workers; only to be read."""
 
     def run(made: Path) -> None:
         study = made / "study.yaml"
@@ -91,14 +91,12 @@ def run_study(text: str, folder: Path) -> Path:
         done = subprocess.run(words, cwd=SOURCE.parent, capture_output=True, text=True, timeout=1800)
         assert done.returncode == 0, done.stderr
 
-    shutil.copytree(stored_folder("study", [text], run) / "results", folder, dirs_exist_ok=True)
-    return folder
+    return stored_folder("study", [text], run) / "results"
 
 
 def copy_artefacts(study: Path, folder: Path) -> None:
     """Copy the artefacts of a study to the store of a folder, where a run of the study finds them."""
-    with tempfile.TemporaryDirectory() as made:
-        shutil.copytree(run_study(study.read_text(), Path(made)) / "store", folder / "store")
+    shutil.copytree(study_results(study.read_text()) / "store", folder / "store")
 
 
 def stored(kind: str, inputs: Iterable[Any], make: Callable[[], Any]) -> Any:

@@ -103,8 +103,7 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
-    if Path(source).suffix:
-        open_source(source).close()  # a missing file is rejected before the search of a twin
+    check_source(source)
     model = reads.find(flags.built)
     if is_recorded_model(model):
         return _live_recorded(read_model(model), source, out, flags, output.json)
@@ -149,6 +148,12 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
         rows = (describe_reading(reading) for reading in written)
         _print_json(rows) if json else _print_lines(rows, model.space)
     return 0
+
+
+def check_source(source: str) -> None:
+    """Reject a missing file before the search of a twin, with the error of `open_source`."""
+    if Path(source).suffix and not Path(source).exists():
+        open_source(source).close()
 
 
 def open_images(source: str, unit: Unit) -> Source:

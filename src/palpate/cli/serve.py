@@ -11,7 +11,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
-from palpate.cli.sensor import open_images
+from palpate.cli.sensor import check_source, open_images
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
 from palpate.sensor import SensorSpec
@@ -47,6 +47,7 @@ def serve(
     from palpate.sensor import open_model
     from palpate.viewer import Feed, ServeSpec, serve_readings
 
+    check_source(source)
     unit = built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
     with open_images(source, unit) as opened:

@@ -6,7 +6,8 @@ from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
 from palpate.fabrication.artwork import mark_azimuth_deg
 from palpate.fabrication.frame import RODS, BarrelFrame
 from palpate.fabrication.mold import Mold
-from palpate.fabrication.process_sheet import clamping, sprues, thickness_tolerance
+from palpate.fabrication.pack import PackContent
+from palpate.fabrication.process_sheet import clamping, curing, mixing, sprues, thickness_tolerance
 from palpate.fabrication.spec import ProcessSpec
 
 
@@ -22,8 +23,9 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
     ]
 
 
-def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin, spec: ProcessSpec) -> list[str]:
+def barrel_casting_steps(made: PackContent) -> list[str]:
     """Write the steps from the printed mold to the skin."""
+    skin, mold, material = made.module.skin, made.mold, made.design.material.name
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
         "Wash and dry hollow and core; spray them with mold release, the core's dimples too.",
@@ -31,15 +33,14 @@ def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin, spec: ProcessSpec
         "the core clean between the dots. Let it cure until it is firm but still tacky: the elastomer bonds to it.",
         "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "
         "tighten the clamps. Stand it on its floor.",
-        f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
-        "Pot life 45 min at 23 °C.",
+        mixing(material, made.mixed),
         "Draw air out under vacuum for 5 min.",
         f"Pour {volume:.0f} mL into the cavity. Lower the core into it within some 5 min, so that the elastomer "
         "rises around it and drives the air before it, until the spigot is in the floor and the three pins enter: it "
         "fits one way only.",
         "Fill up through the hole until elastomer stands in every vent. " + clamping(mold),
-        "Cure for 4 h at 23 °C on a level table.",
-        sprues(mold.module, spec),
+        curing(material),
+        sprues(mold.module, made.process),
         "Loosen the clamps, take the halves of the cavity off.",
         "The core is whole. Work soapy water under the flange at its plate and on all around, then push the skin off "
         f"over the far end: its rim stretches {stretch:.3g} times as it passes the middle. A core in segments "

@@ -11,8 +11,8 @@ from palpate.fabrication.enclosure import BODIES, ISO_PLATE, LED_HEIGHT, M6_SEAT
 from palpate.fabrication.frame import RODS
 from palpate.fabrication.mold import DOWEL_DEPTH, DOWEL_DIAMETER, PIN_AZIMUTHS_DEG
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import DENSITY, LENGTHS, ring_screw, screw_length
-from palpate.fabrication.spec import CameraBody
+from palpate.fabrication.process_sheet import LENGTHS, mixing, ring_screw, screw_length
+from palpate.fabrication.spec import ECOFLEX, CameraBody
 
 PLA_DENSITY = 1.24
 """Density of PLA (NatureWorks Ingeo 4043D data sheet), g/mL."""
@@ -36,11 +36,10 @@ def bill_of_materials(made: PackContent) -> Report:
 
 
 def _cast(made: PackContent) -> Iterator[_Row]:
-    mold, half, barrel = made.mold, made.mixed / 2, made.module.skin.hole
-    mix = f"part A {half:.1f} mL, part B {half:.1f} mL (1:1 by volume), {DENSITY * made.mixed:.0f} g ({DENSITY} g/mL)"
+    mold, barrel, material = made.mold, made.module.skin.hole, made.design.material.name
     other = "another silicone whose law was measured (palpate material fit)"
-    source = f"mold and {made.process.excess_percent:g} % excess; Smooth-On bulletin, Ecoflex series"
-    yield "elastomer", f"{made.mixed:.1f} mL", f"{made.design.material.name}: {mix}", other, source
+    source = f"mold and {made.process.excess_percent:g} % excess; {ECOFLEX}"
+    yield "elastomer", f"{made.mixed:.1f} mL", f"{material}. {mixing(material, made.mixed)}", other, source
     yield "release agent", "1 can", "for silicone, e.g. Mann Ease Release 200", "soapy water, dried", "process"
     if mold.is_split:
         size = f"{DOWEL_DIAMETER:g} × {2 * DOWEL_DEPTH:g}"

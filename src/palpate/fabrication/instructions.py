@@ -34,6 +34,8 @@ from palpate.fabrication.pack import PackContent
 from palpate.fabrication.process_sheet import (
     ADHESION,
     clamping,
+    curing,
+    mixing,
     printing_lines,
     ring_screw,
     sprues,
@@ -69,14 +71,13 @@ class Section:
 def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[Section]:
     """Write the sheet of a module."""
     skin, layout, mold, spec = made.module.skin, made.design.layout, made.mold, made.process
-    volume, mixed = mold.hollow() / 1000, made.mixed
     if made.enclosure.frame is None:
         described, measured = _describe(skin, layout, made.design.material.name, mold), _inspect(skin, layout)
-        cast = _cast(volume, mixed, mold, spec)
+        cast = _cast(made)
         marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
     else:
         described = describe_barrel(skin, layout, made.design.material.name, mold, spec)
-        cast, measured = barrel_casting_steps(mixed, mold, skin, spec), barrel_inspection_steps(skin, layout)
+        cast, measured = barrel_casting_steps(made), barrel_inspection_steps(skin, layout)
         marks = []
     return [
         Section("Contact module", tuple(described)),
@@ -103,21 +104,21 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
     ]
 
 
-def _cast(volume: float, mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
+def _cast(made: PackContent) -> list[str]:
+    mold, material, volume = made.mold, made.design.material.name, made.mold.hollow() / 1000
     first = 2 / 3 * volume
     return [
         "Wash and dry hollow and core; spray them with mold release.",
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
-        f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
-        "Pot life 45 min at 23 °C.",
+        mixing(material, made.mixed),
         "Draw air out under vacuum for 5 min.",
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
         f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. "
         + clamping(mold),
-        "Cure for 4 h at 23 °C on a level table.",
+        curing(material),
         "Lift the core straight out with the part on it, then peel the part off from the flange.",
-        sprues(mold.module, spec),
+        sprues(mold.module, made.process),
     ]
 
 

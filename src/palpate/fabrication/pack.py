@@ -15,7 +15,23 @@ from palpate.fabrication.window_plate import WindowPlate
 
 @dataclass(frozen=True)
 class PackContent:
-    """Content of a pack, before it is written."""
+    """Content of a pack, before it is written; lengths in mm.
+
+    Attributes
+    ----------
+    design, mount, process
+        Inputs of the pack.
+    module
+        Skin with its flange.
+    mold, enclosure, artwork
+        Parts made for the module; no artwork without printed markers.
+    solids
+        Name → part that is written as STL, 3MF and STEP.
+    gel
+        Name of the gel; empty without one.
+    window
+        Plate that closes a gel-filled skin.
+    """
 
     design: Design
     mount: MountSpec

@@ -8,10 +8,10 @@ from palpate.design import ContactModule, Skin
 from palpate.fabrication.enclosure import ISO_PLATE, M6_CLEAR, SQUEEZE, THREAD, WALL
 from palpate.fabrication.frame import CAP_THREAD
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, Mold
-from palpate.fabrication.spec import ProcessSpec
+from palpate.fabrication.spec import ECOFLEX, ProcessSpec
 
-DENSITY = 1.07
-"""Density of Ecoflex (Smooth-On technical bulletin), g/mL."""
+_DENSITY, _BULLETIN = 1.07, "ecoflex_00_30"
+"""Density of Ecoflex 00-30, g/mL, and part of its names in the library (source: `ECOFLEX`)."""
 NOZZLE, LAYER, RESIN_LAYER = 0.4, 0.1, 0.05
 """Nozzle and layers of a filament and a resin printer, mm."""
 LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30)
@@ -58,7 +58,7 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
         f"material. Core with its plate on the bed; {halves if skin.hole else 'cavity with its opening up'}.",
         f"Resin printer (SLA, MSLA), for the mold only: layers of {RESIN_LAYER:g} mm, solid. Wash and post-cure it "
         "as the resin's maker recommends, then seal it with clear acrylic lacquer: uncured resin inhibits platinum "
-        "silicone (Smooth-On bulletin, Ecoflex series).",
+        f"silicone ({ECOFLEX}).",
         f"Roughness of core and hollow: Rz {100 * thickness_tolerance(skin):.2g} µm or less (ISO 21920-2), a tenth "
         f"of the tolerance of the thickness. Layers leave steps of up to {1000 * LAYER:g} µm, or "
         f"{1000 * RESIN_LAYER:g} µm of resin. Sand off half a layer ({LAYER / 2:g} mm, resin {RESIN_LAYER / 2:g} "
@@ -67,13 +67,26 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
     ]
 
 
+def mixing(material: str, mixed: float) -> str:
+    """Write how a volume (mL) of an elastomer is mixed; figures are those of Ecoflex 00-30."""
+    if _BULLETIN not in material:
+        return f"Mix {mixed:.1f} mL of {material} as its maker states, and observe its pot life."
+    half = f"{mixed / 2:.1f} mL"
+    return f"Mix part A {half} and part B {half} slowly for 3 min. Pot life 45 min at 23 °C."
+
+
+def curing(material: str) -> str:
+    """Write how long the elastomer cures."""
+    return f"Cure {'for 4 h at 23 °C' if _BULLETIN in material else 'as its maker states'} on a level table."
+
+
 def clamping(mold: Mold) -> str:
     """Write how the filled mold is clamped, against the buoyancy of its core."""
     pins = ", ".join(f"{azimuth:g}°" for azimuth in PIN_AZIMUTHS_DEG)
-    lift = 9.81e-6 * DENSITY * mold.module.solid(mold.module.inside()).volume
+    lift = 9.81e-6 * _DENSITY * mold.module.solid(mold.module.inside()).volume
     return (
-        f"Clamp core and cavity at the three pins ({pins}). The elastomer lifts the core with {lift:.2g} N in all: "
-        "clamps only close the parting plane; more force bends the plate."
+        f"Clamp core and cavity at the three pins ({pins}). The elastomer ({_DENSITY:g} g/mL) lifts the core with "
+        f"{lift:.2g} N in all: clamps only close the parting plane; more force bends the plate."
     )
 
 

@@ -54,7 +54,7 @@ from palpate.surrogate import Twin, read_twin
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the coarse presses of the search.
 
-The winner is evaluated again by the presses of its reading twin.
+The finalists are evaluated again by the presses of a twin that reads images.
 """
 _EVALUATED_BY = (
     "seed",

@@ -335,19 +335,15 @@ def _average(naming: MarkerAssignment, detector: Detector, images: list[NDArray[
     if len(images) == 1:
         return naming
     tracker = Tracker(MotionModel(naming.positions_px))
-    seen = [tracker.step(positions_px) for positions_px in _find_in_each(detector, images)]
-    positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
-    found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5
-    return replace(naming, positions_px=positions, found=found)
-
-
-def _find_in_each(detector: Detector, images: list[NDArray[Any]]) -> Iterator[FloatArray]:
-    """Yield the blobs of every rest image; an error names the image."""
+    seen = []
     for number, image in enumerate(images, start=1):
         try:
-            yield detector.find(image).positions_px
+            seen.append(tracker.step(detector.find(image).positions_px))
         except PalpateError as error:
             said = error.problem.rstrip(".")
             raise PalpateError(
                 f"{said} (rest image {number} of {len(images)}).", error.remedy, code=error.code
             ) from error
+    positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
+    found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5
+    return replace(naming, positions_px=positions, found=found)

@@ -66,7 +66,10 @@ class SearchPage:
 
     def _follow(self) -> None:
         """Load the page again when the folder has another skin or the results."""
-        found = read_search(self._search.folder)
+        try:
+            found = read_search(self._search.folder)
+        except PalpateError:  # the folder is being written; the next look finds it
+            return
         if (found.skins, found.finished) != (self._search.skins, self._search.finished):
             ui.navigate.reload()
 

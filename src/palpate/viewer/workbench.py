@@ -176,10 +176,10 @@ class Workbench:
     def _start(self, work: Callable[..., Any], what: str) -> None:
         if self._pool is not None:
             return
-        wrong = sum(bool(label.text) for label in ElementFilter(kind=ui.label, marker=WRONG_FIELD))
-        show_error(self._fault, f"Correct the {wrong} marked field(s) first." if wrong else "", "field-wrong")
-        if wrong:
+        if any(label.text for label in ElementFilter(kind=ui.label, marker=WRONG_FIELD)):
+            show_error(self._fault, "A field has a wrong value. Correct it first.", "field-wrong")
             return
+        show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
         self._pool, self._done, self._what, self._cancelled = LocalWorkers(1), Progress(), what, False
         self._pool.submit(work, self._sketch, progress=self._done)

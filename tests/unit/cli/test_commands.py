@@ -78,6 +78,7 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("press", "--points", "nowhere.csv"), ("file-unreadable", "nowhere.csv")),
         (("study", "status", "."), ("study-is-folder", ".", "--out", "palpate study show")),
         (("sensor", "live", "--source", "nowhere.mp4"), ("file-missing", "nowhere.mp4")),
+        (("sensor", "serve", "--source", "nowhere.mp4"), ("file-missing", "nowhere.mp4")),
         (("run", "second"), ("file-unreadable", "second", "first, flat_pad")),
         (("run", "first", "--workers", "0"), ("option-out-of-bounds", "--workers", 0)),
         (("run",), ("usage", "--study")),

@@ -11,7 +11,7 @@ from palpate.camera import CameraSpec
 from palpate.design import CadSolid, Design, DomeSpec, MarkerSpec, MountSpec, build_contact_module, cylinder
 from palpate.fabrication import FabricationPack, ProcessSpec, build_enclosure, write_pack
 from palpate.fabrication.enclosure import BODIES, ISO_RADIUS, M3_CLEAR, SQUEEZE, Enclosure
-from palpate.fabrication.process_sheet import screw_length, thread_torque
+from palpate.fabrication.process_sheet import curing, mixing, screw_length, thread_torque
 from palpate.fabrication.spec import CameraBody
 from palpate.material import get_material
 
@@ -133,3 +133,9 @@ def test_the_sheet_answers_the_workshop(pack: FabricationPack) -> None:
     header = (pack.folder / "mold.step").read_bytes()[:400]
     assert b"('palpate " in header
     assert b"Author" not in header
+
+
+def test_pot_life_and_cure_of_one_silicone_are_not_given_for_another() -> None:
+    assert numbers(mixing("zaid_2024_ecoflex_00_30", 12.0)) == [6, 6, 3, 45, 23]
+    assert numbers(mixing("mine", 12.0)) == [12]
+    assert numbers(curing("mine")) == []
