@@ -5,6 +5,7 @@
     python benchmarks/learn_recording.py assign FOLDER                correspondence against what was drawn; control
     python benchmarks/learn_recording.py learn FOLDER --epochs 90     errors, time, memory; --nearest for the control
     python benchmarks/learn_recording.py adapt FOLDER                 another unit with 10, 30, 100 presses, or alone
+    python benchmarks/learn_recording.py few FOLDER                   closed forms on 10 to 300 presses, three draws
 
 Each prints JSON. What is drawn follows rules of its own (`tests/drawn_tactip.py`), not the package's simulation.
 """
@@ -115,19 +116,55 @@ def adapt(folder: Path, presses: tuple[int, ...], alone: tuple[int, ...]) -> dic
     return found
 
 
+def few(folder: Path, numbers: tuple[int, ...], draws: int) -> dict[str, object]:
+    """RMSE on 300 further images, and coverage, of models of the first presses of several draws."""
+    found: dict[str, object] = {}
+    sensor = DrawnSensor(pattern="rings")
+    for seed in range(1, draws + 1):
+        place = folder / f"rings_{seed}"
+        if not (place / "poses.csv").is_file():
+            motions = draw_motions(1000, seed)
+            draw_recording(place, motions, sensor, seed=seed)
+            np.savez(place / TRUTH, motions=motions)
+        truth, rows = np.load(place / TRUTH)["motions"][700:, :3], (place / "poses.csv").read_text().splitlines()
+        for count in numbers:
+            table = place / f"first_{count}.csv"
+            table.write_text("\n".join(rows[: count + 1]) + "\n")
+            spec, begin = RecordingSpec(estimators="ridge", threads=1), time.process_time()
+            learnt = train_on_recording(read_recording(table), spec, ArtefactStore(place / "store"), progress)
+            table.unlink()
+            spent = time.process_time() - begin
+            poses, widths = read_poses(learnt.model, place)
+            off = poses - truth
+            found[f"{count} presses, draw {seed}"] = {
+                "best": learnt.best,
+                "rmse": np.round(np.sqrt(np.mean(off**2, axis=0)), 3).tolist(),
+                "max": np.round(np.abs(off).max(axis=0), 2).tolist(),
+                "inside": np.round(np.mean(np.abs(off) <= widths, axis=0), 3).tolist(),
+                "cpu_s": round(spent, 1),
+            }
+            progress.note(f"{count}, {seed}: {found[f'{count} presses, draw {seed}']}")
+    return found
+
+
 def read_all(model: object, place: Path, truth: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.nanmean((read_poses(model, place)[0] - truth) ** 2, axis=0))
+
+
+def read_poses(model: object, place: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Poses and half-widths of the last 300 of 1 000 images."""
     import cv2
 
     images = [
         cv2.imread(str(place / "images" / f"image_{n:05d}.png"), cv2.IMREAD_UNCHANGED) for n in range(700, 1000)
     ]
-    poses = np.array([model.read(image).pose for image in images])  # type: ignore[attr-defined]
-    return np.sqrt(np.nanmean((poses - truth) ** 2, axis=0))
+    read = [model.read(image) for image in images]  # type: ignore[attr-defined]
+    return np.array([one.pose for one in read]), np.array([one.half_width for one in read])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("draw", "assign", "learn", "adapt"))
+    parser.add_argument("what", choices=("draw", "assign", "learn", "adapt", "few"))
     parser.add_argument("folder", type=Path)
     parser.add_argument("--images", type=int, default=3000)
     parser.add_argument("--rings", type=int, default=10)
@@ -143,6 +180,7 @@ def main() -> None:
         "assign": lambda: assign(given.folder),
         "learn": lambda: learn(given.folder, given.epochs, given.nearest, given.estimators),
         "adapt": lambda: adapt(given.folder, (10, 30, 100), (30, 100, 300)),
+        "few": lambda: few(given.folder, (10, 30, 100, 300), 3),
     }[given.what]()
     print(json.dumps(result, indent=1))
 

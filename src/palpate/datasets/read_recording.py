@@ -31,7 +31,7 @@ from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
-LEAST_IMAGES, LEAST_PRESSES = 12, 8
+LEAST_IMAGES, LEAST_PRESSES = 8, 8
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,14 @@ import numpy as np
 from scipy.optimize import nnls
 
 from palpate.core import BoolArray, FloatArray
+from palpate.learn.error_scale import ErrorScale
 
 MIXTURE, PICTURES = "mixture", "mixture of pictures"
 """Ensembles of all estimators, and of image networks."""
 _LEAST = 0.03
 """Weight below which an estimator is left out of an ensemble."""
+_LEAST_MIXED = 30
+"""Minimum number of validation images for an ensemble: fewer do not determine its weights."""
 _GAIN = 0.97
 """An ensemble is selected if its error is below this share of the best single estimator's."""
 
@@ -26,8 +29,8 @@ class Ensemble:
     ----------
     parts, weights
         Names, and (parts, k) weights of each component.
-    half_width
-        (k,) half-widths of its intervals.
+    half_width, scale
+        (k,) half-widths of its intervals, over the expected errors of `scale` if there is one.
     name, error
         The estimator, or ``mixture``; its RMSE on the validation images, over the standard deviations of the targets.
     """
@@ -37,12 +40,25 @@ class Ensemble:
     half_width: FloatArray = field(default_factory=lambda: np.zeros(0))
     name: str = ""
     error: float = float("nan")
+    scale: ErrorScale | None = None
+
+    def half_widths(self, features: FloatArray) -> FloatArray:
+        """Half-widths (n, k) of the intervals of images with features (n, f), see `image_features`."""
+        if self.scale is None:
+            return np.tile(self.half_width, (len(features), 1))
+        return self.half_width * self.scale.expected(features)
 
     def combine(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
         """Combine the estimates of the parts to (n, k)."""
         return np.asarray(
             sum(weight * estimates[name] for name, weight in zip(self.parts, self.weights, strict=True))
         )
+
+    def spread(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
+        """Standard deviation (n, k) of the estimates of the parts about their combination."""
+        mean = self.combine(estimates)
+        off = [weight * (estimates[name] - mean) ** 2 for name, weight in zip(self.parts, self.weights, strict=True)]
+        return np.asarray(np.sqrt(sum(off)))
 
 
 def select_ensemble(
@@ -94,7 +110,7 @@ def select_ensemble(
 def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Ensemble | None:
     """Non-negative least-squares weights of each component, summing to one; `None` for one part."""
     names = list(estimates)
-    if len(names) < 2 or rows.sum() < 10:
+    if len(names) < 2 or rows.sum() < _LEAST_MIXED:
         return None
     weights = np.zeros((len(names), targets.shape[1]))
     for column in range(targets.shape[1]):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, Registry, load_extra
 from palpate.core.run import Progress
+from palpate.learn.gaussian_process import predict_process, train_process
 from palpate.learn.graph import image_graph, open_session
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.learn.ridge import solve_ridge
@@ -74,6 +75,8 @@ class EnsembleMember(ABC):
         One of `EFFORTS`: the first choice of `RecordingSpec.estimators` that trains it.
     takes_rotation, takes_auxiliary
         Whether it is trained a second time with rotated presses, and with further motions as targets.
+    uses_validation
+        Whether it makes choices on the validation samples.
     name
         Such as ``dots-network-turned``: its kind, and how it was trained.
     arrays
@@ -85,6 +88,7 @@ class EnsembleMember(ABC):
     effort: ClassVar[Literal["ridge", "fast", "all"]] = "fast"
     takes_rotation: ClassVar[bool] = False
     takes_auxiliary: ClassVar[bool] = False
+    uses_validation: ClassVar[bool] = True
     name: str
     arrays: dict[str, NDArray[Any]]
 
@@ -150,6 +154,24 @@ class ImageRidge(_Ridge):
     kind = "picture-ridge"
     reads_markers = False
     sides = SIDES
+
+
+@final
+class MarkerProcess(EnsembleMember):
+    """A Gaussian process on displacements: the best estimator of few presses."""
+
+    kind = "dots-process"
+    reads_markers = True
+    effort = "ridge"
+    takes_rotation = True
+    uses_validation = False
+
+    @classmethod
+    def train(cls, name: str, samples: TrainingSet, run: TrainingRun) -> Self:
+        return cls(name, train_process(samples))
+
+    def predict(self, inputs: NDArray[Any]) -> FloatArray:
+        return predict_process(self.arrays, inputs)
 
 
 @final
@@ -238,6 +260,7 @@ ESTIMATORS: Registry[type[EnsembleMember]] = Registry(
     {
         "picture-ridge": "palpate.learn.member:ImageRidge",
         "dots-ridge": "palpate.learn.member:MarkerRidge",
+        "dots-process": "palpate.learn.member:MarkerProcess",
         "dots-network": "palpate.learn.member:MarkerNetwork",
         "picture-network": "palpate.learn.member:ImageNetwork",
     },

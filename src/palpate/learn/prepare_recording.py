@@ -61,7 +61,8 @@ class PreparedRecording:
         """Accepted displacements, or all images, as training samples; and (n,) the test samples."""
         rows = self.accepted if markers else np.ones(len(self.targets), bool)
         inputs, split = self.moved if markers else self.pictures, self.split
-        return TrainingSet(inputs, self.targets, split.train & rows, split.validation & rows, seed), split.test & rows
+        train, validation = split.train & rows, split.validation & rows
+        return TrainingSet(inputs, self.targets, train, validation, seed, press=self.press), split.test & rows
 
 
 def prepare_recording(

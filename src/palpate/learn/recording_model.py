@@ -18,15 +18,28 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, create_hdf5, reject_external_links
+from palpate.core import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    PalpateError,
+    atomic_write,
+    create_hdf5,
+    reject_external_links,
+)
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.ensemble import Ensemble
+from palpate.learn.error_scale import ErrorScale, image_features
 from palpate.learn.member import EnsembleMember, open_member
 from palpate.learn.preprocess import Preprocessor
 from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
 
-FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 4
+_READ = (3, FORMAT_VERSION)
+"""Versions that can be read; files of version 3 have one half-width for all images."""
 _BANK = 200
+_BEYOND = 0.5
+"""Distance beyond the training poses to which estimates are limited, over their range."""
 _STORED = ("fields", "seen", "motion", "usual")
 
 
@@ -113,7 +126,8 @@ class RecordedModel:
         count = 0 if found is None else int(found.found.sum())
         moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
         good = np.array([found is not None and found.accepted])
-        poses, by_dots = self.estimate_all(moved, picture[None], good)
+        estimates = self.estimate_parts(moved, picture[None], good)
+        poses, by_dots = self.combine(estimates, good)
         use = self.marker_ensemble if by_dots[0] else self.image_ensemble
         if use is None:
             return PoseReading(
@@ -121,42 +135,71 @@ class RecordedModel:
             )
         if good[0] and self.marker_ensemble is not None and not by_dots[0]:
             fault = str(MatchFault.PICTURE)
-        return PoseReading(poses[0], use.half_width, count, fault, found, dots)
+        missing = np.array([moved.shape[1] - count])
+        width = use.half_widths(self.features(use, estimates, moved, missing))[0]
+        return PoseReading(poses[0], width, count, fault, found, dots)
 
-    def estimate_all(
-        self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray
-    ) -> tuple[FloatArray, BoolArray]:
-        """Estimate poses (n, k) of images, NaN if impossible, and (n,) whether by their markers.
+    def features(
+        self, use: Ensemble, estimates: Mapping[str, FloatArray], moved: FloatArray, missing: IntArray
+    ) -> FloatArray:
+        """Features (n, f) of images for the intervals of an ensemble; NaN if it cannot read an image.
+
+        Parameters
+        ----------
+        use, estimates
+            The ensemble, and the estimates (n, k) of each part.
+        moved, missing
+            (n, m, 2) displacements, and (n,) number of markers that were not found.
+        """
+        bank, fields = self.reference_bank[0], moved.reshape(len(moved), -1)
+        nearest, lost = np.zeros(len(missing)), np.zeros(len(missing))
+        if bank.size and any(self.parts[name].reads_markers for name in use.parts):
+            flat = bank.reshape(len(bank), -1)
+            nearest = np.sqrt([np.mean((flat - field) ** 2, axis=1).min() for field in fields])
+            lost = np.asarray(missing, float)
+        low, high = np.array(self.about["range"])
+        return image_features(use.combine(estimates), low, high, lost, nearest, use.spread(estimates))
+
+    def estimate_parts(self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray) -> dict[str, FloatArray]:
+        """Estimates (n, k) of each part for the images that it decides on, NaN for the others.
 
         Parameters
         ----------
         moved, pictures, good
             (n, m, 2) displacements, (n, h, w) small images and (n,) whether the assignment is accepted.
         """
-        found = np.full((len(pictures), len(self.outputs)), np.nan)
+        estimates = {}
+        by_picture = ~good | np.isfinite(self.max_disagreement).any() | (self.marker_ensemble is None)
+        for name, part in self.parts.items():
+            used = self.marker_ensemble is not None and name in self.marker_ensemble.parts
+            rows = good & used if part.reads_markers else (good & used) | by_picture
+            estimates[name] = np.full((len(good), len(self.outputs)), np.nan)
+            if rows.any():
+                estimates[name][rows] = part.predict((moved if part.reads_markers else pictures)[rows])
+        return estimates
+
+    def combine(self, estimates: Mapping[str, FloatArray], good: BoolArray) -> tuple[FloatArray, BoolArray]:
+        """Poses (n, k) from the estimates (n, k) of each part, NaN if impossible, and (n,) whether by markers."""
+        found = np.full((len(good), len(self.outputs)), np.nan)
         by_dots = good.copy() if self.marker_ensemble is not None else np.zeros(len(good), bool)
-        if self.marker_ensemble is not None and by_dots.any():
-            found[by_dots] = self.estimate(self.marker_ensemble, moved[by_dots], pictures[by_dots])
-        if self.image_ensemble is None:
-            return found, by_dots
-        rows = np.ones(len(good), bool) if np.isfinite(self.max_disagreement).any() else ~by_dots
-        if rows.any():
-            other = np.full(found.shape, np.nan)
-            other[rows] = self.estimate(self.image_ensemble, moved[rows], pictures[rows])
+        if self.marker_ensemble is not None:
+            found[good] = self.marker_ensemble.combine(estimates)[good]
+        if self.image_ensemble is not None:
+            other = self.image_ensemble.combine(estimates)
             by_dots &= ~(np.abs(found - other) > self.max_disagreement).any(axis=1)
             found[~by_dots] = other[~by_dots]
-        return found, by_dots
+        return self._bounded(found), by_dots
+
+    def _bounded(self, poses: FloatArray) -> FloatArray:
+        """Poses within the trained range and half of its width beyond: a linear estimator knows no limit."""
+        low, high = np.array(self.about["range"])
+        return np.clip(poses, low - _BEYOND * (high - low), high + _BEYOND * (high - low))
 
     def is_outside(self, pose: FloatArray, half_width: FloatArray) -> bool:
         """Whether a pose (k,) is beyond the training poses by more than its interval (k,)."""
         low, high = np.array(self.about["range"])
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
-
-    def estimate(self, use: Ensemble, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
-        """Estimate poses (n, k) from displacements (n, m, 2) and small images (n, h, w) by an ensemble."""
-        parts = [self.parts[name] for name in use.parts]
-        return use.combine({one.name: one.predict(moved if one.reads_markers else pictures) for one in parts})
 
 
 def write_model(path: Path, model: RecordedModel) -> None:
@@ -209,7 +252,8 @@ def read_model(path: Path) -> RecordedModel:
     try:
         with h5py.File(path, "r") as file:
             reject_external_links(file, path)
-            if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
+            version = int(file.attrs.get("format_version", 0))
+            if file.attrs.get("format") != FORMAT or version not in _READ:
                 raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
             parts = {
@@ -250,8 +294,14 @@ def is_recorded_model(path: Path) -> bool:
 
 
 def _plain(use: Ensemble | None) -> Any:
-    return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
+    if use is None:
+        return None
+    scale = None if use.scale is None else use.scale.to_lists()
+    return [list(use.parts), use.weights.tolist(), use.half_width.tolist(), scale]
 
 
 def _choosing(found: Any) -> Ensemble | None:
-    return None if found is None else Ensemble(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
+    if found is None:
+        return None
+    scale = ErrorScale.from_lists(found[3]) if len(found) > 3 and found[3] is not None else None
+    return Ensemble(tuple(found[0]), np.array(found[1]), np.array(found[2], float), scale=scale)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -70,11 +71,8 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     return [
         f"# Results of the recording {seen.recording.name}",
         f"**{result.best}: {figures}** RMSE on {held} test presses.",
-        f"{about['images']} images of {about['presses']} presses: {about['train']} training images, "
-        f"{about['validation']} for validation and for the intervals of {about['spec']['level']:.0%}, "
-        f"{about['test']} test images. No press is in two of these sets.",
+        _describe_sets(about),
         Report.of("", head, rows, details=[f"{name} max" for name in names]),
-        "The estimator was selected by the validation presses; the table shows the test presses.",
         "## Notes on the recording",
         "\n".join(f"* {note}" for note in seen.notes),
         "## Learning curve",
@@ -90,6 +88,22 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
         + ", ".join(f"{name} {version}" for name, version in about["made_by"].items())
         + f"; seed {about['spec']['seed']}.",
     ]
+
+
+def _describe_sets(about: Mapping[str, Any]) -> str:
+    """Which images train, choose and test."""
+    images, level = f"{about['images']} images of {about['presses']} presses", f"{about['spec']['level']:.0%}"
+    if about["folds"]:
+        return (
+            f"{images}, cross-validated in {about['folds']} folds: each press is estimated by models trained on "
+            f"others. These errors choose the estimator and give the intervals of {level}. The saved model "
+            "is trained on all presses."
+        )
+    return (
+        f"{images}: {about['train']} training images, {about['validation']} for validation and for the intervals of "
+        f"{level}, {about['test']} test images. No press is in two of these sets. The estimator was selected by the "
+        "validation presses; the table shows the test presses."
+    )
 
 
 def draw_recording_report(folder: Path, result: RecordingResult) -> None:

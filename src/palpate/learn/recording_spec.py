@@ -37,7 +37,7 @@ class RecordingSpec(Spec):
     estimators: Literal["all", "fast", "ridge", "dots", "picture"] = parameter(
         "all",
         unit="",
-        meaning="estimators to train: all, all without image networks (fast), ridge regression, estimators on marker "
-        "positions (`dots`), or image networks (`picture`)",
+        meaning="estimators to train: all, all without image networks (`fast`), closed forms (`ridge`), estimators "
+        "on marker positions (`dots`), or image networks (`picture`)",
     )
     seed: int = parameter(0, unit="1", meaning="seed of the split, weights and batches", ge=0)

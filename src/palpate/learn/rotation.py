@@ -1,27 +1,29 @@
-"""Augmentation by rotated presses of a sensor of revolution.
+"""Symmetry of a sensor of revolution: one recorded press gives presses from all directions, and mirrored ones.
 
-Such a sensor is invariant under rotation about its axis. If a press moved the markers by a field u(x), the press
-rotated about the axis moves them by R u(R⁻¹ x), and its tilt is rotated as well. One recorded press thus gives
-presses from all directions for any layout: the field is interpolated between markers by a thin-plate spline. Whether
-(rx, ry) turn with or against a rotation of the image is estimated from the recording.
+Such a sensor is invariant under rotation about its axis and under reflection. If a press moved the markers by a field
+u(x), the press rotated or reflected by T moves them by T u(T⁻¹ x), and its tilt is rotated or reflected as well. The
+field is interpolated between markers by a thin-plate spline, so any layout will do. Three properties of the recording
+are estimated: whether (rx, ry) turn with or against a rotation of the image, the angle between both frames, and which
+angles rx and ry are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import ConvexHull, Delaunay, cKDTree
 
-from palpate.core import FloatArray
+from palpate.core import BoolArray, FloatArray
 
-_TURNING, _FIXED = ("rx", "ry"), ("depth", "rz", "force")
-"""Axes that rotate with the sensor, and those that are invariant."""
-_LEAST_TURNED = 20
+_TURNING, _FIXED, _ODD = ("rx", "ry"), ("depth", "rz", "force"), ("rz",)
+"""Axes that rotate with the sensor, those that are invariant, and of these the ones that a reflection negates."""
+_LEAST_TURNED = 8
 """Minimum number of images for a clear sense of rotation."""
 COUNT = 36
 """Number of rotations, evenly spaced."""
@@ -29,15 +31,22 @@ MOST_DOTS = 800
 """Maximum number of markers for this augmentation: the fields' covariance has (2 m)² numbers."""
 _NEAR, _FAR = 12, 0.75
 """Markers of a local interpolation, and distance over spacing from which the nearest is used."""
+_MARGIN = 0.3
+"""Markers beyond the filled circle by less, over the spacing, count as inside: rings are not quite round."""
 _ORDERS = (6, 4, 3, 2)
 _MOST_ALIKE, _ALIKE = 0.9, 0.3
 """Symmetry of a rotated pattern: minimum share of coinciding markers, tolerance over spacing."""
-_RINGS, _CLEAR = 5, 0.8
-"""Rings over which fields are pooled, and residual ratio of the two senses that is clear."""
+_RINGS, _CLEAR, _FRAMES = 3, 0.8, 180
+"""Rings over which fields are pooled, residual ratio of the two senses that is clear, angles tried in half a turn."""
+_MIRROR = np.diag([1.0, -1.0])
+
+
+ANGLES = ("vector", "ry-rx", "rx-ry")
+"""Meanings of rx and ry: parts of a rotation vector; or Euler angles, whose rotations are ``Ry Rx`` or ``Rx Ry``."""
 
 
 class RotationAugmentation(NamedTuple):
-    """Rotation of poses with images about the centre of the layout (`palpate.learn.rotation`).
+    """Rotation and reflection of poses with images about the centre of the layout (`palpate.learn.rotation`).
 
     Attributes
     ----------
@@ -47,11 +56,61 @@ class RotationAugmentation(NamedTuple):
         (m, 2) displacement in the training set that corresponds to these positions; 0 for rest positions.
     sense
         Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
+    frame_rad
+        Angle from the image's frame to that of (rx, sense · ry); `None` if reflected presses do not fit.
+    angles
+        One of `ANGLES`.
+    odd
+        Indices of further targets that change their sign by a reflection, such as rz.
     """
 
     places_px: FloatArray
     base_px: FloatArray
     sense: int
+    frame_rad: float | None = None
+    angles: str = ANGLES[0]
+    odd: tuple[int, ...] = ()
+
+    def turns(self, steps: int) -> list[FloatArray]:
+        """Rotations (2, 2) of the image by `steps` even steps, then the reflected ones; the first is the identity."""
+        turned = [rotation(number * (COUNT // steps)) for number in range(steps)]
+        return turned if self.frame_rad is None else turned + [turn @ _MIRROR for turn in turned]
+
+    def action(self, turn: FloatArray) -> FloatArray:
+        """(2, 2) map of a tilt vector that belongs to the rotation or reflection (2, 2) of the image."""
+        angle = self.frame_rad or 0.0
+        frame = np.diag([1.0, self.sense]) @ [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        return np.asarray(frame @ turn @ np.linalg.inv(frame))
+
+    def turn_targets(self, targets: FloatArray, turn: FloatArray) -> FloatArray:
+        """Poses (n, k) in degrees and mm that belong to the images after `turn` (2, 2)."""
+        found = targets.copy()
+        found[:, :2] = tilt_angles(tilt_vector(targets[:, :2], self.angles) @ self.action(turn).T, self.angles)
+        if np.linalg.det(turn) < 0:
+            found[:, self.odd] *= -1.0
+        return found
+
+
+def tilt_vector(rx_ry: FloatArray, angles: str) -> FloatArray:
+    """Rotation vector (n, 2), degrees, across the axis, that tilts it as (n, 2) rx and ry of one of `ANGLES` do."""
+    if angles == ANGLES[0]:
+        return rx_ry
+    (sx, sy), (cx, cy) = np.sin(np.radians(rx_ry.T)), np.cos(np.radians(rx_ry.T))
+    across = np.stack([sx, sy * cx] if angles == ANGLES[1] else [sx * cy, sy], axis=1)
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.asarray(across / np.maximum(size, 1e-12) * np.degrees(np.arctan2(size, (cx * cy)[:, None])))
+
+
+def tilt_angles(vector: FloatArray, angles: str) -> FloatArray:
+    """Inverse of `tilt_vector`."""
+    if angles == ANGLES[0]:
+        return vector
+    size = np.linalg.norm(vector, axis=1)
+    x, y = (vector / np.maximum(size, 1e-12)[:, None] * np.sin(np.radians(size))[:, None]).T
+    up = np.cos(np.radians(size))
+    if angles == ANGLES[1]:
+        return np.degrees(np.stack([np.arcsin(x), np.arctan2(y, up)], axis=1))
+    return np.degrees(np.stack([np.arctan2(x, up), np.arcsin(y)], axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,17 +131,24 @@ class RotationOperators:
         return np.asarray((self.rest_px.min(axis=0) + self.rest_px.max(axis=0)) / 2)
 
     @cached_property
+    def inside(self) -> BoolArray:
+        """(m,) markers inside the greatest circle about the centre that the layout fills: rotated ones are seen."""
+        hull = ConvexHull(self.rest_px).equations
+        reach = float((-hull[:, :2] @ self.middle - hull[:, 2]).min())
+        spacing = np.median(cKDTree(self.rest_px).query(self.rest_px, 2)[0][:, 1])
+        return np.asarray(np.linalg.norm(self.rest_px - self.middle, axis=1) < reach + _MARGIN * spacing)
+
+    @cached_property
     def _spline(self) -> RBFInterpolator:
         count = len(self.rest_px)
         near = min(_NEAR, count)
         return RBFInterpolator(self.rest_px, np.eye(count), neighbors=near, kernel="thin_plate_spline", degree=1)
 
-    def operator(self, number: int) -> FloatArray:
-        """(2 m, 2 m) rotation of fields (2 m,), u and v of a marker adjacent, by `number` steps."""
+    def operator(self, turn: FloatArray) -> FloatArray:
+        """(2 m, 2 m) rotation or reflection `turn` (2, 2) of fields (2 m,), u and v of a marker adjacent."""
         count = len(self.rest_px)
-        if number % COUNT == 0:
+        if np.array_equal(turn, np.eye(2)):
             return np.eye(2 * count)
-        turn = rotation(number)
         asked = (self.rest_px - self.middle) @ turn + self.middle
         tree = cKDTree(self.rest_px)
         spacing = np.median(tree.query(self.rest_px, 2)[0][:, 1])
@@ -92,13 +158,23 @@ class RotationOperators:
         between[beyond] = np.eye(count)[nearest[beyond]]
         return np.einsum("gm,ij->gimj", between, turn).reshape(2 * count, 2 * count)
 
-    def spread(self, fields: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under every third rotation."""
+    def operators(self, turns: Sequence[FloatArray]) -> FloatArray:
+        """(g, 2 m, 2 m) of several rotations and reflections; those of the last layout are kept."""
+        return _operators(self.rest_px.tobytes(), tuple(map(tuple, np.reshape(turns, (-1, 4)).tolist())))
+
+    def spread(self, fields: FloatArray, turns: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under some rotations and reflections (2, 2)."""
         mean, own = fields.mean(axis=0), np.cov(fields.T)
-        operators = [self.operator(number) for number in range(0, COUNT, 3)]
+        operators = self.operators(turns)
         means = np.array([each @ mean for each in operators])
         within = np.mean([each @ own @ each.T for each in operators], axis=0)
         return means.mean(axis=0), within + np.cov(means.T, bias=True)
+
+
+@lru_cache(maxsize=2)
+def _operators(places: bytes, turns: tuple[tuple[float, ...], ...]) -> FloatArray:
+    rotations = RotationOperators(np.frombuffer(places).reshape(-1, 2))
+    return np.array([rotations.operator(np.reshape(turn, (2, 2))) for turn in turns])
 
 
 def rotation(number: int) -> FloatArray:
@@ -119,11 +195,12 @@ def pattern_order(rest_px: FloatArray) -> int:
     return 1
 
 
-def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> int:
-    """Whether (rx, ry) turn with the image (1), against it (−1), or whether neither is clear (0).
+def find_frame(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> tuple[int, float]:
+    """Whether (rx, ry) turn with the image (1), against it (−1) or neither (0), and their frame's angle, rad.
 
     Of the complex displacement u at the place z the means of u and of u* z²/|z|² over rings turn with the image, and
-    are all that does so linearly; tilt or its conjugate is regressed on them.
+    are all that does so linearly; tilt or its conjugate is regressed on them. If the sensor is invariant under
+    reflections as well, the coefficients are real in the frame of the tilt, so that angle is taken.
 
     Parameters
     ----------
@@ -137,13 +214,20 @@ def find_rotation_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatAr
     pooled = np.array([moved[:, ring == k].mean(axis=1) for k in range(_RINGS)])
     mirrored = np.array([(moved.conj() * outward)[:, ring == k].mean(axis=1) for k in range(_RINGS)])
     features = np.vstack([pooled, mirrored]).T
-    left = []
-    for target in (tilt[:, 0] + 1j * tilt[:, 1], tilt[:, 0] - 1j * tilt[:, 1]):
-        found = np.linalg.lstsq(features, target, rcond=None)[0]
-        left.append(float(np.mean(abs(target - features @ found) ** 2)))
-    if min(left) > _CLEAR * max(left):
-        return 0
-    return 1 if left[0] < left[1] else -1
+    targets = {sense: tilt[:, 0] + 1j * sense * tilt[:, 1] for sense in (1, -1)}
+    left = {sense: _residual(features, target) for sense, target in targets.items()}
+    if min(left.values()) > _CLEAR * max(left.values()):
+        return 0, 0.0
+    sense = min(left, key=lambda one: left[one])
+    real, phases = np.vstack([features.real, features.imag]), np.pi * np.arange(_FRAMES) / _FRAMES
+    turned = [targets[sense] * np.exp(-1j * phase) for phase in phases]
+    errors = [_residual(real, np.concatenate([one.real, one.imag])) for one in turned]
+    return sense, float(phases[int(np.argmin(errors))])
+
+
+def _residual(features: NDArray[Any], target: NDArray[Any]) -> float:
+    """Residual sum of squares of a regression on features (n, p)."""
+    return float(np.sum(abs(target - features @ np.linalg.lstsq(features, target, rcond=None)[0]) ** 2))
 
 
 def find_rotation(
@@ -166,5 +250,6 @@ def find_rotation(
     if len(rest_px) > MOST_DOTS or len(moved_px) < _LEAST_TURNED:
         return None
     base = np.zeros_like(rest_px) if at_rest else moved_px.mean(axis=0)
-    sense = find_rotation_sense(rest_px + base, moved_px - base, targets[:, :2])
-    return RotationAugmentation(rest_px + base, base, sense) if sense else None
+    sense, frame_rad = find_frame(rest_px + base, moved_px - base, targets[:, :2])
+    odd = tuple(k for k, axis in enumerate(axes) if axis in _ODD)
+    return RotationAugmentation(rest_px + base, base, sense, frame_rad, odd=odd) if sense else None

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from palpate.core import FloatArray, provenance
+from palpate.learn.cross_validate import count_folds
 from palpate.learn.ensemble import Ensemble, select_ensemble
-from palpate.learn.interval import press_quantile
+from palpate.learn.error_scale import fit_scale
 from palpate.learn.member import EnsembleMember
 from palpate.learn.metrics import ErrorSummary
 from palpate.learn.prepare_recording import PreparedRecording
@@ -58,27 +60,27 @@ class EstimatorScore:
 
 
 def select_model(
-    seen: PreparedRecording, spec: RecordingSpec, parts: dict[str, EnsembleMember], seconds: dict[str, float]
+    seen: PreparedRecording,
+    spec: RecordingSpec,
+    parts: dict[str, EnsembleMember],
+    estimates: Mapping[str, FloatArray],
+    seconds: dict[str, float],
 ) -> tuple[RecordedModel, tuple[EstimatorScore, ...], str]:
-    """Select the model; return it with the errors of all estimators and the name of the best."""
-    count = len(seen.targets)
-    estimates = {}
-    for name, part in parts.items():
-        readable = seen.accepted if part.reads_markers else np.ones(count, bool)
-        estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
-        estimates[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
+    """Select the model; return it with the errors of all estimators and the name of the best.
+
+    Parameters
+    ----------
+    seen, spec, parts
+        The recording, the settings, and the trained estimators by name.
+    estimates
+        Estimates (n, k) of each; those of validation and test presses decide and are reported.
+    seconds
+        Training time of each.
+    """
     scale = seen.targets[seen.split.train].std(axis=0)
     ranked, best, fallback = select_ensemble(
         estimates, seen.targets, seen.split.validation, scale, {n for n, p in parts.items() if p.reads_markers}
     )
-    scores = []
-    for option in ranked:
-        found = option.combine(estimates)
-        calm = seen.split.validation & np.isfinite(found).all(axis=1)
-        option.half_width = press_quantile(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
-        score = _score(option, found, option.half_width, seen, seconds)
-        scores += [score] if score is not None else []
-
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
     bank = (np.zeros(0),) * 4 if assigned is None else (*_bank(seen), assigned.motion, assigned.usual)
@@ -86,31 +88,41 @@ def select_model(
         seen.eye,
         None if assigned is None else assigned.layout,
         bank,
-        {name: parts[name] for name in parts if name in used},
+        parts,
         best if assigned is not None else None,
         fallback,
         _apart(best, fallback, estimates, seen),
         tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
         _about(seen, spec),
     )
-    found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
+    scores, every = [], np.full(seen.targets.shape, np.inf)
+    missing = np.zeros(len(seen.targets), int) if assigned is None else (~assigned.found[seen.rows]).sum(axis=1)
+    for option in ranked:
+        poses = option.combine(estimates)
+        calm = seen.split.validation & np.isfinite(poses).all(axis=1)
+        features = model.features(option, estimates, seen.moved, missing)
+        errors = (poses - seen.targets)[calm]
+        option.half_width, option.scale = fit_scale(features[calm], errors, seen.press[calm], spec.level)
+        widths = option.half_widths(features)
+        every = widths if option is fallback else every
+        score = _score(option, poses, widths, seen, seconds)
+        scores += [score] if score is not None else []
+    found, by_dots = model.combine(estimates, seen.accepted)
     if assigned is not None and not by_dots[seen.split.test].all():
         whole = Ensemble((), np.zeros(0), name=WHOLE)
-        width = (
-            model.image_ensemble.half_width
-            if model.image_ensemble is not None
-            else np.full(seen.targets.shape[1], np.nan)
-        )
-        widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
-        score = _score(whole, found, widths, seen, {})
+        if best is not None:
+            own = best.half_widths(model.features(best, estimates, seen.moved, missing))
+            every = np.where(by_dots[:, None], own, every)
+        score = _score(whole, found, every, seen, {})
         scores += [score] if score is not None else []
+    model = replace(model, parts={name: parts[name] for name in parts if name in used})
     return model, tuple(scores), (best or fallback or ranked[0]).name
 
 
 def _apart(
     best: Ensemble | None,
     fallback: Ensemble | None,
-    estimates: dict[str, FloatArray],
+    estimates: Mapping[str, FloatArray],
     seen: PreparedRecording,
 ) -> FloatArray:
     """Maximum disagreement (k,) of marker and image ensembles, by minimum validation error."""
@@ -146,7 +158,7 @@ def _score(
     if not judged.any():
         return None
     errors = tuple(ErrorSummary.of(off[judged, k]) for k in range(off.shape[1]))
-    inside = np.abs(off[judged]) <= (width[judged] if width.ndim == 2 else width)
+    inside = np.abs(off[judged]) <= width[judged]
     share = float(judged.sum() / max(seen.split.test.sum(), 1))
     coverage = tuple(float(x) for x in inside.mean(axis=0))
     return EstimatorScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
@@ -174,6 +186,7 @@ def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
         "train": int(seen.split.train.sum()),
         "validation": int(seen.split.validation.sum()),
         "test": int(seen.split.test.sum()),
+        "folds": count_folds(seen),
         "range": [seen.targets.min(axis=0).tolist(), seen.targets.max(axis=0).tolist()],
         "spec": spec.model_dump(mode="json"),
         "made_by": provenance(),

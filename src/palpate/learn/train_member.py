@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.learn.components import find_components
 from palpate.learn.network import PerceptronTask, collect_layers
-from palpate.learn.rotation import COUNT, RotationOperators, pattern_order, rotation
+from palpate.learn.rotation import COUNT, RotationOperators, pattern_order
 from palpate.learn.trainer import TrainedState, Trainer, TrainerSpec, TrainingTask, add_noise, fall
 from palpate.learn.training_set import TrainingSet, flat_features
 
@@ -52,18 +53,17 @@ def _plain(inputs: Tensor, targets: Tensor) -> Source:
 def _rotated(samples: TrainingSet, turned: Callable[[Tensor, int], Tensor], count: int) -> Source:
     """Batches, most of them rotated by one of `count` steps around by `turned`."""
     assert samples.rotation is not None
-    targets = torch.as_tensor(samples.standardised.astype(np.float32))
-    steps = [samples.rotation.sense * number * (COUNT // count) for number in range(count)]
-    tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
+    turns, (mean, sd) = samples.rotation.turns(count), samples.scale
+    given = [(samples.rotation.turn_targets(samples.targets, turn) - mean) / sd for turn in turns]
+    targets = [torch.as_tensor(each.astype(np.float32)) for each in given]
 
     def draw(rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
         share = _TURNED * min(1.0, max(0.0, (_UNTIL - done) / (_UNTIL - _FROM)))
         drawn = []
         for own, stream in zip(rows, random, strict=True):
             rotates = float(torch.rand(1, generator=stream)) < share
-            number = int(torch.randint(count, (1,), generator=stream)) if rotates else 0
-            given = targets[own]
-            drawn.append((turned(own, number), torch.cat([given[:, :2] @ tilts[number], given[:, 2:]], dim=1)))
+            number = int(torch.randint(len(turns), (1,), generator=stream)) if rotates else 0
+            drawn.append((turned(own, number), targets[number][own]))
         inputs, outputs = zip(*drawn, strict=True)
         return torch.stack(inputs), torch.stack(outputs)
 
@@ -126,9 +126,10 @@ def train_marker_network(
     else:
         operators = RotationOperators(turning.places_px)
         relative = flat_features(samples.inputs - turning.base_px, None)
-        start = _find_inputs(*operators.spread(relative[samples.train].astype(float)), samples)
+        start = _find_inputs(*operators.spread(relative[samples.train].astype(float), turning.turns(12)), samples)
         along = [
-            torch.as_tensor((operators.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)
+            torch.as_tensor((operators.operator(turn).T @ start["projection"]).astype(np.float32))
+            for turn in turning.turns(COUNT)
         ]
         flat, offset = torch.as_tensor(relative), torch.as_tensor(start["offset"].astype(np.float32))
         source = _rotated(samples, lambda rows, number: flat[rows] @ along[number] - offset, COUNT)
@@ -196,13 +197,16 @@ class ImageTask(TrainingTask):
         self.short = bool(getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)())
         self.source = _plain(self.images, self.targets)
         if samples.rotation is not None:
-            order, middle = (
-                pattern_order(samples.rotation.places_px),
+            # a reflected pattern of markers is another one, a rotated one is not
+            rotation, middle = (
+                samples.rotation._replace(frame_rad=None),
                 RotationOperators(samples.rotation.places_px).middle,
             )
+            order = pattern_order(rotation.places_px)
+            turns = rotation.turns(order)
             self.source = _rotated(
-                samples,
-                lambda rows, number: rotate_images(samples.inputs[rows.numpy()], middle, order, number),
+                replace(samples, rotation=rotation),
+                lambda rows, number: rotate_images(samples.inputs[rows.numpy()], middle, turns[number]),
                 order,
             )
 
@@ -262,13 +266,14 @@ class ImageTask(TrainingTask):
         return arrays
 
 
-def rotate_images(images: NDArray[Any], middle: FloatArray, order: int, number: int) -> Tensor:
-    """Images (b, 1, h, w) from (b, h, w), rotated about a point (2,) px by a number of `order` steps."""
-    if number:
-        size, turn = images.shape[1:], np.column_stack([rotation(number * (COUNT // order)), np.zeros(2)])
-        turn[:, 2] = middle - turn[:, :2] @ middle
+def rotate_images(images: NDArray[Any], middle: FloatArray, turn: FloatArray) -> Tensor:
+    """Images (b, 1, h, w) from (b, h, w), rotated by `turn` (2, 2) about a point (2,) px."""
+    if not np.array_equal(turn, np.eye(2)):
+        size, matrix = images.shape[1:], np.column_stack([turn, middle - turn @ middle])
         cv2 = load_opencv()
-        images = np.stack([cv2.warpAffine(one, turn, size[::-1], borderMode=cv2.BORDER_REPLICATE) for one in images])
+        images = np.stack(
+            [cv2.warpAffine(one, matrix, size[::-1], borderMode=cv2.BORDER_REPLICATE) for one in images]
+        )
     return torch.as_tensor(images)[:, None]
 
 

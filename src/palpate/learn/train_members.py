@@ -53,11 +53,12 @@ class TrainingJob:
     def recipe(self) -> Recipe:
         """Recipe of the estimator."""
         digest, samples, rotation = hashlib.sha256(), self.samples, self.samples.rotation
-        arrays = [samples.inputs, samples.targets, samples.train, samples.validation]
+        arrays = [samples.inputs, samples.targets, samples.train, samples.validation, samples.press_numbers]
         for array in arrays + ([] if rotation is None else [rotation.places_px, rotation.base_px]):
             digest.update(np.ascontiguousarray(array).tobytes())
-        sense, passes = 0 if rotation is None else rotation.sense, self.kind.passes(samples, self.epochs)
-        own = [self.name, digest.hexdigest(), samples.n_outputs, sense, samples.seed, passes]
+        symmetry = None if rotation is None else rotation[2:]
+        passes = self.kind.passes(samples, self.epochs)
+        own = [self.name, digest.hexdigest(), samples.n_outputs, symmetry, samples.seed, passes]
         return Recipe("part", own, version=stage_version("recorded_estimator", self.kind))
 
     def train(self, threads: int, checkpoint: Path, progress: Progress) -> EnsembleMember:

@@ -13,8 +13,10 @@ import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError
 from palpate.core.run import Progress
-from palpate.datasets import PoseColumn, Recording
+from palpate.datasets import PoseColumn, PressSplit, Recording
+from palpate.learn.cross_validate import count_folds, cross_validate, estimate_parts
 from palpate.learn.fine_tune import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
+from palpate.learn.gaussian_process import MOST_ROWS, choose_symmetry
 from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, train_quickly
 from palpate.learn.member import EFFORTS, ESTIMATORS, EnsembleMember
 from palpate.learn.prepare_recording import PreparedRecording, prepare_recording
@@ -90,35 +92,55 @@ def train_on_recording(
     """
     begin = time.monotonic()
     seen = prepare_recording(recording, spec, store, progress)
-    parts: dict[str, EnsembleMember] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
-    early = 0.0 if first is None else first.seconds[0]
-    jobs = list(plan_jobs(seen, spec))
-    for part, spent in train_members(jobs, spec.threads, store, progress):
-        name, parts[part.name] = part.name, part
-        seconds[name] = max(seconds.get(name, 0.0), spent)
-        if first is None or name not in {score.name for score in first.scores}:
-            _report_errors(name, parts[name], seen, progress)
-        if first is None and part.effort != "all":
-            early = time.monotonic() - begin
-    parts = {job.name: parts[job.name] for job in jobs}
-    if start is not None:
-        parts |= fine_tune_members(start, seen, progress)
-    model, scores, best = select_model(seen, spec, parts, seconds)
-    _refuse_strangers(seen, scores)
+    known, early = set(seconds), 0.0 if first is None else first.seconds[0]
+    few = count_folds(seen) > 0
+
+    def train(own: PreparedRecording) -> dict[str, EnsembleMember]:
+        nonlocal early
+        jobs, parts = list(plan_jobs(own, spec, few)), {}
+        for part, spent in train_members(jobs, spec.threads, store, progress):
+            name, parts[part.name] = part.name, part
+            seconds[name] = max(seconds.get(name, 0.0), spent)
+            if name not in known and not few:
+                _report_errors(name, parts[name], own, progress)
+            if first is None and part.effort != "all":
+                early = time.monotonic() - begin
+        parts = {job.name: parts[job.name] for job in jobs}
+        return parts if start is None else parts | fine_tune_members(start, own, progress)
+
+    every = np.ones(len(seen.targets), bool)
+    if few:
+        parts, held_out = cross_validate(seen, spec.seed, train)
+        judged = replace(seen, split=PressSplit(every, every, every))
+    else:
+        parts, judged = train(seen), seen
+        held_out = estimate_parts(seen, parts)
+    model, scores, best = select_model(judged, spec, parts, held_out, seconds)
+    _refuse_strangers(judged, scores)
+    if not few and len(np.unique(seen.press)) <= MOST_ROWS:
+        # what needs no validation learns from all presses, now that its errors and intervals are known
+        whole_set = replace(seen, split=PressSplit(every, ~every, ~every))
+        jobs = [one for one in plan_jobs(whole_set, spec) if one.name in model.parts and not one.kind.uses_validation]
+        again = {part.name: part for part, _ in train_members(jobs, spec.threads, store, progress)}
+        model = replace(model, parts={**model.parts, **again})
     if first is None:
         samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))
-        curve = compute_learning_curve(samples, seen.press, test, train_quickly)
+        rotation = _find_rotation(seen) if samples.inputs.dtype != np.uint8 else None
+        curve = compute_learning_curve(replace(samples, rotation=rotation), seen.press, test, train_quickly)
         curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
-    estimates, _ = model.estimate_all(seen.moved, seen.pictures, seen.accepted)
+    estimates, _ = model.combine(held_out, seen.accepted)
     whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
-    return RecordingResult(seen, model, scores, best, estimates, curve, (early, whole))
+    return RecordingResult(judged, model, scores, best, estimates, curve, (early, whole))
 
 
-def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[TrainingJob]:
-    """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions."""
+def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -> Iterator[TrainingJob]:
+    """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions.
+
+    Of few presses only closed forms learn; those that need no validation presses learn from them as well.
+    """
     chosen, rotation = spec.estimators, _find_rotation(seen)
     if chosen == "dots" and seen.assigned is None:
         chosen = "ridge"
@@ -129,6 +151,10 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec) -> Iterator[Training
         if kind.effort not in efforts or reads_markers not in reads or (reads_markers and seen.assigned is None):
             continue
         samples, _ = seen.samples(reads_markers, spec.seed)
+        if few and kind.cost(samples, spec.epochs):
+            continue
+        if few and not kind.uses_validation:
+            samples = replace(samples, train=samples.train | samples.validation)
         yield TrainingJob(kind, kind_name, samples, spec.epochs)
         if kind.takes_rotation and rotation is not None:
             places = rotation.places_px
@@ -150,7 +176,9 @@ def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
         return None
     rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
     at_rest = seen.assigned.reference >= len(seen.recording)
-    return find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
+    found = find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
+    samples, _ = seen.samples(markers=True)
+    return choose_symmetry(replace(samples, rotation=found))
 
 
 def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, progress: Progress) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, load_opencv
+from palpate.core import BoolArray, FloatArray, IntArray, load_opencv
 from palpate.learn.rotation import RotationAugmentation
 
 
@@ -30,6 +30,8 @@ class TrainingSet:
         How rotated images train as well; `None` if they do not.
     auxiliary
         Number of targets that help the training and are not estimated.
+    press
+        (n,) number of each image's press; `None` if every image is one.
     """
 
     inputs: NDArray[Any]
@@ -39,6 +41,12 @@ class TrainingSet:
     seed: int = 0
     rotation: RotationAugmentation | None = None
     auxiliary: int = 0
+    press: IntArray | None = None
+
+    @property
+    def press_numbers(self) -> IntArray:
+        """(n,) number of each image's press."""
+        return np.arange(len(self.targets)) if self.press is None else self.press
 
     @property
     def n_outputs(self) -> int:

@@ -4,17 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
+from palpate.learn.gaussian_process import choose_symmetry
 from palpate.learn.member import MarkerNetwork, TrainingRun
 from palpate.learn.rotation import (
-    COUNT,
+    ANGLES,
     RotationAugmentation,
     RotationOperators,
-    find_rotation_sense,
+    find_frame,
+    find_rotation,
     pattern_order,
     rotation,
+    tilt_angles,
+    tilt_vector,
 )
 from palpate.learn.training_set import TrainingSet
 
@@ -29,9 +34,9 @@ def drawn(count: int, seed: int, shear: float = 3.0, tilt: float = 18.0) -> tupl
     return rest, np.array([place_heads(SENSOR, one, STILL)[0] for one in motions]) - rest, motions[:, :3]
 
 
-@pytest.mark.parametrize("steps", [1, 7, 18, 35])
+@pytest.mark.parametrize("turn", [rotation(1), rotation(18), rotation(35), rotation(7) @ np.diag([1.0, -1.0])])
 @pytest.mark.parametrize("pattern", ["hexagon", "square", "random"])
-def test_a_turned_field_is_the_field_of_the_turned_place(steps, pattern):
+def test_a_turned_field_is_the_field_of_the_turned_place(turn, pattern):
     rest = DrawnSensor(rings=7, pattern=pattern).pins() * 10.0
     turns = RotationOperators(rest)
 
@@ -39,30 +44,63 @@ def test_a_turned_field_is_the_field_of_the_turned_place(steps, pattern):
         x, y = (places - turns.middle).T / 100.0
         return np.c_[np.sin(1.3 * x + 0.4 * y) + 0.3 * y, x * y - np.cos(0.8 * y)]
 
-    turn = rotation(steps)
     asked = (rest - turns.middle) @ turn + turns.middle
     expected = field(asked) @ turn.T
-    found = (turns.operator(steps) @ field(rest).reshape(-1)).reshape(-1, 2)
+    found = (turns.operator(turn) @ field(rest).reshape(-1)).reshape(-1, 2)
     inner = np.linalg.norm(rest - turns.middle, axis=1) < 0.75 * np.linalg.norm(rest - turns.middle, axis=1).max()
     assert np.abs(found - expected)[inner].max() < 0.03
     assert np.sqrt(np.mean((found - expected) ** 2)) < 0.1
 
 
-def test_a_whole_turn_changes_nothing():
-    turns = RotationOperators(SENSOR.pins())
-    assert np.array_equal(turns.operator(COUNT), np.eye(2 * len(SENSOR.pins())))
+@pytest.mark.parametrize("angles", ANGLES)
+def test_tilts_are_those_of_the_rotation(angles):
+    tilt = np.random.default_rng(0).uniform(-25, 25, (40, 2))
+    x, y = (Rotation.from_euler(axis, tilt[:, [k]], degrees=True) for k, axis in enumerate("xy"))
+    whole = {"vector": Rotation.from_rotvec(np.c_[tilt, np.zeros(40)], degrees=True), "ry-rx": y * x, "rx-ry": x * y}
+    vector = tilt_vector(tilt, angles)
+    normal = Rotation.from_rotvec(np.c_[vector, np.zeros(40)], degrees=True).apply([0, 0, 1])
+    assert normal == pytest.approx(whole[angles].apply([0, 0, 1]), abs=1e-12)
+    assert tilt_angles(vector, angles) == pytest.approx(tilt, abs=1e-9)
 
 
-def test_the_recording_tells_in_which_sense_tilts_turn():
+@pytest.mark.parametrize("sense", [1, -1])
+def test_poses_turn_as_a_group_and_a_reflection_negates_what_is_odd(sense):
+    turning = RotationAugmentation(np.zeros((1, 2)), np.zeros((1, 2)), sense, 0.7, "ry-rx", (3,))
+    poses = np.random.default_rng(1).uniform(-20, 20, (9, 4))
+    one, two = rotation(5), rotation(9) @ np.diag([1.0, -1.0])
+    both = turning.turn_targets(turning.turn_targets(poses, one), two)
+    assert turning.turn_targets(poses, two @ one) == pytest.approx(both)
+    assert both[:, 2:] == pytest.approx(poses[:, 2:] * [1, -1])
+    assert turning.turn_targets(turning.turn_targets(poses, two), two) == pytest.approx(poses)
+
+
+def test_the_recording_tells_in_which_sense_tilts_turn_and_their_frame():
     rest, moved, poses = drawn(80, 1)
     tilt = poses[:, :2]
-    assert find_rotation_sense(rest, moved, tilt) == -find_rotation_sense(rest, moved, tilt * [1, -1]) != 0
-    assert (
-        find_rotation_sense(rest, moved[..., ::-1], tilt) == 0
-        or find_rotation_sense(rest[:, ::-1], moved[..., ::-1], tilt) == -1
-    )
+    sense, frame = find_frame(rest, moved, tilt)
+    assert find_frame(rest, moved, tilt * [1, -1])[0] == -sense != 0
+    # the drawn camera is turned by 3 degrees, and a tilt about x moves the image along y
+    assert np.degrees(frame) % 180 == pytest.approx(87, abs=2)
+    assert find_frame(rest[:, ::-1], moved[..., ::-1], tilt)[0] == -sense
     shuffled = np.random.default_rng(0).permutation(tilt)
-    assert find_rotation_sense(rest, moved, shuffled) == 0
+    assert find_frame(rest, moved, shuffled)[0] == 0
+
+
+def test_a_sensor_that_twists_as_it_is_pressed_has_no_reflections():
+    rest, moved, poses = drawn(80, 1)
+    apart = np.linalg.norm(rest - RotationOperators(rest).middle, axis=1)
+    angle = 3.0 * apart / apart.max()  # fields are turned by an angle that grows with the distance
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    twisted = cos * moved + sin * np.stack([-moved[..., 1], moved[..., 0]], axis=-1)
+    every = np.ones(80, bool)
+
+    def chosen(fields):
+        found = find_rotation(rest, fields, poses, ("rx", "ry", "depth"), True)
+        return choose_symmetry(TrainingSet(fields, poses, every, every, 0, found))
+
+    assert chosen(moved).frame_rad is not None
+    assert chosen(twisted).frame_rad is None
+    assert chosen(twisted).sense == chosen(moved).sense
 
 
 def train_rotated(samples):
@@ -78,7 +116,7 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
     moved = moved + rng.normal(0.0, 0.3, moved.shape)
     number = np.arange(400)
     lesson = TrainingSet(moved, poses, number < 80, (number >= 80) & (number < 160), 0)
-    sense = find_rotation_sense(rest, moved[:80], poses[:80, :2])
+    sense = find_frame(rest, moved[:80], poses[:80, :2])[0]
 
     def error(part):
         return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
@@ -106,7 +144,7 @@ def test_pictures_turn_as_their_dots_do():
     picture, middle = np.zeros((64, 64), np.uint8), np.array([30.0, 33.0])
     cv2.circle(picture, (44, 33), 2, 255, -1)
     for number in range(6):
-        turned = rotate_images(picture[None], middle, 6, number)[0, 0].numpy().astype(float)
+        turned = rotate_images(picture[None], middle, rotation(6 * number))[0, 0].numpy().astype(float)
         rows, columns = np.mgrid[:64, :64]
         found = np.array([(columns * turned).sum(), (rows * turned).sum()]) / turned.sum()
         expected = middle + rotation(6 * number) @ [14.0, 0.0]
@@ -123,9 +161,7 @@ def test_a_layout_that_leans_is_told_from_the_mean():
     lesson = TrainingSet(moved - lean, poses, number < 80, (number >= 80) & (number < 140), 0)
     places = rest + lean + base
     assert pattern_order(places) == 6 > pattern_order(rest + lean)
-    turning = RotationAugmentation(
-        places, base, find_rotation_sense(places, moved[:80] - lean - base, poses[:80, :2])
-    )
+    turning = RotationAugmentation(places, base, find_frame(places, moved[:80] - lean - base, poses[:80, :2])[0])
     part = train_rotated(replace(lesson, rotation=turning))
     plain = MarkerNetwork.train("plain", lesson, TrainingRun())
 

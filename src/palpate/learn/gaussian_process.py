@@ -1,0 +1,288 @@
+"""Gaussian processes from displacements of markers to poses, invariant under the symmetry of the sensor.
+
+Displacements are reduced to principal components of all rotated and reflected presses. With a kernel k of the
+components and the actions A of the group's elements g on the targets, a target has the covariance
+
+    K(x, x') = mean over g of k(x, g x') A(g)
+
+(Reisert & Burkhardt 2007, "Learning equivariant functions with matrix valued kernels"). This is regression on all
+rotated and reflected presses at the size of the recorded ones. Length, noise and scaling of the kernel have the
+minimum error of presses that are left out one at a time, in closed form (Rasmussen & Williams 2006, section 5.4.2).
+Far from all presses the estimate returns to the mean, so one wrong image cannot lead it beyond the labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh, polar, schur
+
+from palpate.core import FloatArray, IntArray, generator
+from palpate.learn.components import principal_directions
+from palpate.learn.rotation import ANGLES, RotationAugmentation, RotationOperators, tilt_angles, tilt_vector
+from palpate.learn.training_set import TrainingSet, flat_features
+
+STEPS = 12
+"""Rotations of the group, evenly spaced."""
+COMPONENTS, MOST_TUNED, MOST_ROWS = 60, 300, 1000
+"""Maximum number of components, and of images that choose the kernel and that are kept.
+
+Networks are better from some 1 000 presses on, and the time of one estimate grows with the number kept.
+"""
+_POWERS, _LENGTHS, _NOISES = (0.25, 0.5, 0.75), (0.7, 1.0, 1.5, 2.2, 3.2, 5.0), (1e-4, 1e-3, 1e-2, 1e-1)
+"""Kernels that are tried: power of the deviation by which components are scaled, length, noise.
+
+The length is relative to the RMS component. The left-out error chooses.
+"""
+_OUTLIER, _MOST_OUTLIERS = 6.0, 0.05
+"""Images that are farther from all others than so many times the median are dropped, at most this share."""
+_FEWEST_ROWS, _ANGLE_ROWS = 20, 300
+"""Number of images: the fewest from which the meaning of the angles is chosen or outliers are dropped, and the most
+that choose the meaning."""
+
+
+class Kernel(NamedTuple):
+    """Kernel of one group of targets.
+
+    Attributes
+    ----------
+    scale
+        (k,) divisors of the components: their deviations to a power, times the length.
+    noise
+        Variance of the noise over the mean variance of the process.
+    """
+
+    scale: FloatArray
+    noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Presses:
+    """Components (n, k) of images under each element (g, n, k), scaled targets (n, t), and presses (n,)."""
+
+    components: FloatArray
+    moved: FloatArray
+    targets: FloatArray
+    press: IntArray
+
+    def rows(self, chosen: NDArray[Any]) -> _Presses:
+        return _Presses(
+            self.components[chosen], self.moved[:, chosen], self.targets[chosen], np.asarray(self.press[chosen])
+        )
+
+
+def covariance(first: FloatArray, second: FloatArray, scale: FloatArray, actions: FloatArray) -> FloatArray:
+    """Covariance (n b, m b) of targets that the group acts on.
+
+    Parameters
+    ----------
+    first, second
+        (n, k) components, and (g, m, k) components under each element of the group.
+    scale
+        (k,) divisors.
+    actions
+        (g, b, b) on the targets.
+    """
+    own = first / scale
+    found = np.zeros((len(own), len(actions[0]), second.shape[1], len(actions[0])))
+    for other, action in zip(second / scale, actions, strict=True):
+        apart = (own**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * own @ other.T
+        found += np.exp(-0.5 * np.maximum(apart, 0.0))[:, None, :, None] * action[None, :, None, :]
+    return np.asarray(found.reshape(len(own) * len(actions[0]), -1) / len(actions))
+
+
+def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
+    """The symmetry of samples with the meaning of rx and ry, and with or without reflections, by left-out error."""
+    symmetry = samples.rotation
+    if symmetry is None or samples.train.sum() < _FEWEST_ROWS:
+        return symmetry
+
+    def error(option: RotationAugmentation) -> float:
+        return float(_train(replace(samples, rotation=option), _ANGLE_ROWS)["error"])
+
+    best = min((symmetry._replace(angles=angles) for angles in ANGLES), key=error)
+    return best if symmetry.frame_rad is None else min(best, best._replace(frame_rad=None), key=error)
+
+
+def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
+    """Train a process of each group of targets; return its numbers by name, see `predict_process`."""
+    return _train(samples, MOST_ROWS)
+
+
+def _train(samples: TrainingSet, most: int) -> dict[str, NDArray[Any]]:
+    """Train on at most so many images; ``error`` is that of the first group of targets in presses left out."""
+    rows = np.flatnonzero(samples.train)
+    rows = generator(samples.seed, "process").permutation(rows)[:most]
+    arrays, moved = _find_components(samples, rows)
+    mean, sd = samples.scale
+    targets = samples.targets[rows].copy()
+    if samples.rotation is not None:
+        targets[:, :2] = tilt_vector(targets[:, :2], samples.rotation.angles)
+    presses = _Presses(moved[0], moved, (targets - mean) / sd, samples.press_numbers[rows])
+    groups = list(_groups(samples, arrays["turns_px"]))
+    for last in (False, True):
+        tuned = presses.rows(np.arange(min(len(presses.press), MOST_TUNED)))
+        kernels, errors = zip(*(_choose(tuned, arrays["sd"], *group) for group in groups), strict=True)
+        weights, apart = _solve(presses, groups, kernels)
+        kept = apart <= max(_OUTLIER, float(np.quantile(apart, 1.0 - _MOST_OUTLIERS)))
+        if last or kept.all() or len(rows) < _FEWEST_ROWS:
+            break
+        presses = presses.rows(kept)
+    del arrays["turns_px"]
+    arrays |= {"features": presses.components, "mean": mean, "sd_targets": sd, "error": np.array(errors[0])}
+    for number, ((columns, actions), kernel, found) in enumerate(zip(groups, kernels, weights, strict=True)):
+        arrays |= {
+            f"columns_{number}": np.array(columns),
+            f"actions_{number}": actions,
+            f"scale_{number}": kernel.scale,
+            f"weights_{number}": found,  # one row, so that a file keeps double precision
+        }
+    return arrays
+
+
+def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, NDArray[Any]], FloatArray]:
+    """Projection and its symmetry by name, and the components (g, n, k) of images under each element."""
+    symmetry, fields = samples.rotation, flat_features(samples.inputs[rows], None).astype(float)
+    if symmetry is None:
+        turns, operators = [np.eye(2)], [np.eye(fields.shape[1])]
+        base, mean, spread = np.zeros(fields.shape[1]), fields.mean(axis=0), np.cov(fields.T)
+    else:
+        rotations, base = RotationOperators(symmetry.places_px), symmetry.base_px.reshape(-1)
+        turns = symmetry.turns(STEPS)
+        operators = rotations.operators(turns)
+        mean, spread = rotations.spread(fields - base, turns)
+        inside = np.repeat(rotations.inside, 2)
+        spread = spread * inside * inside[:, None]
+    variance, directions = principal_directions(spread)
+    basis = directions[:, : min(COMPONENTS, max(4, len(rows) * len(turns) // 4))]
+    elements = _exact_group([basis.T @ operator @ basis for operator in operators])
+    # components of equal variance under the group get equal scales
+    variance, mixed = principal_directions(
+        np.mean((elements * variance[: basis.shape[1]]) @ elements.transpose(0, 2, 1), axis=0)
+    )
+    basis, elements = basis @ mixed, mixed.T @ elements @ mixed
+    components = (fields - base - mean) @ basis
+    arrays = {
+        "projection": basis,
+        "offset": (base + mean) @ basis,
+        "elements": elements,
+        "sd": np.sqrt(np.maximum(variance, 1e-12)),
+        "turns_px": np.array(turns),
+        "angles": np.array(0 if symmetry is None else ANGLES.index(symmetry.angles)),
+    }
+    return arrays, components @ elements.transpose(0, 2, 1)
+
+
+def _exact_group(elements: Sequence[FloatArray]) -> FloatArray:
+    """The group (g, k, k) nearest to interpolated rotations and, if there are, reflections: first, all rotations.
+
+    An eigenvalue of the rotation by one step is a root of unity, and a reflection is symmetric. Without this the
+    covariance is neither symmetric nor positive.
+    """
+    if len(elements) == 1:
+        return np.array(elements)
+    upper, vectors = schur(polar(elements[1])[0], output="complex")
+    steps = np.round(np.angle(np.diag(upper)) / (2 * np.pi) * STEPS)
+    roots = np.exp(2j * np.pi * steps[None] * np.arange(STEPS)[:, None] / STEPS)
+    rotations = np.real((vectors * roots[:, None, :]) @ vectors.conj().T)
+    if len(elements) == STEPS:
+        return np.asarray(rotations)
+    mirror = np.mean(rotations @ (elements[STEPS] + elements[STEPS].T) @ rotations, axis=0)
+    values, directions = np.linalg.eigh(mirror)
+    return np.concatenate([rotations, rotations @ ((directions * np.sign(values)) @ directions.T)])
+
+
+def _groups(samples: TrainingSet, turns: FloatArray) -> Iterator[tuple[Sequence[int], FloatArray]]:
+    """Targets that the group mixes, and its actions (g, b, b) on them."""
+    symmetry, count = samples.rotation, samples.targets.shape[1]
+    if symmetry is not None:
+        yield (0, 1), np.array([symmetry.action(turn) for turn in turns])
+    for column in range(0 if symmetry is None else 2, count):
+        sign = (
+            np.sign(np.linalg.det(turns)) if symmetry is not None and column in symmetry.odd else np.ones(len(turns))
+        )
+        yield (column,), sign[:, None, None]
+
+
+def _choose(presses: _Presses, sd: FloatArray, columns: Sequence[int], actions: FloatArray) -> tuple[Kernel, float]:
+    """Kernel of minimum left-out error, and that error."""
+    best, targets = None, presses.targets[:, columns].reshape(-1)
+    for power in _POWERS:
+        scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
+        scale = scale * np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())
+        for length in _LENGTHS:
+            decomposed = _decompose(presses, scale * length, actions)
+            for noise in _NOISES:
+                error = _left_out_error(decomposed, noise, targets, presses.press)
+                if best is None or error < best[1]:
+                    best = Kernel(scale * length, noise), error
+    assert best is not None
+    return best
+
+
+def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Eigenvalues and eigenvectors of the covariance."""
+    values, vectors = eigh(covariance(presses.components, presses.moved, scale, actions), overwrite_a=True)
+    return np.maximum(values, 0.0), vectors
+
+
+def _left_out_error(
+    decomposed: tuple[FloatArray, FloatArray], noise: float, targets: FloatArray, press: IntArray
+) -> float:
+    """Root mean square error of the targets (n b,) of each press from all others."""
+    values, vectors = decomposed
+    inverse = 1.0 / (values + noise * values.mean())
+    weights = vectors @ (inverse * (vectors.T @ targets))
+    width, left, order = len(weights) // len(press), np.empty_like(weights), np.argsort(press, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(press[order])) + 1):
+        own = (rows[:, None] * width + np.arange(width)).reshape(-1)
+        left[own] = np.linalg.solve((vectors[own] * inverse) @ vectors[own].T, weights[own])
+    return float(np.sqrt(np.mean(left**2)))
+
+
+def _solve(
+    presses: _Presses, groups: Sequence[tuple[Sequence[int], FloatArray]], kernels: Sequence[Kernel]
+) -> tuple[list[FloatArray], FloatArray]:
+    """Weights (n b,) of each group of targets, and how far each image is from all others, in their deviations."""
+    weights, apart = [], np.zeros(len(presses.press))
+    for (columns, actions), kernel in zip(groups, kernels, strict=True):
+        values, vectors = _decompose(presses, kernel.scale, actions)
+        inverse = 1.0 / (values + kernel.noise * values.mean())
+        found = vectors @ (inverse * (vectors.T @ presses.targets[:, columns].reshape(-1)))
+        # the error of one target from all others over its deviation (Rasmussen & Williams 2006, eq. 5.12)
+        size = np.abs(found) / np.sqrt(vectors**2 @ inverse)
+        size = size.reshape(-1, len(columns)).max(axis=1)
+        apart = np.maximum(apart, size / np.median(size))
+        weights.append(found)
+    return weights, apart
+
+
+def predict_process(arrays: dict[str, NDArray[Any]], inputs: NDArray[Any]) -> FloatArray:
+    """Poses (n, t) of displacements (n, m, 2) px.
+
+    Parameters
+    ----------
+    arrays
+        Numbers of `train_process`: projection (p, k) and offset (k,), elements (g, k, k) of the group, features
+        (r, k) of the training images; and of each group of targets its columns, actions, scale and weights.
+    inputs
+        Displacements.
+    """
+    components = flat_features(inputs, None) @ arrays["projection"] - arrays["offset"]
+    moved = arrays["features"] @ arrays["elements"].transpose(0, 2, 1)
+    found = np.tile(arrays["mean"], (len(inputs), 1))
+    for number in range(sum(name.startswith("columns_") for name in arrays)):
+        columns, actions, scale, weights = (
+            arrays[f"{name}_{number}"] for name in ("columns", "actions", "scale", "weights")
+        )
+        for start in range(0, len(inputs), 256):
+            matrix = covariance(components[start : start + 256], moved, scale, actions)
+            part = (matrix @ weights).reshape(-1, len(columns))
+            found[start : start + 256, columns] += part * arrays["sd_targets"][columns]
+    if "actions_0" in arrays and len(arrays["columns_0"]) == 2:
+        found[:, :2] = tilt_angles(found[:, :2], ANGLES[int(arrays["angles"])])
+    return np.asarray(found)
