@@ -5,7 +5,7 @@
     python benchmarks/learn_recording.py assign FOLDER                correspondence against what was drawn; control
     python benchmarks/learn_recording.py learn FOLDER --epochs 90     errors, time, memory; --nearest for the control
     python benchmarks/learn_recording.py adapt FOLDER                 another unit with 10, 30, 100 presses, or alone
-    python benchmarks/learn_recording.py few FOLDER                   closed forms on 10 to 300 presses, three draws
+    python benchmarks/learn_recording.py few FOLDER                   closed forms on 10 to 300 presses, two draws
 
 Each prints JSON. What is drawn follows rules of its own (`tests/drawn_tactip.py`), not the package's simulation.
 """
@@ -180,7 +180,7 @@ def main() -> None:
         "assign": lambda: assign(given.folder),
         "learn": lambda: learn(given.folder, given.epochs, given.nearest, given.estimators),
         "adapt": lambda: adapt(given.folder, (10, 30, 100), (30, 100, 300)),
-        "few": lambda: few(given.folder, (10, 30, 100, 300), 3),
+        "few": lambda: few(given.folder, (10, 30, 100, 300), 2),
     }[given.what]()
     print(json.dumps(result, indent=1))
 

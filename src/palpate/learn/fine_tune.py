@@ -1,9 +1,10 @@
-"""Fine-tuning of a pretrained marker network to a unit by few presses.
+"""Fine-tuning of a pretrained estimator on markers to a unit by few presses.
 
-The network comes from another recording or from the simulated design. The pretrained layout at rest is matched to
+The estimator comes from another recording or from the simulated design. The pretrained layout at rest is matched to
 this unit's blobs (`palpate.vision.match_markers`); the linear map between both rest images transforms displacements,
-which removes differences of camera and print. The network is then trained further, at a low rate and regularised
-towards its initial weights; with very few presses only a linear correction of its outputs is fitted.
+which removes differences of camera and print. With very few presses only a linear correction of its outputs is
+fitted. With more, a network is trained further, at a low rate and regularised towards its initial weights; to a
+Gaussian process another one is added, of its errors.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from palpate.core.run import Progress
 from palpate.learn.estimator import Estimator
 from palpate.learn.io import read_estimator
 from palpate.learn.learning_curve import CurvePoint, compute_learning_curve
-from palpate.learn.member import MarkerNetwork
+from palpate.learn.member import MarkerNetwork, MarkerProcess
 from palpate.learn.prepare_recording import PreparedRecording
 from palpate.learn.recording_model import read_model
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.training_set import TrainingSet
 from palpate.vision import MarkerMatcher, ObservedLayout
 
-ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
+ADAPTED, CORRECTED = "adapted", "corrected"
 _HOLD = 0.05
 """Weight of the regularisation of the linear correction, over the number of training presses."""
 _DENSITY = 2.5
@@ -44,15 +45,15 @@ class PretrainedModel:
         Its file.
     layout
         Its markers at rest, px of its own camera.
-    network
-        Its marker network.
+    estimator
+        Its estimator on markers.
     outputs
         Names of its outputs, ``rx_deg`` …
     """
 
     name: str
     layout: ObservedLayout
-    network: MarkerNetwork
+    estimator: MarkerNetwork | MarkerProcess
     outputs: tuple[str, ...]
 
 
@@ -67,10 +68,12 @@ def read_pretrained(path: Path) -> PretrainedModel:
     if path.suffix == ".onnx":
         return _of_simulation(path.name, read_estimator(path))
     model = read_model(path)
-    found = [part for part in model.parts.values() if isinstance(part, MarkerNetwork)]
+    parts = list(model.parts.values())
+    found: list[MarkerNetwork | MarkerProcess] = [one for one in parts if isinstance(one, MarkerNetwork)]
+    found += [one for one in parts if isinstance(one, MarkerProcess)]
     if not found or model.layout is None:
         raise PalpateError(
-            f"{path.name} has no network on markers; it has {', '.join(model.parts)}.",
+            f"{path.name} has no network or process on markers; it has {', '.join(model.parts)}.",
             "Give a model whose best estimator reads markers.",
             code="model-no-marker-network",
         )
@@ -91,8 +94,8 @@ def _of_simulation(name: str, found: Estimator) -> PretrainedModel:
     )
 
 
-def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerNetwork:
-    """Return the pretrained network on this unit's displacements, with outputs in this recording's order.
+def transfer_estimator(start: PretrainedModel, seen: PreparedRecording) -> MarkerNetwork | MarkerProcess:
+    """Return the pretrained estimator on this unit's displacements, with outputs in this recording's order.
 
     Raises
     ------
@@ -131,20 +134,15 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     carried = np.zeros((len(own), 2, len(other), 2))
     for dot, place in enumerate(number):
         carried[place, :, dot, :] = back
+    chosen = np.eye(len(start.outputs))[:, [start.outputs.index(name) for name in wanted]]
     matrix = carried.reshape(2 * len(own), 2 * len(other))
-    arrays = {**start.network.arrays, "projection": matrix @ start.network.arrays["projection"]}
-    order = [start.outputs.index(name) for name in wanted]
-    last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
-    arrays[f"weight_{last}"] = arrays[f"weight_{last}"][:, :, order]
-    arrays[f"bias_{last}"] = arrays[f"bias_{last}"][:, order]
-    arrays["mean"], arrays["sd"] = arrays["mean"][order], arrays["sd"][order]
-    return MarkerNetwork("carried", arrays)
+    return start.estimator.transform_inputs(matrix).transform_outputs("carried", chosen, np.zeros(len(wanted)))
 
 
 def fine_tune_members(
     start: PretrainedModel, seen: PreparedRecording, progress: Progress
-) -> dict[str, MarkerNetwork]:
-    """Return the corrected and the fine-tuned network by name.
+) -> dict[str, MarkerNetwork | MarkerProcess]:
+    """Return the corrected and the fine-tuned estimator by name.
 
     Raises
     ------
@@ -157,41 +155,35 @@ def fine_tune_members(
             "Train without --from.",
             code="recording-markers-unassigned",
         )
-    carried = transfer_network(start, seen)
+    carried = transfer_estimator(start, seen)
     lesson, _ = seen.samples(markers=True)
-    found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
+    parts = [_correct(carried, lesson), _adapt(carried, lesson)]
+    found = {part.name: part for part in parts}
     for name, part in found.items():
         error = lesson.error(part.predict(seen.moved[lesson.validation]))
         progress.note(f"{name}: validation error {error:.4f} of the deviation")
     return found
 
 
-def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
+def _correct(carried: MarkerNetwork | MarkerProcess, lesson: TrainingSet) -> MarkerNetwork | MarkerProcess:
     """Fit outputs a + B y by least squares on the training set, regularised towards B = 1."""
     given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
     residual = (lesson.targets[lesson.train] - given) / scale
     [(change, shift)] = solve_ridge(given / scale, residual, [_HOLD * len(given) ** 0.5])
-    turn = np.eye(len(scale)) + change
-    arrays = dict(carried.arrays)
-    last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
-    # y = z sd + mean becomes ((z sd + mean) / scale · turn + shift) scale
-    factor = (arrays["sd"][:, None] / scale[:, None]) * turn * scale / arrays["sd"]
-    arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
-    arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
-    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + shift * scale
-    return MarkerNetwork(CORRECTED, arrays)
+    turn = (np.eye(len(scale)) + change) * scale / scale[:, None]
+    return carried.transform_outputs(f"{CORRECTED}-{carried.kind}", turn, shift * scale)
 
 
-def _adapt(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
-    return _correct(carried, lesson).fine_tune(ADAPTED, lesson)
+def _adapt(carried: MarkerNetwork | MarkerProcess, lesson: TrainingSet) -> MarkerNetwork | MarkerProcess:
+    return _correct(carried, lesson).fine_tune(f"{ADAPTED}-{carried.kind}", lesson)
 
 
 def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
     """Errors on the test presses: pretrained, and fine-tuned with increasing numbers of presses."""
     if seen.assigned is None:
         return ()
-    carried = transfer_network(start, seen)
+    carried = transfer_estimator(start, seen)
     samples, test = seen.samples(markers=True)
     errors: FloatArray = carried.predict(seen.moved[test]) - seen.targets[test]
     first = CurvePoint(0, f"{start.name} as it is", tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0))))

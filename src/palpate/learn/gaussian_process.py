@@ -101,22 +101,27 @@ def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
     if symmetry is None or samples.train.sum() < _FEWEST_ROWS:
         return symmetry
 
-    def error(option: RotationAugmentation) -> float:
-        return float(_train(replace(samples, rotation=option), _ANGLE_ROWS)["error"])
-
-    best = min((symmetry._replace(angles=angles) for angles in ANGLES), key=error)
-    return best if symmetry.frame_rad is None else min(best, best._replace(frame_rad=None), key=error)
+    rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:_ANGLE_ROWS]
+    found: list[tuple[float, RotationAugmentation]] = []
+    for frame in {symmetry.frame_rad, None}:
+        option = symmetry._replace(frame_rad=frame)
+        arrays, moved = _find_components(replace(samples, rotation=option), rows)
+        columns, actions = next(_groups(replace(samples, rotation=option), arrays["turns_px"]))
+        vectors = np.stack([tilt_vector(samples.targets[rows][:, columns], angles) for angles in ANGLES], axis=-1)
+        presses = _Presses(moved[0], moved, vectors / samples.scale[1][0], samples.press_numbers[rows])
+        errors = [
+            error for _, error in _choose(presses, presses.targets.reshape(-1, len(ANGLES)), arrays["sd"], actions)
+        ]
+        found += [(error, option._replace(angles=angles)) for error, angles in zip(errors, ANGLES, strict=True)]
+    return min(found, key=lambda one: one[0])[1]
 
 
 def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
-    """Train a process of each group of targets; return its numbers by name, see `predict_process`."""
-    return _train(samples, MOST_ROWS)
+    """Train a process of each group of targets; return its numbers by name, see `predict_process`.
 
-
-def _train(samples: TrainingSet, most: int) -> dict[str, NDArray[Any]]:
-    """Train on at most so many images; ``error`` is that of the first group of targets in presses left out."""
-    rows = np.flatnonzero(samples.train)
-    rows = generator(samples.seed, "process").permutation(rows)[:most]
+    ``error`` is the root mean square error of the first group in presses left out, over the deviation.
+    """
+    rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:MOST_ROWS]
     arrays, moved = _find_components(samples, rows)
     mean, sd = samples.scale
     targets = samples.targets[rows].copy()
@@ -126,14 +131,18 @@ def _train(samples: TrainingSet, most: int) -> dict[str, NDArray[Any]]:
     groups = list(_groups(samples, arrays["turns_px"]))
     for last in (False, True):
         tuned = presses.rows(np.arange(min(len(presses.press), MOST_TUNED)))
-        kernels, errors = zip(*(_choose(tuned, arrays["sd"], *group) for group in groups), strict=True)
+        chosen = [
+            _choose(tuned, tuned.targets[:, columns].reshape(-1, 1), arrays["sd"], actions)[0]
+            for columns, actions in groups
+        ]
+        kernels = [kernel for kernel, _ in chosen]
         weights, apart = _solve(presses, groups, kernels)
         kept = apart <= max(_OUTLIER, float(np.quantile(apart, 1.0 - _MOST_OUTLIERS)))
         if last or kept.all() or len(rows) < _FEWEST_ROWS:
             break
         presses = presses.rows(kept)
     del arrays["turns_px"]
-    arrays |= {"features": presses.components, "mean": mean, "sd_targets": sd, "error": np.array(errors[0])}
+    arrays |= {"features": presses.components, "mean": mean, "sd_targets": sd, "error": np.array(chosen[0][1])}
     for number, ((columns, actions), kernel, found) in enumerate(zip(groups, kernels, weights, strict=True)):
         arrays |= {
             f"columns_{number}": np.array(columns),
@@ -148,7 +157,7 @@ def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, ND
     """Projection and its symmetry by name, and the components (g, n, k) of images under each element."""
     symmetry, fields = samples.rotation, flat_features(samples.inputs[rows], None).astype(float)
     if symmetry is None:
-        turns, operators = [np.eye(2)], [np.eye(fields.shape[1])]
+        turns, operators = [np.eye(2)], np.eye(fields.shape[1])[None]
         base, mean, spread = np.zeros(fields.shape[1]), fields.mean(axis=0), np.cov(fields.T)
     else:
         rotations, base = RotationOperators(symmetry.places_px), symmetry.base_px.reshape(-1)
@@ -208,19 +217,21 @@ def _groups(samples: TrainingSet, turns: FloatArray) -> Iterator[tuple[Sequence[
         yield (column,), sign[:, None, None]
 
 
-def _choose(presses: _Presses, sd: FloatArray, columns: Sequence[int], actions: FloatArray) -> tuple[Kernel, float]:
-    """Kernel of minimum left-out error, and that error."""
-    best, targets = None, presses.targets[:, columns].reshape(-1)
+def _choose(
+    presses: _Presses, targets: FloatArray, sd: FloatArray, actions: FloatArray
+) -> list[tuple[Kernel, float]]:
+    """Kernel of minimum left-out error, and that error, for each column of targets (n b, v)."""
+    best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
         scale = scale * np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())
         for length in _LENGTHS:
             decomposed = _decompose(presses, scale * length, actions)
             for noise in _NOISES:
-                error = _left_out_error(decomposed, noise, targets, presses.press)
-                if best is None or error < best[1]:
-                    best = Kernel(scale * length, noise), error
-    assert best is not None
+                errors = _left_out_errors(decomposed, noise, targets, presses.press)
+                for column, error in enumerate(errors):
+                    if error < best[column][1]:
+                        best[column] = Kernel(scale * length, noise), float(error)
     return best
 
 
@@ -230,18 +241,18 @@ def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tup
     return np.maximum(values, 0.0), vectors
 
 
-def _left_out_error(
+def _left_out_errors(
     decomposed: tuple[FloatArray, FloatArray], noise: float, targets: FloatArray, press: IntArray
-) -> float:
-    """Root mean square error of the targets (n b,) of each press from all others."""
+) -> FloatArray:
+    """Root mean square errors (v,) of the targets (n b, v) of each press from all others."""
     values, vectors = decomposed
     inverse = 1.0 / (values + noise * values.mean())
-    weights = vectors @ (inverse * (vectors.T @ targets))
+    weights = vectors @ (inverse[:, None] * (vectors.T @ targets))
     width, left, order = len(weights) // len(press), np.empty_like(weights), np.argsort(press, kind="stable")
     for rows in np.split(order, np.flatnonzero(np.diff(press[order])) + 1):
         own = (rows[:, None] * width + np.arange(width)).reshape(-1)
         left[own] = np.linalg.solve((vectors[own] * inverse) @ vectors[own].T, weights[own])
-    return float(np.sqrt(np.mean(left**2)))
+    return np.asarray(np.sqrt(np.mean(left**2, axis=0)))
 
 
 def _solve(

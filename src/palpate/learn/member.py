@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self, final
@@ -35,6 +35,8 @@ _LONGER = 8 / 3
 """Passes over rotated images over those over plain ones: augmented data allow longer training."""
 _MOST_SHOWN = 250_000
 """Images that these passes show at most, unless plain ones show more: 35 to 50 minutes of a core."""
+_ADDED = "added_"
+"""Prefix of the arrays of a process that is added to another one."""
 _IMAGE_S, _MARKERS_S = 0.01, 60.0
 """Time of one core for one image, and for a network on markers, s: decides only the remaining time."""
 
@@ -170,8 +172,30 @@ class MarkerProcess(EnsembleMember):
     def train(cls, name: str, samples: TrainingSet, run: TrainingRun) -> Self:
         return cls(name, train_process(samples))
 
+    def transform_inputs(self, matrix: FloatArray) -> MarkerProcess:
+        """The same process on displacements (p,) that `matrix` (p, q) maps to its own."""
+        return MarkerProcess(self.name, {**self.arrays, "projection": matrix @ self.arrays["projection"]})
+
+    def transform_outputs(self, name: str, turn: FloatArray, shift: FloatArray) -> MarkerProcess:
+        """A process whose outputs are y · turn (k, l) + shift (l,)."""
+        before, offset = self.arrays.get("turn"), self.arrays.get("shift", np.zeros(len(turn)))
+        turned = turn if before is None else before @ turn
+        return MarkerProcess(name, {**self.arrays, "turn": turned, "shift": offset @ turn + shift})
+
+    def fine_tune(self, name: str, samples: TrainingSet) -> MarkerProcess:
+        """Add a process of the errors of this one on the samples."""
+        errors = replace(samples, targets=samples.targets - self.predict(samples.inputs), rotation=None)
+        return MarkerProcess(
+            name, self.arrays | {f"{_ADDED}{key}": one for key, one in train_process(errors).items()}
+        )
+
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
-        return predict_process(self.arrays, inputs)
+        own = {key: one for key, one in self.arrays.items() if not key.startswith(_ADDED)}
+        added = {key.removeprefix(_ADDED): one for key, one in self.arrays.items() if key.startswith(_ADDED)}
+        found = predict_process(own, inputs)
+        if "turn" in own:
+            found = found @ own["turn"] + own["shift"]
+        return found + predict_process(added, inputs) if added else found
 
 
 @final
@@ -191,6 +215,20 @@ class MarkerNetwork(EnsembleMember):
         arrays = train_marker_network(name, samples, checkpoint=run.checkpoint)
         run.progress.finish(name)
         return cls(name, arrays)
+
+    def transform_inputs(self, matrix: FloatArray) -> MarkerNetwork:
+        """The same networks on displacements (p,) that `matrix` (p, q) maps to their own."""
+        return MarkerNetwork(self.name, {**self.arrays, "projection": matrix @ self.arrays["projection"]})
+
+    def transform_outputs(self, name: str, turn: FloatArray, shift: FloatArray) -> MarkerNetwork:
+        """Networks whose outputs are y · turn (k, l) + shift (l,)."""
+        arrays = dict(self.arrays)
+        last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
+        mean, sd = arrays["mean"] @ turn + shift, np.sqrt(arrays["sd"] ** 2 @ turn**2)
+        factor = arrays["sd"][:, None] * turn / sd
+        arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
+        arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
+        return MarkerNetwork(name, arrays | {"mean": mean, "sd": sd})
 
     def fine_tune(self, name: str, samples: TrainingSet) -> MarkerNetwork:
         """Train these networks further, regularised towards their weights; inputs are those of `samples`."""

@@ -164,10 +164,13 @@ class RotationOperators:
 
     def spread(self, fields: FloatArray, turns: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under some rotations and reflections (2, 2)."""
-        mean, own = fields.mean(axis=0), np.cov(fields.T)
-        operators = self.operators(turns)
+        mean, operators = fields.mean(axis=0), self.operators(turns)
+        root = (fields - mean) / np.sqrt(len(fields) - 1)
+        if len(root) > root.shape[1]:
+            root = np.linalg.qr(root, mode="r")
         means = np.array([each @ mean for each in operators])
-        within = np.mean([each @ own @ each.T for each in operators], axis=0)
+        moved = [root @ each.T for each in operators]
+        within = np.mean([each.T @ each for each in moved], axis=0)
         return means.mean(axis=0), within + np.cov(means.T, bias=True)
 
 

@@ -107,7 +107,7 @@ def train_on_recording(
             if first is None and part.effort != "all":
                 early = time.monotonic() - begin
         parts = {job.name: parts[job.name] for job in jobs}
-        return parts if start is None else parts | fine_tune_members(start, own, progress)
+        return parts if start is None else parts | fine_tune_members(start, own, Progress() if few else progress)
 
     every = np.ones(len(seen.targets), bool)
     if few:

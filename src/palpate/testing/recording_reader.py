@@ -16,7 +16,7 @@ class RecordingReaderSuite:
 
     @pytest.fixture
     def place(self, tmp_path: Path) -> Path:
-        """A file or folder of the format, with 12 images or more of 8 presses or more."""
+        """A file or folder of the format, with 8 images or more of 8 presses or more."""
         raise NotImplementedError("Give the fixture `place`.")
 
     @pytest.fixture

@@ -318,7 +318,7 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
 @pytest.mark.slow
 def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -> None:
     needs("torch")
-    from palpate.learn.fine_tune import transfer_network
+    from palpate.learn.fine_tune import transfer_estimator
 
     sensor = replace(SENSOR, misprint=0.03)
     draw_recording(tmp_path / "a", draw_motions(110, 3, shear=1.0), sensor)
@@ -332,7 +332,7 @@ def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -
     alone = min(score.errors[0].rmse for score in second.scores if score.name.endswith("ridge"))
     adapted = next(score for score in second.scores if score.name == "adapted-dots-network")
     assert adapted.errors[0].rmse < alone
-    assert transfer_network(start, second.seen).predict(second.seen.moved).shape == (60, 3)
+    assert transfer_estimator(start, second.seen).predict(second.seen.moved).shape == (60, 3)
     assert any(point.estimator == "adapted" for point in second.curve)
 
 
