@@ -27,7 +27,7 @@ def count_folds(seen: PreparedRecording) -> int:
 def cross_validate(
     seen: PreparedRecording, seed: int, train: Callable[[PreparedRecording], Mapping[str, EnsembleMember]]
 ) -> tuple[dict[str, EnsembleMember], dict[str, FloatArray]]:
-    """Train on all presses; return the estimators, and estimates (n, k) by estimators that did not see the press.
+    """Train on all presses; return the estimators, and held-out estimates (n, k) by name.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 The logarithm of the variance of an error is linear in features of the image: the estimated pose and its squares, the
 number of markers that were not found, the distance to the nearest training image, and the disagreement of the
-estimators. The coefficients have the greatest likelihood for normal errors, with a ridge penalty (Davidian & Carroll
+estimators. The coefficients have the maximum likelihood for normal errors, with a ridge penalty (Davidian & Carroll
 1987, "Variance function estimation"). The interval is this scale times a conformal quantile (Lei et al. 2018,
 "Distribution-free predictive inference for regression", section 5.2), so it covers its level on average even if the
 scale is wrong.
@@ -21,7 +21,7 @@ from palpate.learn.interval import press_quantile
 LEAST_IMAGES, LEAST_PRESSES = 100, 50
 """Numbers of validation images and presses below which all images get the same interval."""
 _PENALTY, _STEPS, _FOLDS = 4.0, 30, 5
-"""Ridge penalty of a coefficient of a standardised feature, Fisher steps, and folds of the normalised errors."""
+"""Ridge penalty of a coefficient, Fisher steps, and folds of the normalised errors."""
 _FAR = 3.0
 """Standard deviations to which a feature is limited."""
 
@@ -64,7 +64,7 @@ def image_features(
     nearest_px: FloatArray,
     apart: FloatArray,
 ) -> FloatArray:
-    """Features (n, f) of images that tell how sure an estimate is.
+    """Features (n, f) of images on which the expected error depends.
 
     Parameters
     ----------

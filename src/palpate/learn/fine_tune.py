@@ -95,7 +95,7 @@ def _of_simulation(name: str, found: Estimator) -> PretrainedModel:
 
 
 def transfer_estimator(start: PretrainedModel, seen: PreparedRecording) -> MarkerNetwork | MarkerProcess:
-    """Return the pretrained estimator on this unit's displacements, with outputs in this recording's order.
+    """Return the pretrained estimator for this unit's displacements and this recording's outputs.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Gaussian processes from displacements of markers to poses, invariant under the symmetry of the sensor.
+"""Gaussian processes on displacements of markers, invariant under the symmetry of the sensor.
 
 Displacements are reduced to principal components of all rotated and reflected presses. With a kernel k of the
 components and the actions A of the group's elements g on the targets, a target has the covariance
@@ -39,10 +39,9 @@ _POWERS, _LENGTHS, _NOISES = (0.25, 0.5, 0.75), (0.7, 1.0, 1.5, 2.2, 3.2, 5.0), 
 The length is relative to the RMS component. The left-out error chooses.
 """
 _OUTLIER, _MOST_OUTLIERS = 6.0, 0.05
-"""Images that are farther from all others than so many times the median are dropped, at most this share."""
+"""Relative distance of images that are dropped, over the median, and their maximum share."""
 _FEWEST_ROWS, _ANGLE_ROWS = 20, 300
-"""Number of images: the fewest from which the meaning of the angles is chosen or outliers are dropped, and the most
-that choose the meaning."""
+"""Minimum number of images for choices and for dropping outliers, and maximum number for the symmetry."""
 
 
 class Kernel(NamedTuple):
@@ -96,7 +95,7 @@ def covariance(first: FloatArray, second: FloatArray, scale: FloatArray, actions
 
 
 def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
-    """The symmetry of samples with the meaning of rx and ry, and with or without reflections, by left-out error."""
+    """Symmetry of samples: meaning of rx and ry, with or without reflections, by left-out error."""
     symmetry = samples.rotation
     if symmetry is None or samples.train.sum() < _FEWEST_ROWS:
         return symmetry
@@ -187,7 +186,7 @@ def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, ND
 
 
 def _exact_group(elements: Sequence[FloatArray]) -> FloatArray:
-    """The group (g, k, k) nearest to interpolated rotations and, if there are, reflections: first, all rotations.
+    """Nearest group (g, k, k) to interpolated rotations and reflections; the rotations come first.
 
     An eigenvalue of the rotation by one step is a root of unity, and a reflection is symmetric. Without this the
     covariance is neither symmetric nor positive.
@@ -258,7 +257,7 @@ def _left_out_errors(
 def _solve(
     presses: _Presses, groups: Sequence[tuple[Sequence[int], FloatArray]], kernels: Sequence[Kernel]
 ) -> tuple[list[FloatArray], FloatArray]:
-    """Weights (n b,) of each group of targets, and how far each image is from all others, in their deviations."""
+    """Weights (n b,) of each group of targets, and the relative distance of each image."""
     weights, apart = [], np.zeros(len(presses.press))
     for (columns, actions), kernel in zip(groups, kernels, strict=True):
         values, vectors = _decompose(presses, kernel.scale, actions)

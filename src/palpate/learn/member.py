@@ -173,7 +173,7 @@ class MarkerProcess(EnsembleMember):
         return cls(name, train_process(samples))
 
     def transform_inputs(self, matrix: FloatArray) -> MarkerProcess:
-        """The same process on displacements (p,) that `matrix` (p, q) maps to its own."""
+        """Return this process for displacements (p,) that `matrix` (p, q) maps to its own."""
         return MarkerProcess(self.name, {**self.arrays, "projection": matrix @ self.arrays["projection"]})
 
     def transform_outputs(self, name: str, turn: FloatArray, shift: FloatArray) -> MarkerProcess:
@@ -217,7 +217,7 @@ class MarkerNetwork(EnsembleMember):
         return cls(name, arrays)
 
     def transform_inputs(self, matrix: FloatArray) -> MarkerNetwork:
-        """The same networks on displacements (p,) that `matrix` (p, q) maps to their own."""
+        """Return these networks for displacements (p,) that `matrix` (p, q) maps to their own."""
         return MarkerNetwork(self.name, {**self.arrays, "projection": matrix @ self.arrays["projection"]})
 
     def transform_outputs(self, name: str, turn: FloatArray, shift: FloatArray) -> MarkerNetwork:

@@ -161,7 +161,7 @@ class RecordedModel:
         return image_features(use.combine(estimates), low, high, lost, nearest, use.spread(estimates))
 
     def estimate_parts(self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray) -> dict[str, FloatArray]:
-        """Estimates (n, k) of each part for the images that it decides on, NaN for the others.
+        """Estimates (n, k) of each part for the images that it decides on, else NaN.
 
         Parameters
         ----------

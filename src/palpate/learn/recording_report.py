@@ -91,7 +91,7 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
 
 
 def _describe_sets(about: Mapping[str, Any]) -> str:
-    """Which images train, choose and test."""
+    """Sets of images for training, selection and test."""
     images, level = f"{about['images']} images of {about['presses']} presses", f"{about['spec']['level']:.0%}"
     if about["folds"]:
         return (

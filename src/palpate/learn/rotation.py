@@ -1,4 +1,4 @@
-"""Symmetry of a sensor of revolution: one recorded press gives presses from all directions, and mirrored ones.
+"""Symmetry of a sensor of revolution: rotated and reflected presses.
 
 Such a sensor is invariant under rotation about its axis and under reflection. If a press moved the markers by a field
 u(x), the press rotated or reflected by T moves them by T u(T⁻¹ x), and its tilt is rotated or reflected as well. The
@@ -22,7 +22,7 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from palpate.core import BoolArray, FloatArray
 
 _TURNING, _FIXED, _ODD = ("rx", "ry"), ("depth", "rz", "force"), ("rz",)
-"""Axes that rotate with the sensor, those that are invariant, and of these the ones that a reflection negates."""
+"""Axes that rotate with the sensor, invariant ones, and those that a reflection negates."""
 _LEAST_TURNED = 8
 """Minimum number of images for a clear sense of rotation."""
 COUNT = 36
@@ -32,21 +32,21 @@ MOST_DOTS = 800
 _NEAR, _FAR = 12, 0.75
 """Markers of a local interpolation, and distance over spacing from which the nearest is used."""
 _MARGIN = 0.3
-"""Markers beyond the filled circle by less, over the spacing, count as inside: rings are not quite round."""
+"""Tolerance of the filled circle, over the spacing: rings are not quite round."""
 _ORDERS = (6, 4, 3, 2)
 _MOST_ALIKE, _ALIKE = 0.9, 0.3
 """Symmetry of a rotated pattern: minimum share of coinciding markers, tolerance over spacing."""
 _RINGS, _CLEAR, _FRAMES = 3, 0.8, 180
-"""Rings over which fields are pooled, residual ratio of the two senses that is clear, angles tried in half a turn."""
+"""Rings of pooled fields, clear residual ratio of the two senses, and angles in half a turn."""
 _MIRROR = np.diag([1.0, -1.0])
 
 
 ANGLES = ("vector", "ry-rx", "rx-ry")
-"""Meanings of rx and ry: parts of a rotation vector; or Euler angles, whose rotations are ``Ry Rx`` or ``Rx Ry``."""
+"""Meanings of rx and ry: a rotation vector, or Euler angles of ``Ry Rx`` or ``Rx Ry``."""
 
 
 class RotationAugmentation(NamedTuple):
-    """Rotation and reflection of poses with images about the centre of the layout (`palpate.learn.rotation`).
+    """Rotation and reflection of poses with images about the centre of the layout.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class RotationAugmentation(NamedTuple):
     odd: tuple[int, ...] = ()
 
     def turns(self, steps: int) -> list[FloatArray]:
-        """Rotations (2, 2) of the image by `steps` even steps, then the reflected ones; the first is the identity."""
+        """Rotations (2, 2) of the image by `steps` even steps, from the identity, then the reflections."""
         turned = [rotation(number * (COUNT // steps)) for number in range(steps)]
         return turned if self.frame_rad is None else turned + [turn @ _MIRROR for turn in turned]
 
@@ -92,7 +92,7 @@ class RotationAugmentation(NamedTuple):
 
 
 def tilt_vector(rx_ry: FloatArray, angles: str) -> FloatArray:
-    """Rotation vector (n, 2), degrees, across the axis, that tilts it as (n, 2) rx and ry of one of `ANGLES` do."""
+    """Rotation vector (n, 2) across the axis, degrees, of angles (n, 2) rx and ry of one of `ANGLES`."""
     if angles == ANGLES[0]:
         return rx_ry
     (sx, sy), (cx, cy) = np.sin(np.radians(rx_ry.T)), np.cos(np.radians(rx_ry.T))
@@ -132,7 +132,7 @@ class RotationOperators:
 
     @cached_property
     def inside(self) -> BoolArray:
-        """(m,) markers inside the greatest circle about the centre that the layout fills: rotated ones are seen."""
+        """(m,) markers inside the largest circle about the centre that the layout fills."""
         hull = ConvexHull(self.rest_px).equations
         reach = float((-hull[:, :2] @ self.middle - hull[:, 2]).min())
         spacing = np.median(cKDTree(self.rest_px).query(self.rest_px, 2)[0][:, 1])
@@ -163,7 +163,7 @@ class RotationOperators:
         return _operators(self.rest_px.tobytes(), tuple(map(tuple, np.reshape(turns, (-1, 4)).tolist())))
 
     def spread(self, fields: FloatArray, turns: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under some rotations and reflections (2, 2)."""
+        """Mean (2 m,) and covariance (2 m, 2 m) of fields (n, 2 m) under rotations and reflections."""
         mean, operators = fields.mean(axis=0), self.operators(turns)
         root = (fields - mean) / np.sqrt(len(fields) - 1)
         if len(root) > root.shape[1]:
@@ -199,7 +199,7 @@ def pattern_order(rest_px: FloatArray) -> int:
 
 
 def find_frame(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> tuple[int, float]:
-    """Whether (rx, ry) turn with the image (1), against it (−1) or neither (0), and their frame's angle, rad.
+    """Sense in which (rx, ry) turn with the image (1, −1; 0 if unclear), and their frame's angle, rad.
 
     Of the complex displacement u at the place z the means of u and of u* z²/|z|² over rings turn with the image, and
     are all that does so linearly; tilt or its conjugate is regressed on them. If the sensor is invariant under

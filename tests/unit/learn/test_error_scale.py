@@ -10,7 +10,7 @@ LEVEL = 0.9
 
 
 def drawn(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Features (n, f) and errors (n, 2) that are greater at small depth and with missing markers; heavy tails."""
+    """Features (n, f) and errors (n, 2), larger at small depth and with missing markers."""
     rng = np.random.default_rng(seed)
     poses = rng.uniform([-20, -20, 0.5], [20, 20, 6.0], (count, 3))
     missing = rng.poisson(rng.choice([1.0, 15.0], count, p=[0.8, 0.2]))

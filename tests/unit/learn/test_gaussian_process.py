@@ -17,7 +17,7 @@ AXES = ("rx", "ry", "depth")
 
 @cache
 def drawn() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Dots at rest (m, 2), displacements (n, m, 2) with noise, and poses (n, 3); shear and yaw are not told."""
+    """Dots at rest (m, 2), displacements (n, m, 2) with noise, and poses (n, 3)."""
     rest = place_heads(SENSOR, np.zeros(6), np.zeros((4, 2)))[0]
     motions, rng = draw_motions(COUNT, 2, tilt=25.0), np.random.default_rng(4)
     heads = np.array([place_heads(SENSOR, one, rng.normal(0, 0.02, (4, 2)))[0] for one in motions])
