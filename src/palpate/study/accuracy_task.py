@@ -142,7 +142,7 @@ def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
     if (
         skin.build().symmetry is not Symmetry.REVOLVED
         or skin.build().hole
-        or not isinstance(study.obstacle, WallSpec)
+        or not _is_flat_wall(study)
         or len(tilts) < _PREDICTION_TILTS
         or tilts[0] != 0.0
     ):
@@ -162,6 +162,10 @@ def _twin_tilts(study: Study) -> tuple[float, ...]:
     return tuple(found) if len(found) > _PREDICTION_TILTS else tuple(tilts)
 
 
+def _is_flat_wall(study: Study) -> bool:
+    return isinstance(study.obstacle, WallSpec) and study.obstacle.curvature == 0.0
+
+
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     """The twin of one skin of a study, for reading images.
 
@@ -175,7 +179,7 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
         code="twin-needs-revolution",
     )
-    if not isinstance(study.obstacle, WallSpec):
+    if not _is_flat_wall(study):
         raise PalpateError(
             f"A twin is made of presses by a flat wall, and the obstacle of {study.name} is {study.obstacle.label}.",
             "Leave the obstacle out, or train an estimator for it: `palpate run`.",

@@ -9,6 +9,7 @@ from errors import check_refusal, refused
 from needs import needs
 from palpate.cli import main
 from palpate.study import Study, compare_grids, design_spec, plan_twin, read_grid
+from palpate.study.accuracy_task import plan_prediction
 from palpate.viewer.curves import error_curves
 from presses import stored_folder
 
@@ -125,3 +126,15 @@ def test_a_twin_of_a_ball_is_refused_before_a_press(tmp_path: Path, capsys) -> N
     (tmp_path / "study.yaml").write_text(json.dumps(study_of(BALL)))
     assert run("calibration", "predict", tmp_path / "study.yaml", "--out", tmp_path / "twins") == 2
     check_refusal(capsys.readouterr().err, "twin-needs-wall", "ball 8 mm")
+
+
+def test_a_twin_of_a_curved_wall_is_refused_and_its_study_has_no_prediction() -> None:
+    """A twin has no curvature of its own: it would read images of the curved wall as those of a flat one."""
+    skins = {"heights": ["20 mm"], "thicknesses": ["2 mm"], "markers": [7]}
+    given = {"name": "walls", "designs": skins, "tilts_deg": [0, 4, 8]}
+    curved, flat = (Study.model_validate({**given, "obstacle": wall}) for wall in ({"curvature": 5}, {}))
+    skin = flat.designs.skins()[0]
+    with refused("twin-needs-wall", "5"):
+        plan_twin(curved, skin)
+    assert plan_prediction(curved, skin) is None
+    assert plan_twin(flat, skin).presses
