@@ -13,7 +13,7 @@ Far from all presses the estimate returns to the mean, so one wrong image cannot
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -271,19 +271,24 @@ def _solve(
     return weights, apart
 
 
-def predict_process(arrays: dict[str, NDArray[Any]], inputs: NDArray[Any]) -> FloatArray:
+def move_features(arrays: Mapping[str, NDArray[Any]]) -> FloatArray:
+    """Components (g, r, k) of the training images under each element of the group."""
+    return np.asarray(arrays["features"] @ arrays["elements"].transpose(0, 2, 1))
+
+
+def predict_process(arrays: Mapping[str, NDArray[Any]], inputs: NDArray[Any]) -> FloatArray:
     """Poses (n, t) of displacements (n, m, 2) px.
 
     Parameters
     ----------
     arrays
         Numbers of `train_process`: projection (p, k) and offset (k,), elements (g, k, k) of the group, features
-        (r, k) of the training images; and of each group of targets its columns, actions, scale and weights.
+        (r, k) of the training images, and if given moved (g, r, k), see `move_features`; and of each group of targets its columns, actions, scale and weights.
     inputs
         Displacements.
     """
     components = flat_features(inputs, None) @ arrays["projection"] - arrays["offset"]
-    moved = arrays["features"] @ arrays["elements"].transpose(0, 2, 1)
+    moved = arrays["moved"] if "moved" in arrays else move_features(arrays)
     found = np.tile(arrays["mean"], (len(inputs), 1))
     for number in range(sum(name.startswith("columns_") for name in arrays)):
         columns, actions, scale, weights = (

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, Registry, load_extra
 from palpate.core.run import Progress
-from palpate.learn.gaussian_process import predict_process, train_process
+from palpate.learn.gaussian_process import move_features, predict_process, train_process
 from palpate.learn.graph import image_graph, open_session
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.learn.ridge import solve_ridge
@@ -190,12 +190,21 @@ class MarkerProcess(EnsembleMember):
         )
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
-        own = {key: one for key, one in self.arrays.items() if not key.startswith(_ADDED)}
-        added = {key.removeprefix(_ADDED): one for key, one in self.arrays.items() if key.startswith(_ADDED)}
+        own, added = self._processes
         found = predict_process(own, inputs)
         if "turn" in own:
             found = found @ own["turn"] + own["shift"]
         return found + predict_process(added, inputs) if added else found
+
+    @cached_property
+    def _processes(self) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
+        """Arrays of the process and of the added one, with the features under each element of the group."""
+        own = {key: one for key, one in self.arrays.items() if not key.startswith(_ADDED)}
+        added = {key.removeprefix(_ADDED): one for key, one in self.arrays.items() if key.startswith(_ADDED)}
+        for arrays in (own, added):
+            if arrays:
+                arrays["moved"] = move_features(arrays)
+        return own, added
 
 
 @final
