@@ -11,7 +11,7 @@ from palpate_zaid2024.evidence import DESIGNS, Evidence
 
 from errors import check_values, refused
 from palpate.study import SpecificationGrid, evaluate_grid, write_grid
-from results import FIRST, PAPER
+from results import FIRST, PAPER, leave_out_pictures
 
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED
 WHOLE = evaluate_grid(PAPER)
@@ -118,8 +118,9 @@ def test_built_units_stand_beside_and_do_not_decide(claim):
     assert "built" not in without.figures
 
 
-def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
+def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path, monkeypatch):
     """From the table of `palpate calibration predict`, in a folder without a grid; a broken one is refused."""
+    leave_out_pictures(monkeypatch)
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
@@ -242,7 +243,8 @@ def with_spec(contact, preset):
     return replace(WHOLE, designs=tuple({**row, "spec": spec} for row in WHOLE.designs))
 
 
-def test_two_contact_laws_are_answered_side_by_side(tmp_path):
+def test_two_contact_laws_are_answered_side_by_side(tmp_path, monkeypatch):
+    leave_out_pictures(monkeypatch)
     for contact in ("no-slip", "frictionless"):
         write_grid(tmp_path / contact, with_spec(contact, "best"))
     grids, meshes = read_evidence([tmp_path / "no-slip", tmp_path / "frictionless"])
