@@ -177,7 +177,6 @@ def test_beyond_a_jump_there_is_no_derivative(press: Press) -> None:
 def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
     """Without friction the way back goes through the same states; a wall that held on has been elsewhere."""
     solver = SOLVER.model_copy(update={"derivatives": ("tilt_deg", "depth")})
-    mesh = mesh_of(cells=7)
     for contact, same in (("frictionless", True), ("no-slip", False)):
         wall = WALL.model_copy(update={"contact": contact, "unload": True, "depth_step": 0.8})
         there, back = (
