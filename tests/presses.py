@@ -7,6 +7,7 @@ linear solver. Workers and later runs share them; a changed source computes them
 
 import fcntl
 import hashlib
+import inspect
 import json
 import os
 import pickle
@@ -92,6 +93,24 @@ def study_results(text: str) -> Path:
         assert done.returncode == 0, done.stderr
 
     return stored_folder("study", [text], run) / "results"
+
+
+def copy_learnt_sensor(folder: Path) -> Path:
+    """Copy a folder of `palpate recording train`, with the recording below it, to a new folder; return it."""
+    import drawn_tactip  # here: it draws by a library that not every environment has
+
+    def learn(made: Path) -> None:
+        motions, sensor = drawn_tactip.draw_motions(120, 1, shear=2.0), drawn_tactip.DrawnSensor(rings=4)
+        drawn_tactip.draw_recording(made / "recording", motions, sensor)
+        words = ["recording", "train", str(made / "recording"), "--out", str(made), "--estimators", "ridge"]
+        done = subprocess.run(
+            [sys.executable, "-m", "palpate", *words], cwd=SOURCE.parent, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+
+    drawing = inspect.getsource(drawn_tactip)
+    shutil.copytree(stored_folder("learnt", [drawing], learn), folder, dirs_exist_ok=True)
+    return folder
 
 
 def copy_artefacts(study: Path, folder: Path) -> None:

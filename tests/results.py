@@ -1,10 +1,18 @@
 """Made-up records of a study: only for tests."""
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.learn import Coverage, ErrorBound, measure_errors
 from palpate.study import Counts, DesignResult, PressSummary
+
+if TYPE_CHECKING:
+    import pytest  # some environments that read this module have none
 
 LIMITS = (
     ErrorBound(2.4, 48, 1.0, 1.2, 0.2, 0.7, 0.02, 0.3, 0.01),
@@ -60,3 +68,8 @@ PAPER = [
     for thickness in (1.0, 2.0, 3.0, 4.0)
     for markers in (7, 37, 91, 169)
 ]
+
+
+def leave_out_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let `write_grid` write tables alone, where a test looks at no picture: drawing them takes seconds."""
+    monkeypatch.setattr(import_module("palpate.study.grid_io"), "_write_pictures", lambda *_: None)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 SOURCE = Path(next(iter(find_spec("palpate").submodule_search_locations)))  # type: ignore[union-attr, arg-type]
 LIBRARIES = ("numpy", "scipy", "numba", "py-mkl-pardiso", "rslab")
-PRESS = ("core", "cad", "design", "mesh", "material", "relaxation", "mechanics", "fea")
-PARTS = {"press": PRESS, "twin": (*PRESS, "twin")}
+PRESS = ("core", "design", "mesh", "material", "mechanics", "fea")
+PARTS = {"press": PRESS, "twin": (*PRESS, "surrogate")}
 """Kind of a result → subpackages that decide it; the whole source if the kind is not named."""
 READ = (".py", ".yaml", ".csv", ".json")
 """Endings of files that decide a result; of those of `PARTS`, only Python files, since inputs name the others."""

@@ -1,24 +1,18 @@
 """A sensor that was learnt from a recording, looked at and read on the page."""
 
-import subprocess
-import sys
 from collections.abc import Iterator
 
 import pytest
-from viewer_process import ROOT, viewer
+from viewer_process import viewer
 
-from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from errors import check_values
+from presses import copy_learnt_sensor
 
 
 @pytest.fixture(scope="module")
 def learnt_link(tmp_path_factory) -> Iterator[str]:
     """The viewer on a folder of palpate recording train, with the recording below it."""
-    folder = tmp_path_factory.mktemp("learnt")
-    draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
-    words = ["recording", "train", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"]
-    subprocess.run([sys.executable, "-m", "palpate", *words], cwd=ROOT / "src", check=True, capture_output=True)
-    with viewer(folder) as address:
+    with viewer(copy_learnt_sensor(tmp_path_factory.mktemp("learnt"))) as address:
         yield address
 
 

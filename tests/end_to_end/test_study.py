@@ -5,7 +5,9 @@ import json
 import os
 import signal
 import sqlite3
+import subprocess
 import time
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -13,9 +15,11 @@ import pytest
 from command_line import finish, start
 
 from needs import needs
+from palpate.cli import main
 from palpate.learn import open_predictor
 from presses import run_tiny_study
 
+Ask = Callable[[Sequence[str | Path]], "subprocess.CompletedProcess[str]"]
 COLUMNS = {
     "height_mm",
     "thickness_mm",
@@ -39,6 +43,21 @@ COLUMNS = {
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_tiny_study(tmp_path_factory.mktemp("finished"))
+
+
+@pytest.fixture
+def ask(capsys: pytest.CaptureFixture[str]) -> Ask:
+    """The command line in this process: for what does not depend on how it is started, or how it ends."""
+
+    def answer(words: Sequence[str | Path]) -> subprocess.CompletedProcess[str]:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as left:
+            main(list(map(str, words)))
+        shown = capsys.readouterr()
+        code = left.value.code
+        return subprocess.CompletedProcess(words, code if isinstance(code, int) else 0, shown.out, shown.err)
+
+    return answer
 
 
 def artefacts(out: Path) -> dict[str, float]:
@@ -83,13 +102,13 @@ def test_a_study_leaves_table_and_pictures(finished: Path) -> None:
     assert presses == (3,)
 
 
-def test_limits_need_no_training_and_are_those_of_the_grid(tiny_study: Path, finished: Path) -> None:
+def test_limits_need_no_training_and_are_those_of_the_grid(tiny_study: Path, finished: Path, ask: Ask) -> None:
     before = artefacts(finished)
-    done = finish(["limit", tiny_study, "--out", finished, "--json"])
+    done = ask(["limit", tiny_study, "--out", finished, "--json"])
     assert done.returncode == 0, done.stderr
     computed = json.loads(done.stdout)["designs"]
     assert artefacts(finished) == before
-    read = json.loads(finish(["limit", finished, "--json"]).stdout)["designs"]
+    read = json.loads(ask(["limit", finished, "--json"]).stdout)["designs"]
     for one, other in zip(computed, read, strict=True):
         assert one["bound_deg"] == pytest.approx(other["bound_deg"], rel=1e-6)
         assert [part["floor_deg"] for part in one["by_depth"]] == [part["floor_deg"] for part in other["by_depth"]]
@@ -102,25 +121,23 @@ def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
     assert [(predictor.markers, predictor.level) for predictor in opened] == [(7, 0.9), (19, 0.9)]
 
 
-def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Path) -> None:
-    output = finish(["study", "model", finished, "--out", tmp_path / "best.onnx"])
+def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Path, ask: Ask) -> None:
+    output = ask(["study", "model", finished, "--out", tmp_path / "best.onnx"])
     assert output.returncode == 0, output.stderr
     best = min(numbers(finished), key=lambda row: float(row["rmse_jitter_deg"]))
     assert f"{best['markers']} markers" in output.stdout
     assert open_predictor(tmp_path / "best.onnx").markers == int(best["markers"])
 
 
-def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
-    done = finish(["study", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
+def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path, ask: Ask) -> None:
+    done = ask(["study", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [
         "bound_by_depth.png",
         "bound_by_depth.svg",
     ]
-    assert (
-        finish(["study", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0
-    )
+    assert ask(["study", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0
     assert len((tmp_path / "grid.md").read_text().splitlines()) == 3
-    shown = json.loads(finish(["study", "compare", finished, finished, "--json"]).stdout)
+    shown = json.loads(ask(["study", "compare", finished, finished, "--json"]).stdout)
     assert [row["rmse_deg_ratio"] for row in shown["designs"]] == [1.0, 1.0]
     assert shown["differences"] == []
 
@@ -188,18 +205,18 @@ def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
     assert numbers(tmp_path) == numbers(finished)
 
 
-def test_a_bit_flipped_in_a_finished_artefact_is_found_and_mended(tiny_study: Path, finished: Path) -> None:
+def test_a_bit_flipped_in_a_finished_artefact_is_found_and_mended(tiny_study: Path, finished: Path, ask: Ask) -> None:
     rows = numbers(finished)
     limit = next((finished / "store" / "limit").rglob("*[0-9a-f].json"))
     content = limit.read_bytes()
     limit.write_bytes(content[:-3] + bytes([content[-3] ^ 1]) + content[-2:])
-    done = finish(["run", tiny_study, "--out", finished, "--json"])
+    done = ask(["run", tiny_study, "--out", finished, "--json"])
     assert json.loads(done.stdout)["computed"] == {"limit": 1}, done.stderr
     assert limit.read_bytes() == content
     assert numbers(finished) == rows
     reason = limit.with_name(limit.name + ".broken.reason").read_text()
     assert reason.strip()
-    assert json.loads(finish(["study", "store", "check", finished, "--json"]).stdout)["broken"] == []
+    assert json.loads(ask(["study", "store", "check", finished, "--json"]).stdout)["broken"] == []
 
 
 def test_interrupted_it_says_how_to_go_on(tiny_study: Path, tmp_path: Path) -> None:
@@ -213,24 +230,24 @@ def test_interrupted_it_says_how_to_go_on(tiny_study: Path, tmp_path: Path) -> N
     assert "Traceback" not in err
 
 
-def test_a_broken_artefact_is_made_again(tiny_study: Path, finished: Path) -> None:
+def test_a_broken_artefact_is_made_again(tiny_study: Path, finished: Path, ask: Ask) -> None:
     rows = numbers(finished)
     press = next((finished / "store" / "press").rglob("*.h5"))
     press.write_bytes(press.read_bytes()[:-100])
-    done = finish(["run", tiny_study, "--out", finished, "--json"])
+    done = ask(["run", tiny_study, "--out", finished, "--json"])
     assert json.loads(done.stdout)["computed"] == {"press": 1}
     assert press.with_name(press.name + ".broken").exists()
     assert numbers(finished) == rows
 
 
-def test_the_grid_can_be_asked(finished: Path) -> None:
-    done = finish(["study", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
+def test_the_grid_can_be_asked(finished: Path, ask: Ask) -> None:
+    done = ask(["study", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
     assert done.returncode == 0, done.stderr
     assert [row["markers"] for row in json.loads(done.stdout)["rows"]] == [19]
 
 
-def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_path: Path) -> None:
-    done = finish(["claims", finished, "--out", tmp_path / "claims.md", "--json"])
+def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_path: Path, ask: Ask) -> None:
+    done = ask(["claims", finished, "--out", tmp_path / "claims.md", "--json"])
     assert done.returncode == 0, done.stderr
     answers = {answer["claim"]: answer for answer in json.loads(done.stdout)["rows"]}
     assert len(answers) == 13
@@ -244,8 +261,8 @@ def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_
     "words",
     [["--where", "markers >"], ["--where", "colour == 3"], ["--sort", "colour"], ["--where", "__import__('os')"]],
 )
-def test_a_bad_question_is_bad_input(finished: Path, words: list[str]) -> None:
-    done = finish(["study", "show", finished, *words])
+def test_a_bad_question_is_bad_input(finished: Path, words: list[str], ask: Ask) -> None:
+    done = ask(["study", "show", finished, *words])
     assert done.returncode == 2
     assert done.stdout == ""
     assert "Traceback" not in done.stderr

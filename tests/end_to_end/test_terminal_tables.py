@@ -14,7 +14,7 @@ from inventory.collect import verbs
 from inventory.commands import COMMANDS
 from inventory.compare import new_words
 from presses import copy_artefacts, stored_folder
-from results import PAPER
+from results import PAPER, leave_out_pictures
 
 DATA = ROOT / "examples" / "data"
 WIDTHS = (80, 100, 120)
@@ -67,7 +67,9 @@ def make_grid(folder: Path) -> None:
     """Write a grid of four designs of the paper."""
     from palpate.study import evaluate_grid, write_grid
 
-    write_grid(folder / "small", evaluate_grid(PAPER[:4]))
+    with pytest.MonkeyPatch.context() as changes:
+        leave_out_pictures(changes)
+        write_grid(folder / "small", evaluate_grid(PAPER[:4]))
 
 
 @pytest.fixture(scope="module")

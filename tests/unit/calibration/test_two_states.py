@@ -30,7 +30,7 @@ TILTS = (0.0, 4.0, 8.0)
 
 def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.5) -> Press:
     wall = WallSpec(tilt_deg=tilt, azimuth_deg=70.0, depth=DEPTH, depth_step=step)
-    mesh = mesh_skin(DOME, MeshSpec(cells=10, core=2 if branch is Branch.INVERTED else 1))
+    mesh = mesh_skin(DOME, MeshSpec(cells=9, core=2 if branch is Branch.INVERTED else 1))
     return solve_press(mesh, ECOFLEX, wall, SolverSpec(derivatives=names, edge_share=1.0), branch)
 
 

@@ -36,6 +36,8 @@ class Row:
     against: tuple[str, ...] = ()
     skip: dict[str, tuple[str, ...]] = field(default_factory=dict)
     """Kinds of wrong file that are right for an input, by its name."""
+    few: str = ""
+    """Words beside which a wrong file is tried, where `words` compute for long before they come to it."""
 
 
 FIT, TESTS = (
@@ -83,6 +85,7 @@ ROWS = {
             "--relaxation {curve}",
             "--tension {relax}",
         ),
+        few="--files {curve}",
     ),
     "material list": Row(),
     "material show": Row(

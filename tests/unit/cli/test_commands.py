@@ -15,7 +15,7 @@ from palpate.cli import main
 from palpate.cli.app import OLD_VERBS, app, current_words
 from palpate.cli.border import guarded
 from palpate.study import StudyResult
-from results import FIRST
+from results import FIRST, leave_out_pictures
 
 
 def call(*words: str) -> int:
@@ -113,6 +113,7 @@ def test_a_run_reports_how_many_rows_of_earlier_tables_it_replaces(
 ) -> None:
     made = [FIRST]
     monkeypatch.setattr("palpate.cli.run.announce_compilation", lambda: None)
+    leave_out_pictures(monkeypatch)
     monkeypatch.setattr(
         "palpate.cli.run.run_study", lambda *_: StudyResult("first", tuple(made[-1]), (), {}, {}, 1.0)
     )

@@ -19,8 +19,8 @@ MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 DEPTH = 4.0
 
 
-def skin(thickness: float = 1.0):
-    return mesh_skin(build_skin(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=12))
+def skin(thickness: float = 1.0, cells: int = 8):
+    return mesh_skin(build_skin(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=cells))
 
 
 @pytest.fixture(scope="module")
@@ -132,7 +132,8 @@ def test_under_a_ball_the_skin_is_mirrored_in_the_ball() -> None:
 
 @pytest.mark.parametrize("contact", ["frictionless", "no-slip"])
 def test_without_adhesion_nothing_pulls_the_skin_to_the_wall(contact: str) -> None:
-    press = solve_press(skin(), MATERIAL, WallSpec(contact=contact, depth=DEPTH), SolverSpec(adhesion=0))
+    cells = 12 if contact == "frictionless" else 8  # on a coarse one it jumps too early
+    press = solve_press(skin(cells=cells), MATERIAL, WallSpec(contact=contact, depth=DEPTH), SolverSpec(adhesion=0))
     assert press.ended is EndReason.DEPTH_REACHED
     assert (press.stabilisation_tension == 0).all()
     if contact == "frictionless":
@@ -144,7 +145,7 @@ def test_its_derivatives_are_differences_of_two_presses() -> None:
     """By thickness, of domes a hundredth thicker and thinner; nothing changes as the wall slides along itself."""
     wall, names = WallSpec(tilt_deg=6.0, contact=0.5, depth=DEPTH), ("thickness", "lateral_rate")
     press, thicker, thinner = (
-        solve_press(skin(thickness), MATERIAL, wall, SolverSpec(derivatives=asked), Branch.INVERTED)
+        solve_press(skin(thickness, 10), MATERIAL, wall, SolverSpec(derivatives=asked), Branch.INVERTED)
         for thickness, asked in ((1.0, names), (1.01, ()), (0.99, ()))
     )
     found = press.derivative("thickness")

@@ -174,7 +174,7 @@ def test_every_number_of_rings_gets_the_distance_and_the_dots_that_are_best_for_
         depth=4.0,
         calibration_presses=0,
     )
-    foreseen = AccuracySpec(max_tilt_deg=9.0, scale_noise_by_diameter=True)
+    foreseen = AccuracySpec(max_tilt_deg=9.0, poses=30, scale_noise_by_diameter=True)
     settings = list(measure_settings(twin, spec, choice, foreseen))
     asked = {(setting.camera.spec.distance, setting.places.limits.marker_diameter) for setting in settings}
     assert asked == {(distance, dot) for distance in (32.0, 39.0, 46.0, 53.0) for dot in (0.5, 0.8, 1.25, 2.0)}

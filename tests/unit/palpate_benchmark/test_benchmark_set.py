@@ -28,7 +28,7 @@ from palpate.vision import prepare_detector
 from presses import solve_press
 
 TINY = PRESETS["tiny"]
-SPEC = TINY.model_copy(update={"designs": TINY.designs[1:]})
+SPEC = TINY.model_copy(update={"designs": TINY.designs[1:], "pictures": 2})
 SPLITS = ("train", "calibrate", "test")
 
 
@@ -65,7 +65,7 @@ def test_killed_and_made_on_it_has_the_same_bytes(made: Path, tmp_path: Path) ->
         "import sys; from pathlib import Path; from palpate_benchmark import PRESETS, make_benchmark\n"
         "if __name__ == '__main__':\n"
         "    tiny = PRESETS['tiny']\n"
-        "    spec = tiny.model_copy(update={'designs': tiny.designs[1:]})\n"
+        "    spec = tiny.model_copy(update={'designs': tiny.designs[1:], 'pictures': 2})\n"
         "    make_benchmark(spec, Path(sys.argv[1]), workers=1)\n"
     )
     (tmp_path / "program.py").write_text(program)

@@ -1,5 +1,7 @@
 import json
+import shutil
 from dataclasses import replace
+from importlib import import_module
 
 import pytest
 from palpate_zaid2024 import Verdict, assess_claims, read_evidence
@@ -11,8 +13,9 @@ from palpate_zaid2024.evidence import DESIGNS, Evidence
 
 from errors import check_values, refused
 from palpate.study import SpecificationGrid, evaluate_grid, write_grid
-from results import FIRST, PAPER
+from results import FIRST, PAPER, leave_out_pictures
 
+PAGES = import_module("palpate_zaid2024.write_claims")
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED
 WHOLE = evaluate_grid(PAPER)
 
@@ -118,8 +121,9 @@ def test_built_units_stand_beside_and_do_not_decide(claim):
     assert "built" not in without.figures
 
 
-def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
+def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path, monkeypatch):
     """From the table of `palpate calibration predict`, in a folder without a grid; a broken one is refused."""
+    leave_out_pictures(monkeypatch)
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
@@ -242,7 +246,8 @@ def with_spec(contact, preset):
     return replace(WHOLE, designs=tuple({**row, "spec": spec} for row in WHOLE.designs))
 
 
-def test_two_contact_laws_are_answered_side_by_side(tmp_path):
+def test_two_contact_laws_are_answered_side_by_side(tmp_path, monkeypatch):
+    leave_out_pictures(monkeypatch)
     for contact in ("no-slip", "frictionless"):
         write_grid(tmp_path / contact, with_spec(contact, "best"))
     grids, meshes = read_evidence([tmp_path / "no-slip", tmp_path / "frictionless"])
@@ -258,8 +263,20 @@ def test_a_folder_without_a_grid_is_refused(tmp_path):
         read_evidence([tmp_path])
 
 
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """Pictures of the grid below, drawn once: both pages show the same ones."""
+    return PAGES._write_pictures(tmp_path_factory.mktemp("drawn"), [grid(CONTRARY["C12"])])
+
+
 @pytest.mark.parametrize("ending", ["md", "html"])
-def test_the_page_tells_every_verdict_with_its_command_and_pictures(tmp_path, ending):
+def test_the_page_tells_every_verdict_with_its_command_and_pictures(tmp_path, monkeypatch, drawn, ending):
+    def put(folder, grids):
+        assert [one.grid for one in grids] == [evidence.grid]
+        shutil.copytree(next(iter(drawn.values())).parent, folder)
+        return {place: folder / path.name for place, path in drawn.items()}
+
+    monkeypatch.setattr(PAGES, "_write_pictures", put)
     evidence = grid(CONTRARY["C12"])
     answers = assess_claims([evidence])
     page, *pictures = write_page(tmp_path / f"claims.{ending}", answers, [evidence], "palpate claims results/made-up")

@@ -63,7 +63,7 @@ def unit(twin: Twin) -> VirtualUnit:
 
 
 def test_a_drill_stands_square_after_some_touches_and_the_force_is_kept(unit: VirtualUnit, tmp_path: Path) -> None:
-    walls = [unit.square(number) for number in range(4)]
+    walls = [unit.square(number) for number in range(3)]
     for wall in walls:
         assert wall.alignment.square, wall.alignment.outcome
         assert wall.final_deg < 0.6

@@ -9,15 +9,16 @@ import pytest
 from palpate.calibration import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, Sensor, SensorSpec, Unit
 from palpate.sensor.drift_filter import FRAME_S
 from palpate.sensor.pose_estimator import PoseEstimate, ReaderState, TwinEstimator
-from palpate.surrogate import TWIN_DERIVATIVES, Twin, build_twin
+from palpate.surrogate import TWIN_DERIVATIVES, Twin
 from palpate.vision import MarkerAssignment, TrackedMarkers
+from presses import build_twin, solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))
@@ -27,7 +28,7 @@ NOISE = 0.02
 
 def press(tilt_deg: float) -> Press:
     wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, depth_step=0.6)
-    mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
 
 

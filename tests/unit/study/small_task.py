@@ -12,6 +12,9 @@ from palpate.core.run import LocalWorkers, Outcome, Progress
 from palpate.study.schedule import run_task_graph
 from palpate.study.task import Task, find_artefact
 
+_CREWS: dict[int, LocalWorkers] = {}
+"""Workers at work for tests, by their number: a start of one takes seconds."""
+
 
 @dataclass(frozen=True)
 class Sum(Task):
@@ -93,6 +96,18 @@ def do(
     progress: Progress | None = None,
     limit_s: float | None = None,
 ) -> dict[str, Outcome]:
-    """Do tasks on processes of this machine."""
-    with LocalWorkers(workers) as pool:
-        return run_task_graph(tasks, made, pool, store, progress, limit_s)
+    """Do tasks on processes of this machine, those of `crew`."""
+    return run_task_graph(tasks, made, crew(workers), store, progress, limit_s)
+
+
+def crew(workers: int) -> LocalWorkers:
+    """Workers that stay awake from test to test, until `end_crews`; one that died is replaced."""
+    if workers not in _CREWS:
+        _CREWS[workers] = LocalWorkers(workers)
+    return _CREWS[workers]
+
+
+def end_crews() -> None:
+    """End the workers of `crew`: at the end of every module that lets them do tasks."""
+    while _CREWS:
+        _CREWS.popitem()[1].shutdown()

@@ -8,14 +8,15 @@ import time
 from pathlib import Path
 
 import pytest
-from small_task import Sum, do, read, starts
+from small_task import Sum, read, starts
 
 from errors import check_values, refused
 from needs import needs
 from palpate.core import ArtefactStore
+from palpate.core.run import Progress
 from palpate.study import check_cluster_address
 from palpate.study.cluster import ClusterWorkers
-from palpate.study.schedule import run_task_graph
+from palpate.study.schedule import run_task, run_task_graph
 
 
 @pytest.fixture
@@ -65,7 +66,8 @@ def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, 
     assert starts(store, "whole") == 1
     other = ArtefactStore(tmp_path / "other")
     other.root.mkdir()
-    do(tasks, [], other, 1)
+    for task in tasks:
+        run_task(task, other, Progress())
     for task in tasks:
         assert read(store, task) == read(other, task)
         assert store.path(task.recipe).read_bytes() == other.path(task.recipe).read_bytes()

@@ -7,7 +7,7 @@ import pytest
 from errors import refused
 from palpate.study import evaluate_grid, read_grid, write_grid
 from palpate.study.grid_database import read_database, write_database
-from results import FIRST, LIMITS, make_design
+from results import FIRST, LIMITS, leave_out_pictures, make_design
 
 
 def ask(path, question):
@@ -110,7 +110,8 @@ def test_a_folder_that_may_not_be_written_is_read(path, grid):
         path.parent.chmod(0o755)
 
 
-def test_a_folder_without_a_database_is_read_from_its_json(tmp_path, grid):
+def test_a_folder_without_a_database_is_read_from_its_json(tmp_path, grid, monkeypatch):
+    leave_out_pictures(monkeypatch)
     write_grid(tmp_path, grid)
     (tmp_path / "grid.sqlite").unlink()
     assert read_grid(tmp_path) == grid

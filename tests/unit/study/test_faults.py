@@ -10,13 +10,19 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from small_task import Sum, do, read, starts
+from small_task import Sum, crew, do, end_crews, read, starts
 
 from errors import check_values
 from palpate.core import ArtefactStore, Recipe
 from palpate.core.run import WORKER_DIED, LocalWorkers, Outcome, Progress
 from palpate.study.schedule import Made, run_task, run_task_graph
 from small_disk import mounted
+
+
+@pytest.fixture(scope="module", autouse=True)
+def crews() -> Iterator[None]:
+    yield
+    end_crews()
 
 
 @pytest.fixture
@@ -53,11 +59,10 @@ def test_a_task_whose_worker_died_once_is_tried_again_and_succeeds(store: Artefa
 def test_a_hung_task_is_stopped_with_the_place_where_it_stood(store: ArtefactStore) -> None:
     hung = Sum("hung", 1.0, fault="hung", seconds=9)
     good = [Sum(f"good {i}", 1.0) for i in range(2)]
-    with LocalWorkers(2) as pool:
-        run_task_graph([Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], pool, store)  # both are awake now
-        started = time.monotonic()
-        outcomes = run_task_graph([hung, *good], [], pool, store, limit_s=4.0)
-        assert time.monotonic() - started < 10
+    do([Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], store, 2)  # both workers are awake now
+    started = time.monotonic()
+    outcomes = do([hung, *good], [], store, 2, limit_s=4.0)
+    assert time.monotonic() - started < 10
     late, *others = reasons(outcomes, hung, *good)
     check_values(late, "4 s")
     assert others == ["", ""]
@@ -105,8 +110,9 @@ def test_an_artefact_that_can_not_be_made_again_ends_what_needs_it(store: Artefa
 def test_two_runs_at_once_make_nothing_twice(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i), lasts=0.3) for i in range(6)]
     last = Sum("last", 100.0, after=tuple(tasks))
-    with ThreadPoolExecutor(2) as runs:
-        both = list(runs.map(lambda _: do([*tasks, last], [], store, 1), range(2)))
+    with ThreadPoolExecutor(2) as runs, LocalWorkers(1) as other:
+        pools = [crew(1), other]
+        both = list(runs.map(lambda pool: run_task_graph([*tasks, last], [], pool, store), pools))
     assert [starts(store, task.label) for task in [*tasks, last]] == [1] * 7
     assert all(reasons(outcomes, *tasks, last) == [""] * 7 for outcomes in both)
     made = [how.value for outcomes in both for how in outcomes.values()]
@@ -208,8 +214,9 @@ def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
 
 def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: ArtefactStore) -> None:
     with LocalWorkers(1) as pool:
+        others = set(multiprocessing.active_children())
         run_task_graph([Sum("first", 1.0)], [], pool, store)
-        (worker,) = multiprocessing.active_children()
+        (worker,) = set(multiprocessing.active_children()) - others
         worker.kill()
         worker.join()
         second = Sum("second", 2.0)
@@ -220,8 +227,7 @@ def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i)) for i in range(3)]
     for task in tasks[:2]:
         run_task(task, store, Progress())
-    with LocalWorkers(1) as pool:
-        outcomes = run_task_graph(tasks, [], pool, store)
+    outcomes = do(tasks, [], store, 1)
     assert [outcomes[task.recipe.key].value for task in tasks] == [
         Made.FOUND,
         Made.FOUND,

@@ -1,7 +1,8 @@
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from small_task import Sum, do, read
+from small_task import Sum, do, end_crews, read
 
 from errors import check_values
 from palpate.core import ArtefactStore
@@ -20,6 +21,12 @@ class Diary(Progress):
     def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
         super().begin(what, cost, done)
         self.starts.append(what)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def crews() -> Iterator[None]:
+    yield
+    end_crews()
 
 
 @pytest.fixture

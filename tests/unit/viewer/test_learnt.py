@@ -12,24 +12,18 @@ pytest.importorskip("nicegui")
 
 from fastapi.testclient import TestClient
 
-from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.camera import open_source
-from palpate.cli import main
 from palpate.viewer.live import open_recorded_live
 from palpate.viewer.live_page import list_figures
 from palpate.viewer.pages import build_app
 from palpate.viewer.trained import error_columns, error_rows, is_trained_sensor, read_trained_sensor
+from presses import copy_learnt_sensor
 
 
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of palpate recording train, with the recording below it."""
-    folder = tmp_path_factory.mktemp("learnt")
-    draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
-    with pytest.raises(SystemExit) as left:
-        main(["recording", "train", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"])
-    assert left.value.code == 0
-    return folder
+    return copy_learnt_sensor(tmp_path_factory.mktemp("learnt"))
 
 
 def test_the_table_has_every_estimator_and_the_kept_one_first(learnt):

@@ -25,7 +25,7 @@ def test_markers_of_any_pose_are_named_rightly_by_the_mark(count, height):
     pattern = build_pattern(positions, project, mark)
     rng = generator(7, "poses", count, height)
     resolved = 0
-    for _ in range(8):
+    for _ in range(4):
         dots, truth, mirror = posed_dots(np.vstack([positions, mark]), count, rng)
         naming = assign_markers(dots, pattern)
         assert any(right(each.blob, truth) for each in (naming, *naming.alternatives))
@@ -34,7 +34,7 @@ def test_markers_of_any_pose_are_named_rightly_by_the_mark(count, height):
             assert right(naming.blob, truth)
             assert naming.mirrored == mirror
             assert naming.mark >= 0
-    assert resolved >= 4
+    assert resolved >= 2
 
 
 @pytest.mark.parametrize("count", [37, 91])
@@ -78,7 +78,7 @@ def test_a_mark_among_many_false_dots_is_not_believed():
     rng = generator(5, "crowd")
     kept = rng.random(37) > 0.4
     dots = project(positions[kept]) + rng.normal(0, 0.8, (kept.sum(), 2))
-    crowd = rng.uniform(0, 1, (200, 2)) * [346, 260]
+    crowd = rng.uniform(0, 1, (140, 2)) * [346, 260]
     crowd = crowd[np.linalg.norm(crowd[:, None] - project(positions)[None], axis=-1).min(axis=1) > 12]
     crowd = crowd[np.linalg.norm(crowd[:, None] - pattern.marks_px[None], axis=-1).min(axis=1) > 6]
     naming = assign_markers(np.vstack([dots, crowd, project(mark)]), pattern)
