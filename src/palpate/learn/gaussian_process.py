@@ -283,7 +283,8 @@ def predict_process(arrays: Mapping[str, NDArray[Any]], inputs: NDArray[Any]) ->
     ----------
     arrays
         Numbers of `train_process`: projection (p, k) and offset (k,), elements (g, k, k) of the group, features
-        (r, k) of the training images, and if given moved (g, r, k), see `move_features`; and of each group of targets its columns, actions, scale and weights.
+        (r, k) of the training images, and if given moved (g, r, k), see `move_features`; and of each group of
+        targets its columns, actions, scale and weights.
     inputs
         Displacements.
     """
