@@ -199,7 +199,8 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed
 
 
 def ending_of(name: str, flag: str) -> str:
-    if (name, flag) in (("calibration accept", "--out"), ("press", "--export"), ("design profile", "--out")):
+    folders = ("calibration accept --out", "calibration identify --report", "press --export", "design profile --out")
+    if f"{name} {flag}" in folders:
         return "new"
     return {"--figure": "a.png", "--picture": "a.png", "--print-board": "a.pdf"}.get(
         flag, Path(split(ROWS[name].words).get(flag, ["a.csv"])[0]).name
