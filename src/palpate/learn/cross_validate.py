@@ -2,58 +2,72 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from palpate.core import FloatArray, generator
+from palpate.core import BoolArray, FloatArray, generator
 from palpate.datasets import PressSplit
 from palpate.learn.member import EnsembleMember
 from palpate.learn.prepare_recording import PreparedRecording
+from palpate.learn.recording_spec import RecordingSpec
 
 MOST_PRESSES = 40
 """Up to so many presses estimators are cross-validated; above, presses are held out."""
-_FOLDS, _EACH = 10, 20
-"""Number of folds, and the number of presses up to which each press is a fold."""
+_FOLDS, _EACH, _MOST_IMAGES = 10, 20, 1000
+"""Number of folds, number of presses up to which each press is a fold, and maximum number of images."""
 
 
-def count_folds(seen: PreparedRecording) -> int:
-    """Number of folds of the cross-validation of a recording; 0 if it has enough presses to hold some out."""
+def count_folds(seen: PreparedRecording, spec: RecordingSpec) -> int:
+    """Number of folds of the cross-validation of a recording; 0 if presses are held out instead."""
     count = len(np.unique(seen.press))
-    return 0 if count > MOST_PRESSES else count if count <= _EACH else _FOLDS
+    if count > MOST_PRESSES or len(seen.press) > _MOST_IMAGES or spec.estimators == "picture":
+        return 0
+    return count if count <= _EACH else _FOLDS
 
 
 def cross_validate(
-    seen: PreparedRecording, seed: int, train: Callable[[PreparedRecording], Mapping[str, EnsembleMember]]
+    seen: PreparedRecording,
+    spec: RecordingSpec,
+    train: Callable[[PreparedRecording], Mapping[str, EnsembleMember]],
 ) -> tuple[dict[str, EnsembleMember], dict[str, FloatArray]]:
     """Train on all presses; return the estimators, and held-out estimates (n, k) by name.
 
     Parameters
     ----------
-    seen, seed
-        The recording, and the seed of its folds.
+    seen, spec
+        The recording, and the settings.
     train
         Trains estimators on the training presses of a split, and makes choices on its validation presses.
     """
-    presses, folds = np.unique(seen.press), count_folds(seen)
-    fold = generator(seed, "folds").permutation(np.arange(len(presses)) % folds)[np.searchsorted(presses, seen.press)]
+    presses, folds = np.unique(seen.press), count_folds(seen, spec)
+    fold = generator(spec.seed, "folds").permutation(np.arange(len(presses)) % folds)[
+        np.searchsorted(presses, seen.press)
+    ]
     found: dict[str, FloatArray] = {}
+    trained: Counter[str] = Counter()
     for number in range(folds):
         test, validation = fold == number, fold == (number + 1) % folds
         parts = train(replace(seen, split=PressSplit(~test & ~validation, validation, test)))
-        for name, estimates in estimate_parts(seen, parts).items():
-            held = found.setdefault(name, np.full(estimates.shape, np.nan))
-            held[test] = estimates[test]
+        trained.update(list(parts))
+        for name, estimates in predict_parts(seen, parts, test).items():
+            found.setdefault(name, np.full(estimates.shape, np.nan))[test] = estimates[test]
     whole = train(replace(seen, split=PressSplit(fold > 0, fold == 0, fold < 0)))
-    return dict(whole), {name: found[name] for name in whole}
+    # a kind that some folds were too small for has no estimates of their presses
+    kept = {name: part for name, part in whole.items() if trained[name] == folds}
+    return kept, {name: found[name] for name in kept}
 
 
-def estimate_parts(seen: PreparedRecording, parts: Mapping[str, EnsembleMember]) -> dict[str, FloatArray]:
-    """Estimates (n, k) of each estimator for all images, NaN if it cannot read one."""
+def predict_parts(
+    seen: PreparedRecording, parts: Mapping[str, EnsembleMember], rows: BoolArray
+) -> dict[str, FloatArray]:
+    """Estimates (n, k) of each estimator for the images `rows` (n,), NaN for others and unreadable ones."""
     found = {}
     for name, part in parts.items():
-        readable = seen.accepted if part.reads_markers else np.ones(len(seen.targets), bool)
+        readable = rows & seen.accepted if part.reads_markers else rows
         found[name] = np.full(seen.targets.shape, np.nan)
-        found[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
+        if readable.any():
+            found[name][readable] = part.predict((seen.moved if part.reads_markers else seen.pictures)[readable])
     return found

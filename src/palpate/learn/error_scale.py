@@ -4,8 +4,8 @@ The logarithm of the variance of an error is linear in features of the image: th
 number of markers that were not found, the distance to the nearest training image, and the disagreement of the
 estimators. The coefficients have the maximum likelihood for normal errors, with a ridge penalty (Davidian & Carroll
 1987, "Variance function estimation"). The interval is this scale times a conformal quantile (Lei et al. 2018,
-"Distribution-free predictive inference for regression", section 5.2), so it covers its level on average even if the
-scale is wrong.
+"Distribution-free predictive inference for regression", section 5.2), which keeps the level on average, up to the
+difference between the scales of the folds and that of all images.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray, generator
 from palpate.learn.interval import press_quantile
 
 LEAST_IMAGES, LEAST_PRESSES = 100, 50
@@ -98,7 +98,7 @@ def fit_scale(
     presses = np.unique(press)
     if len(errors) < LEAST_IMAGES or len(presses) < LEAST_PRESSES:
         return press_quantile(np.abs(errors), press, level), None
-    fold = np.searchsorted(presses, press) % _FOLDS
+    fold = (generator(0, "scale").permutation(len(presses)) % _FOLDS)[np.searchsorted(presses, press)]
     normalised = np.empty_like(errors)
     for number in range(_FOLDS):
         own = fold == number

@@ -68,7 +68,10 @@ def read_pretrained(path: Path) -> PretrainedModel:
     if path.suffix == ".onnx":
         return _of_simulation(path.name, read_estimator(path))
     model = read_model(path)
-    parts = list(model.parts.values())
+    parts, used = list(model.parts.values()), model.marker_ensemble
+    if used is not None:
+        share = dict(zip(used.parts, used.weights.mean(axis=1), strict=True))
+        parts.sort(key=lambda one: -share.get(one.name, 0.0))
     found: list[MarkerNetwork | MarkerProcess] = [one for one in parts if isinstance(one, MarkerNetwork)]
     found += [one for one in parts if isinstance(one, MarkerProcess)]
     if not found or model.layout is None:

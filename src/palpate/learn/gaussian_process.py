@@ -1,4 +1,4 @@
-"""Gaussian processes on displacements of markers, invariant under the symmetry of the sensor.
+"""Gaussian processes on displacements of markers, equivariant under the symmetry of the sensor.
 
 Displacements are reduced to principal components of all rotated and reflected presses. With a kernel k of the
 components and the actions A of the group's elements g on the targets, a target has the covariance
@@ -102,7 +102,7 @@ def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
 
     rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:_ANGLE_ROWS]
     found: list[tuple[float, RotationAugmentation]] = []
-    for frame in {symmetry.frame_rad, None}:
+    for frame in dict.fromkeys((symmetry.frame_rad, None)):
         option = symmetry._replace(frame_rad=frame)
         arrays, moved = _find_components(replace(samples, rotation=option), rows)
         columns, actions = next(_groups(replace(samples, rotation=option), arrays["turns_px"]))
@@ -223,7 +223,7 @@ def _choose(
     best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
-        scale = scale * np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())
+        scale = scale * max(float(np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())), 1e-9)
         for length in _LENGTHS:
             decomposed = _decompose(presses, scale * length, actions)
             for noise in _NOISES:
@@ -266,7 +266,7 @@ def _solve(
         # the error of one target from all others over its deviation (Rasmussen & Williams 2006, eq. 5.12)
         size = np.abs(found) / np.sqrt(vectors**2 @ inverse)
         size = size.reshape(-1, len(columns)).max(axis=1)
-        apart = np.maximum(apart, size / np.median(size))
+        apart = np.maximum(apart, size / max(float(np.median(size)), 1e-12))
         weights.append(found)
     return weights, apart
 

@@ -130,7 +130,7 @@ class _Ridge(EnsembleMember):
             unit = max(float(train.var(axis=0, dtype=float).mean()) * len(train), 1e-12)
             fits = solve_ridge(train, samples.targets[samples.train], [unit * one for one in PENALTIES])
             for weight, bias in fits:
-                error = samples.error(features[samples.validation] @ weight + bias)
+                error = samples.error(features[samples.chosen_by] @ weight + bias)
                 if error < least:
                     least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
                     best |= {} if side is None else {"side": np.array(side)}
@@ -174,37 +174,48 @@ class MarkerProcess(EnsembleMember):
 
     def transform_inputs(self, matrix: FloatArray) -> MarkerProcess:
         """Return this process for displacements (p,) that `matrix` (p, q) maps to its own."""
-        return MarkerProcess(self.name, {**self.arrays, "projection": matrix @ self.arrays["projection"]})
+        mapped = {key: matrix @ one for key, one in self.arrays.items() if key.endswith("projection")}
+        return MarkerProcess(self.name, self.arrays | mapped)
 
     def transform_outputs(self, name: str, turn: FloatArray, shift: FloatArray) -> MarkerProcess:
         """A process whose outputs are y · turn (k, l) + shift (l,)."""
-        before, offset = self.arrays.get("turn"), self.arrays.get("shift", np.zeros(len(turn)))
-        turned = turn if before is None else before @ turn
-        return MarkerProcess(name, {**self.arrays, "turn": turned, "shift": offset @ turn + shift})
+        arrays = dict(self.arrays)
+        for number, prefix in enumerate(self._prefixes):
+            before, offset = arrays.get(f"{prefix}turn"), arrays.get(f"{prefix}shift", np.zeros(len(turn)))
+            arrays[f"{prefix}turn"] = turn if before is None else before @ turn
+            arrays[f"{prefix}shift"] = offset @ turn + (shift if number == 0 else 0.0)
+        return MarkerProcess(name, arrays)
 
     def fine_tune(self, name: str, samples: TrainingSet) -> MarkerProcess:
         """Add a process of the errors of this one on the samples."""
         errors = replace(samples, targets=samples.targets - self.predict(samples.inputs), rotation=None)
+        prefix = f"{_ADDED}{len(self._prefixes)}_"
         return MarkerProcess(
-            name, self.arrays | {f"{_ADDED}{key}": one for key, one in train_process(errors).items()}
+            name, self.arrays | {f"{prefix}{key}": one for key, one in train_process(errors).items()}
         )
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
-        own, added = self._processes
-        found = predict_process(own, inputs)
-        if "turn" in own:
-            found = found @ own["turn"] + own["shift"]
-        return found + predict_process(added, inputs) if added else found
+        found = []
+        for arrays in self._processes:
+            own = predict_process(arrays, inputs)
+            found.append(own @ arrays["turn"] + arrays["shift"] if "turn" in arrays else own)
+        return np.asarray(np.sum(found, axis=0))
+
+    @property
+    def _prefixes(self) -> list[str]:
+        """Prefixes of the arrays of the process and of those that were added to it."""
+        count = sum(key.startswith(_ADDED) and key.endswith("_projection") for key in self.arrays)
+        return ["", *(f"{_ADDED}{number}_" for number in range(1, count + 1))]
 
     @cached_property
-    def _processes(self) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
-        """Arrays of the process and of the added one, with the features under each element of the group."""
-        own = {key: one for key, one in self.arrays.items() if not key.startswith(_ADDED)}
-        added = {key.removeprefix(_ADDED): one for key, one in self.arrays.items() if key.startswith(_ADDED)}
-        for arrays in (own, added):
-            if arrays:
-                arrays["moved"] = move_features(arrays)
-        return own, added
+    def _processes(self) -> list[dict[str, NDArray[Any]]]:
+        """Arrays of each process, with the features under each element of the group."""
+        found = []
+        for prefix in self._prefixes:
+            mine = {key.removeprefix(prefix): one for key, one in self.arrays.items() if key.startswith(prefix)}
+            arrays = {key: one for key, one in mine.items() if not key.startswith(_ADDED)}
+            found.append(arrays | {"moved": move_features(arrays)})
+        return found
 
 
 @final

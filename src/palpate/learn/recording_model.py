@@ -44,7 +44,10 @@ _STORED = ("fields", "seen", "motion", "usual")
 
 
 class PoseReading(NamedTuple):
-    """Reading of one image: its pose (k,), half-widths (k,), and the detected blobs (n, 2) px."""
+    """Reading of one image: its pose (k,), half-widths (k,), and the detected blobs (n, 2) px.
+
+    `unlike` means that the displacement of the markers is far from all of the training.
+    """
 
     pose: FloatArray
     half_width: FloatArray
@@ -52,6 +55,7 @@ class PoseReading(NamedTuple):
     fault: str
     correspondence: Correspondence | None
     dots_px: FloatArray
+    unlike: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +141,8 @@ class RecordedModel:
             fault = str(MatchFault.PICTURE)
         missing = np.array([moved.shape[1] - count])
         width = use.half_widths(self.features(use, estimates, moved, missing))[0]
-        return PoseReading(poses[0], width, count, fault, found, dots)
+        far = good[0] and bool(self.nearest_px(moved)[0] > self.reach_px)
+        return PoseReading(poses[0], width, count, fault, found, dots, far)
 
     def features(
         self, use: Ensemble, estimates: Mapping[str, FloatArray], moved: FloatArray, missing: IntArray
@@ -151,14 +156,28 @@ class RecordedModel:
         moved, missing
             (n, m, 2) displacements, and (n,) number of markers that were not found.
         """
-        bank, fields = self.reference_bank[0], moved.reshape(len(moved), -1)
         nearest, lost = np.zeros(len(missing)), np.zeros(len(missing))
-        if bank.size and any(self.parts[name].reads_markers for name in use.parts):
-            flat = bank.reshape(len(bank), -1)
-            nearest = np.sqrt([np.mean((flat - field) ** 2, axis=1).min() for field in fields])
-            lost = np.asarray(missing, float)
+        if any(self.parts[name].reads_markers for name in use.parts):
+            nearest, lost = self.nearest_px(moved), np.asarray(missing, float)
         low, high = np.array(self.about["range"])
         return image_features(use.combine(estimates), low, high, lost, nearest, use.spread(estimates))
+
+    def nearest_px(self, moved: FloatArray) -> FloatArray:
+        """RMS distance (n,) of displacements (n, m, 2) from the nearest of the bank, px."""
+        bank, fields = self.reference_bank[0], moved.reshape(len(moved), -1)
+        if not bank.size:
+            return np.zeros(len(moved))
+        flat = bank.reshape(len(bank), -1)
+        return np.sqrt([np.mean((flat - field) ** 2, axis=1).min() for field in fields])
+
+    @cached_property
+    def reach_px(self) -> float:
+        """Largest accepted distance from the bank, px: twice the largest of one of its images from the rest of it."""
+        bank = self.reference_bank[0].reshape(len(self.reference_bank[0]), -1)
+        if len(bank) < 2:
+            return np.inf
+        apart = [np.sort(np.mean((bank - field) ** 2, axis=1))[1] for field in bank]
+        return float(2.0 * np.sqrt(max(apart)))
 
     def estimate_parts(self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray) -> dict[str, FloatArray]:
         """Estimates (n, k) of each part for the images that it decides on, else NaN.
@@ -198,7 +217,7 @@ class RecordedModel:
     def is_outside(self, pose: FloatArray, half_width: FloatArray) -> bool:
         """Whether a pose (k,) is beyond the training poses by more than its interval (k,)."""
         low, high = np.array(self.about["range"])
-        room = np.minimum(half_width, high - low)
+        room = np.minimum(half_width, 0.9 * _BEYOND * (high - low))
         return bool(((pose < low - room) | (pose > high + room)).any())
 
 

@@ -70,7 +70,7 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     return [
         f"# Results of the recording {seen.recording.name}",
-        f"**{result.best}: {figures}** RMSE on {held} test presses.",
+        f"**{result.best}: {figures}** RMSE on {held} presses that did not train it.",
         _describe_sets(about),
         Report.of("", head, rows, details=[f"{name} max" for name in names]),
         "## Notes on the recording",
@@ -96,13 +96,14 @@ def _describe_sets(about: Mapping[str, Any]) -> str:
     if about["folds"]:
         return (
             f"{images}, cross-validated in {about['folds']} folds: each press is estimated by models trained on "
-            f"others. These errors choose the estimator and give the intervals of {level}. The saved model "
-            "is trained on all presses."
+            f"others. These errors choose the estimator and give the intervals of {level}. The saved model is "
+            "trained on all presses, but for those by which ridge regression and fine-tuned estimators choose."
         )
     return (
         f"{images}: {about['train']} training images, {about['validation']} for validation and for the intervals of "
         f"{level}, {about['test']} test images. No press is in two of these sets. The estimator was selected by the "
-        "validation presses; the table shows the test presses."
+        "validation presses; the table shows the test presses. Of up to 1000 presses all train the Gaussian "
+        "processes of the saved model."
     )
 
 

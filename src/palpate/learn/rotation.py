@@ -31,6 +31,8 @@ MOST_DOTS = 800
 """Maximum number of markers for this augmentation: the fields' covariance has (2 m)² numbers."""
 _NEAR, _FAR = 12, 0.75
 """Markers of a local interpolation, and distance over spacing from which the nearest is used."""
+_LEAST_INSIDE = 0.25
+"""Minimum share of markers inside the filled circle."""
 _MARGIN = 0.3
 """Tolerance of the filled circle, over the spacing: rings are not quite round."""
 _ORDERS = (6, 4, 3, 2)
@@ -169,8 +171,10 @@ class RotationOperators:
         if len(root) > root.shape[1]:
             root = np.linalg.qr(root, mode="r")
         means = np.array([each @ mean for each in operators])
-        moved = [root @ each.T for each in operators]
-        within = np.mean([each.T @ each for each in moved], axis=0)
+        within = np.zeros((root.shape[1],) * 2)
+        for each in operators:
+            moved = root @ each.T
+            within += moved.T @ moved / len(operators)
         return means.mean(axis=0), within + np.cov(means.T, bias=True)
 
 
@@ -253,6 +257,8 @@ def find_rotation(
     if len(rest_px) > MOST_DOTS or len(moved_px) < _LEAST_TURNED:
         return None
     base = np.zeros_like(rest_px) if at_rest else moved_px.mean(axis=0)
+    if RotationOperators(rest_px + base).inside.mean() < _LEAST_INSIDE:
+        return None
     sense, frame_rad = find_frame(rest_px + base, moved_px - base, targets[:, :2])
     odd = tuple(k for k, axis in enumerate(axes) if axis in _ODD)
     return RotationAugmentation(rest_px + base, base, sense, frame_rad, odd=odd) if sense else None

@@ -186,7 +186,7 @@ def _about(seen: PreparedRecording, spec: RecordingSpec) -> dict[str, Any]:
         "train": int(seen.split.train.sum()),
         "validation": int(seen.split.validation.sum()),
         "test": int(seen.split.test.sum()),
-        "folds": count_folds(seen),
+        "folds": count_folds(seen, spec),
         "range": [seen.targets.min(axis=0).tolist(), seen.targets.max(axis=0).tolist()],
         "spec": spec.model_dump(mode="json"),
         "made_by": provenance(),

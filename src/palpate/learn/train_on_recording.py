@@ -14,7 +14,7 @@ import numpy as np
 from palpate.core import ArtefactStore, FloatArray, PalpateError
 from palpate.core.run import Progress
 from palpate.datasets import PoseColumn, PressSplit, Recording
-from palpate.learn.cross_validate import count_folds, cross_validate, estimate_parts
+from palpate.learn.cross_validate import count_folds, cross_validate, predict_parts
 from palpate.learn.fine_tune import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
 from palpate.learn.gaussian_process import MOST_ROWS, choose_symmetry
 from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, train_quickly
@@ -27,6 +27,8 @@ from palpate.learn.row_offset import find_row_offset
 from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
 from palpate.learn.train_members import TrainingJob, train_members
 
+_LEAST_SAMPLES = 4
+"""Minimum number of training images of an estimator."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 """Error ratio to the mean pose: limits of a failed training, and of a search for a row offset."""
 
@@ -94,7 +96,7 @@ def train_on_recording(
     seen = prepare_recording(recording, spec, store, progress)
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     known, early = set(seconds), 0.0 if first is None else first.seconds[0]
-    few = count_folds(seen) > 0
+    few = count_folds(seen, spec) > 0
 
     def train(own: PreparedRecording) -> dict[str, EnsembleMember]:
         nonlocal early
@@ -111,15 +113,15 @@ def train_on_recording(
 
     every = np.ones(len(seen.targets), bool)
     if few:
-        parts, held_out = cross_validate(seen, spec.seed, train)
+        parts, held_out = cross_validate(seen, spec, train)
         judged = replace(seen, split=PressSplit(every, every, every))
     else:
         parts, judged = train(seen), seen
-        held_out = estimate_parts(seen, parts)
+        held_out = predict_parts(seen, parts, every)
     model, scores, best = select_model(judged, spec, parts, held_out, seconds)
     _refuse_strangers(judged, scores)
     if not few and len(np.unique(seen.press)) <= MOST_ROWS:
-        # what needs no validation learns from all presses, now that its errors and intervals are known
+        # estimators without choices on validation presses are trained on all presses, after their errors are known
         whole_set = replace(seen, split=PressSplit(every, ~every, ~every))
         jobs = [one for one in plan_jobs(whole_set, spec) if one.name in model.parts and not one.kind.uses_validation]
         again = {part.name: part for part, _ in train_members(jobs, spec.threads, store, progress)}
@@ -127,7 +129,9 @@ def train_on_recording(
     if first is None:
         samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))
         rotation = _find_rotation(seen) if samples.inputs.dtype != np.uint8 else None
-        curve = compute_learning_curve(replace(samples, rotation=rotation), seen.press, test, train_quickly)
+        enough = samples.train.sum() >= _LEAST_SAMPLES and test.any() and samples.validation.any()
+        lesson = replace(samples, rotation=rotation)
+        curve = compute_learning_curve(lesson, seen.press, test, train_quickly) if enough else ()
         curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
@@ -151,7 +155,7 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -
         if kind.effort not in efforts or reads_markers not in reads or (reads_markers and seen.assigned is None):
             continue
         samples, _ = seen.samples(reads_markers, spec.seed)
-        if few and kind.cost(samples, spec.epochs):
+        if (few and kind.cost(samples, spec.epochs)) or samples.train.sum() < _LEAST_SAMPLES:
             continue
         if few and not kind.uses_validation:
             samples = replace(samples, train=samples.train | samples.validation)
@@ -177,7 +181,7 @@ def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
     rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
     at_rest = seen.assigned.reference >= len(seen.recording)
     found = find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
-    samples, _ = seen.samples(markers=True)
+    samples, _ = seen.samples(True)
     return choose_symmetry(replace(samples, rotation=found))
 
 

@@ -49,16 +49,24 @@ class TrainingSet:
         return np.arange(len(self.targets)) if self.press is None else self.press
 
     @property
+    def chosen_by(self) -> BoolArray:
+        """(n,) validation samples; the training samples if there are none."""
+        return self.validation if self.validation.any() else self.train
+
+    @property
     def n_outputs(self) -> int:
         """Number of targets that are estimated."""
         return self.targets.shape[1] - self.auxiliary
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
-        """Mean and standard deviation (k,) of the training targets; of two that turn, 0 and one for both."""
+        """Mean and standard deviation (k,) of the training targets; 0 and RMS if the symmetry changes their sign."""
         mean, sd = self.targets[self.train].mean(axis=0), self.targets[self.train].std(axis=0)
         if self.rotation is not None:
             mean[:2], sd[:2] = 0.0, sd[:2].mean()
+            if self.rotation.frame_rad is not None and self.rotation.odd:
+                odd = list(self.rotation.odd)
+                mean[odd], sd[odd] = 0.0, np.hypot(mean[odd], sd[odd])
         return mean, np.where(sd > 1e-9, sd, 1.0)
 
     @property
@@ -68,8 +76,8 @@ class TrainingSet:
         return np.asarray((self.targets - mean) / sd)
 
     def error(self, estimates: FloatArray) -> float:
-        """Root mean square error of the validation samples, over the standard deviations of the targets."""
-        return float(np.sqrt(np.mean(((estimates - self.targets[self.validation]) / self.scale[1]) ** 2)))
+        """Root mean square error of the samples `chosen_by`, over the standard deviations of the targets."""
+        return float(np.sqrt(np.mean(((estimates - self.targets[self.chosen_by]) / self.scale[1]) ** 2)))
 
 
 def flat_features(inputs: NDArray[Any], side: int | None) -> NDArray[np.float32]:

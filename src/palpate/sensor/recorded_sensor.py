@@ -48,7 +48,8 @@ class RecordedSensor:
 
     def _describe(self, found: PoseReading, start: float) -> Reading:
         flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.IMAGE_ONLY]
-        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width):
+        outside = np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width)
+        if found.unlike or outside:
             flags.append(Flag.OUT_OF_DISTRIBUTION)
         seen = found.correspondence
         moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))

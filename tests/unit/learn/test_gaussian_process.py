@@ -7,7 +7,7 @@ import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from palpate.learn.gaussian_process import choose_symmetry, covariance, predict_process, train_process
-from palpate.learn.member import MarkerRidge, TrainingRun
+from palpate.learn.member import MarkerProcess, MarkerRidge, TrainingRun
 from palpate.learn.rotation import RotationAugmentation, RotationOperators, find_rotation, rotation
 from palpate.learn.training_set import TrainingSet
 
@@ -126,3 +126,45 @@ def test_a_symmetry_that_is_wrong_is_seen_in_the_left_out_error() -> None:
     other = lesson.rotation._replace(sense=-lesson.rotation.sense)
     wrong = TrainingSet(*_fields(lesson), rotation=RotationAugmentation(*other))
     assert float(train_process(wrong)["error"]) > 3 * float(train_process(lesson)["error"])
+
+
+def test_an_odd_target_with_a_mean_is_learnt_with_reflections() -> None:
+    rest, moved, _ = drawn()
+    motions = draw_motions(COUNT, 2, tilt=25.0)
+    poses = np.c_[motions[:, :3], motions[:, 5] + 10.0]  # rz with a mean of 10 degrees
+    turned = moved + np.radians(10.0) * 0.3 * np.stack(
+        [-(rest - rest.mean(0))[:, 1], (rest - rest.mean(0))[:, 0]], -1
+    )
+    train = np.arange(COUNT) < 120
+    found = find_rotation(rest, turned[train], poses[train], ("rx", "ry", "depth", "rz"), True)
+    assert found is not None
+    assert found.odd == (3,)
+    arrays = train_process(TrainingSet(turned, poses, train, train, 0, found))
+    error = predict_process(arrays, turned[-TEST:])[:, 3] - poses[-TEST:, 3]
+    assert np.sqrt(np.mean(error**2)) < 0.6 * poses[:, 3].std()
+
+
+def test_a_fine_tuned_process_is_tuned_again_and_its_outputs_are_mapped() -> None:
+    _, moved, poses = drawn()
+    process = MarkerProcess("first", train_process(samples(40)))
+    lesson = samples(80)
+    shifted = TrainingSet(lesson.inputs, lesson.targets + np.array([1.0, -2.0, 0.5]), lesson.train, lesson.validation)
+    once = process.fine_tune("once", shifted)
+    twice = once.fine_tune("twice", lesson)
+    assert np.sqrt(np.mean((twice.predict(moved[-TEST:]) - poses[-TEST:])[:, :2] ** 2)) < 3.0
+    turn, shift = np.array([[0.0, 2.0], [1.0, 0.0], [0.0, 0.0]]), np.array([0.3, -0.1])
+    mapped = twice.transform_outputs("mapped", turn, shift)
+    assert mapped.predict(moved[-TEST:]) == pytest.approx(twice.predict(moved[-TEST:]) @ turn + shift)
+    size = moved.shape[1] * 2
+    doubled = twice.transform_inputs(0.5 * np.eye(size)).predict(2.0 * moved[-TEST:])
+    assert doubled == pytest.approx(twice.predict(moved[-TEST:]))
+
+
+def test_constant_targets_and_few_images_do_not_stop_it() -> None:
+    lesson = samples(30)
+    flat = TrainingSet(
+        lesson.inputs, lesson.targets * [1.0, 1.0, 0.0], lesson.train, lesson.train, 0, lesson.rotation
+    )
+    assert predict_process(train_process(flat), drawn()[1][-3:])[:, 2] == pytest.approx(0.0)
+    still = TrainingSet(0.0 * lesson.inputs, lesson.targets, lesson.train, lesson.train)
+    assert np.isfinite(predict_process(train_process(still), drawn()[1][-3:])).all()
