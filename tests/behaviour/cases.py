@@ -361,7 +361,7 @@ def recorded_estimators() -> Results:
             "rmse": [error.rmse for error in found.scores[0].errors],
             "read": [one.pose for one in read],
             "half_width": [one.half_width for one in read],
-            "every": {one.name: [error.rmse for error in one.errors] for one in found.scores},
+            "every": [[error.rmse for error in one.errors] for one in sorted(found.scores, key=lambda one: one.name)],
         }
     return results
 

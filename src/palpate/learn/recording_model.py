@@ -172,7 +172,7 @@ class RecordedModel:
 
     @cached_property
     def reach_px(self) -> float:
-        """Largest accepted distance from the bank, px: twice the largest of one of its images from the rest of it."""
+        """Largest accepted distance from the bank, px: twice the largest within the bank."""
         bank = self.reference_bank[0].reshape(len(self.reference_bank[0]), -1)
         if len(bank) < 2:
             return np.inf

@@ -50,7 +50,7 @@ class TrainingSet:
 
     @property
     def chosen_by(self) -> BoolArray:
-        """(n,) validation samples; the training samples if there are none."""
+        """(n,) validation samples, or the training samples without them."""
         return self.validation if self.validation.any() else self.train
 
     @property
@@ -60,7 +60,7 @@ class TrainingSet:
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
-        """Mean and standard deviation (k,) of the training targets; 0 and RMS if the symmetry changes their sign."""
+        """Mean and standard deviation (k,) of the training targets; 0 and RMS if symmetry negates them."""
         mean, sd = self.targets[self.train].mean(axis=0), self.targets[self.train].std(axis=0)
         if self.rotation is not None:
             mean[:2], sd[:2] = 0.0, sd[:2].mean()
