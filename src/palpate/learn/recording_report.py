@@ -71,7 +71,7 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     return [
         f"# Results of the recording {seen.recording.name}",
         f"**{result.best}: {figures}** RMSE on {held} presses that did not train it.",
-        _describe_sets(about),
+        *_describe_sets(about),
         Report.of("", head, rows, details=[f"{name} max" for name in names]),
         "## Notes on the recording",
         "\n".join(f"* {note}" for note in seen.notes),
@@ -90,20 +90,21 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     ]
 
 
-def _describe_sets(about: Mapping[str, Any]) -> str:
-    """Sets of images for training, selection and test."""
+def _describe_sets(about: Mapping[str, Any]) -> tuple[str, str]:
+    """Sets of images for training, selection and test: their numbers, and their use."""
     images, level = f"{about['images']} images of {about['presses']} presses", f"{about['spec']['level']:.0%}"
     if about["folds"]:
         return (
-            f"{images}, cross-validated in {about['folds']} folds: each press is estimated by models trained on "
-            f"others. These errors choose the estimator and give the intervals of {level}. The saved model is "
-            "trained on all presses, but for those by which ridge regression and fine-tuned estimators choose."
+            f"{images}, cross-validated in {about['folds']} folds.",
+            "Each press is estimated by models trained on others. These errors choose the estimator and give the "
+            f"intervals of {level}. The saved model is trained on all presses, but for those by which ridge regression "
+            "and fine-tuned estimators choose.",
         )
     return (
         f"{images}: {about['train']} training images, {about['validation']} for validation and for the intervals of "
-        f"{level}, {about['test']} test images. No press is in two of these sets. The estimator was selected by the "
-        "validation presses; the table shows the test presses. Of up to 1000 presses all train the Gaussian "
-        "processes of the saved model."
+        f"{level}, {about['test']} test images.",
+        "No press is in two of these sets. The estimator was selected by the validation presses; the table shows the "
+        "test presses. Of up to 1000 presses all train the Gaussian processes of the saved model.",
     )
 
 
