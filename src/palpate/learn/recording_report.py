@@ -97,8 +97,8 @@ def _describe_sets(about: Mapping[str, Any]) -> tuple[str, str]:
         return (
             f"{images}, cross-validated in {about['folds']} folds.",
             "Each press is estimated by models trained on others. These errors choose the estimator and give the "
-            f"intervals of {level}. The saved model is trained on all presses, but for those by which ridge regression "
-            "and fine-tuned estimators choose.",
+            f"intervals of {level}. The saved model is trained on all presses, but for those by which ridge "
+            "regression and fine-tuned estimators choose.",
         )
     return (
         f"{images}: {about['train']} training images, {about['validation']} for validation and for the intervals of "
