@@ -105,7 +105,7 @@ def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
     for frame in dict.fromkeys((symmetry.frame_rad, None)):
         option = symmetry._replace(frame_rad=frame)
         arrays, moved = _find_components(replace(samples, rotation=option), rows)
-        columns, actions = next(_groups(replace(samples, rotation=option), arrays["turns_px"]))
+        columns, actions = next(_groups(replace(samples, rotation=option)))
         vectors = np.stack([tilt_vector(samples.targets[rows][:, columns], angles) for angles in ANGLES], axis=-1)
         presses = _Presses(moved[0], moved, vectors / samples.scale[1][0], samples.press_numbers[rows])
         errors = [
@@ -127,7 +127,7 @@ def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
     if samples.rotation is not None:
         targets[:, :2] = tilt_vector(targets[:, :2], samples.rotation.angles)
     presses = _Presses(moved[0], moved, (targets - mean) / sd, samples.press_numbers[rows])
-    groups = list(_groups(samples, arrays["turns_px"]))
+    groups = list(_groups(samples))
     for last in (False, True):
         tuned = presses.rows(np.arange(min(len(presses.press), MOST_TUNED)))
         chosen = [
@@ -140,7 +140,6 @@ def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
         if last or kept.all() or len(rows) < _FEWEST_ROWS:
             break
         presses = presses.rows(kept)
-    del arrays["turns_px"]
     arrays |= {"features": presses.components, "mean": mean, "sd_targets": sd, "error": np.array(chosen[0][1])}
     for number, ((columns, actions), kernel, found) in enumerate(zip(groups, kernels, weights, strict=True)):
         arrays |= {
@@ -156,7 +155,7 @@ def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, ND
     """Projection and its symmetry by name, and the components (g, n, k) of images under each element."""
     symmetry, fields = samples.rotation, flat_features(samples.inputs[rows], None).astype(float)
     if symmetry is None:
-        turns, operators = [np.eye(2)], np.eye(fields.shape[1])[None]
+        operators = np.eye(fields.shape[1])[None]
         base, mean, spread = np.zeros(fields.shape[1]), fields.mean(axis=0), np.cov(fields.T)
     else:
         rotations, base = RotationOperators(symmetry.places_px), symmetry.base_px.reshape(-1)
@@ -166,7 +165,7 @@ def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, ND
         inside = np.repeat(rotations.inside, 2)
         spread = spread * inside * inside[:, None]
     variance, directions = principal_directions(spread)
-    basis = directions[:, : min(COMPONENTS, max(4, len(rows) * len(turns) // 4))]
+    basis = directions[:, : min(COMPONENTS, max(4, len(rows) * len(operators) // 4))]
     elements = _exact_group([basis.T @ operator @ basis for operator in operators])
     # components of equal variance under the group get equal scales
     variance, mixed = principal_directions(
@@ -179,7 +178,6 @@ def _find_components(samples: TrainingSet, rows: IntArray) -> tuple[dict[str, ND
         "offset": (base + mean) @ basis,
         "elements": elements,
         "sd": np.sqrt(np.maximum(variance, 1e-12)),
-        "turns_px": np.array(turns),
         "angles": np.array(0 if symmetry is None else ANGLES.index(symmetry.angles)),
     }
     return arrays, components @ elements.transpose(0, 2, 1)
@@ -204,9 +202,10 @@ def _exact_group(elements: Sequence[FloatArray]) -> FloatArray:
     return np.concatenate([rotations, rotations @ ((directions * np.sign(values)) @ directions.T)])
 
 
-def _groups(samples: TrainingSet, turns: FloatArray) -> Iterator[tuple[Sequence[int], FloatArray]]:
+def _groups(samples: TrainingSet) -> Iterator[tuple[Sequence[int], FloatArray]]:
     """Targets that the group mixes, and its actions (g, b, b) on them."""
     symmetry, count = samples.rotation, samples.targets.shape[1]
+    turns = np.array([np.eye(2)] if symmetry is None else symmetry.turns(STEPS))
     if symmetry is not None:
         yield (0, 1), np.array([symmetry.action(turn) for turn in turns])
     for column in range(0 if symmetry is None else 2, count):

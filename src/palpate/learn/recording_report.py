@@ -66,7 +66,7 @@ def recording_page(result: RecordingResult) -> list[str | Report]:
     )
     best = next(score for score in result.scores if score.name == result.best)
     held = len(np.unique(seen.press[seen.split.test]))
-    rows = [_row(score, score.name == result.best) for score in result.scores]
+    rows = [_row(score, score.name == result.best, bool(about["folds"])) for score in result.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     return [
         f"# Results of the recording {seen.recording.name}",
@@ -187,7 +187,14 @@ def _bare(axis: Axes) -> None:
     axis.spines[["top", "right"]].set_visible(False)
 
 
-def _row(score: EstimatorScore, best: bool) -> tuple[str, ...]:
+def _row(score: EstimatorScore, best: bool, folds: bool) -> tuple[str, ...]:
+    """Cells of an estimator, without coverage if the same errors gave the intervals."""
     rmse, most = [f"{one.rmse:.3g}" for one in score.errors], [f"{one.max:.3g}" for one in score.errors]
     name = f"{score.name} (chosen)" if best else score.name
-    return (name, f"{score.share:.0%}", *rmse, *most, " / ".join(f"{inside:.0%}" for inside in score.coverage))
+    return (
+        name,
+        f"{score.share:.0%}",
+        *rmse,
+        *most,
+        "–" if folds else " / ".join(f"{inside:.0%}" for inside in score.coverage),
+    )

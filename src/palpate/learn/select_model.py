@@ -154,12 +154,12 @@ def _score(
 ) -> EstimatorScore | None:
     """Errors of estimates (n, k) on the held-out presses; `None` without such estimates."""
     off = found - seen.targets
-    judged = seen.split.test & np.isfinite(off).all(axis=1)
-    if not judged.any():
+    scored = seen.split.test & np.isfinite(off).all(axis=1)
+    if not scored.any():
         return None
-    errors = tuple(ErrorSummary.of(off[judged, k]) for k in range(off.shape[1]))
-    inside = np.abs(off[judged]) <= width[judged]
-    share = float(judged.sum() / max(seen.split.test.sum(), 1))
+    errors = tuple(ErrorSummary.of(off[scored, k]) for k in range(off.shape[1]))
+    inside = np.abs(off[scored]) <= width[scored]
+    share = float(scored.sum() / max(seen.split.test.sum(), 1))
     coverage = tuple(float(x) for x in inside.mean(axis=0))
     return EstimatorScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.learn.components import find_components
+from palpate.learn.gaussian_process import STEPS
 from palpate.learn.network import PerceptronTask, collect_layers
 from palpate.learn.rotation import COUNT, RotationOperators, pattern_order
 from palpate.learn.trainer import TrainedState, Trainer, TrainerSpec, TrainingTask, add_noise, fall
@@ -126,7 +127,7 @@ def train_marker_network(
     else:
         operators = RotationOperators(turning.places_px)
         relative = flat_features(samples.inputs - turning.base_px, None)
-        start = _find_inputs(*operators.spread(relative[samples.train].astype(float), turning.turns(12)), samples)
+        start = _find_inputs(*operators.spread(relative[samples.train].astype(float), turning.turns(STEPS)), samples)
         along = [
             torch.as_tensor((operators.operator(turn).T @ start["projection"]).astype(np.float32))
             for turn in turning.turns(COUNT)

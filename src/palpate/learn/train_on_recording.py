@@ -114,12 +114,12 @@ def train_on_recording(
     every = np.ones(len(seen.targets), bool)
     if few:
         parts, held_out = cross_validate(seen, spec, train)
-        judged = replace(seen, split=PressSplit(every, every, every))
+        scored = replace(seen, split=PressSplit(every, every, every))
     else:
-        parts, judged = train(seen), seen
+        parts, scored = train(seen), seen
         held_out = predict_parts(seen, parts, every)
-    model, scores, best = select_model(judged, spec, parts, held_out, seconds)
-    _refuse_strangers(judged, scores)
+    model, scores, best = select_model(scored, spec, parts, held_out, seconds)
+    _refuse_strangers(scored, scores)
     if not few and len(np.unique(seen.press)) <= MOST_ROWS:
         # estimators without choices on validation presses are trained on all presses, after their errors are known
         whole_set = replace(seen, split=PressSplit(every, ~every, ~every))
@@ -137,13 +137,13 @@ def train_on_recording(
         curve = first.curve
     estimates, _ = model.combine(held_out, seen.accepted)
     whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
-    return RecordingResult(judged, model, scores, best, estimates, curve, (early, whole))
+    return RecordingResult(scored, model, scores, best, estimates, curve, (early, whole))
 
 
 def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -> Iterator[TrainingJob]:
     """Kinds of estimators that recording and spec allow: plain, with rotations, with all motions.
 
-    Of few presses only closed forms learn; those that need no validation presses learn from them as well.
+    Few presses train closed forms only, and also those that are for validation, if a kind makes no choices on them.
     """
     chosen, rotation = spec.estimators, _find_rotation(seen)
     if chosen == "dots" and seen.assigned is None:
@@ -200,8 +200,8 @@ def _figure(error: float, one: PoseColumn) -> str:
 
 def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...]) -> None:
     """Reject images from which poses are estimated no better than by their mean."""
-    judged = seen.split.test
-    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
+    scored = seen.split.test
+    sd = np.sqrt(np.mean((seen.targets[scored] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
     ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
     ratio = ratio / np.maximum(sd, 1e-12)
     best = ratio.mean(axis=1).argmin()
