@@ -43,6 +43,7 @@ from palpate.learn import (
     write_model,
 )
 from palpate.learn.member import MarkerRidge
+from palpate.learn.train_on_recording import plan_jobs
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 90
@@ -323,8 +324,10 @@ def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -
     sensor = replace(SENSOR, misprint=0.03)
     draw_recording(tmp_path / "a", draw_motions(110, 3, shear=1.0), sensor)
     draw_recording(tmp_path / "b", draw_motions(60, 4, shear=1.0), another_unit(sensor), seed=5)
-    first = learn(tmp_path / "a", RecordingSpec(estimators="dots"))
-    network = first.model.parts["dots-network"]
+    first, store = learn(tmp_path / "a"), ArtefactStore(tmp_path / "a" / "store")
+    # networks are trained here: the model may hold a process alone
+    jobs = [job for job in plan_jobs(first.seen, RecordingSpec(estimators="dots")) if job.name == "dots-network"]
+    ((network, _),) = train_members(jobs, 1, store, Progress())
     assert first.model.layout is not None
     start = PretrainedModel("a", first.model.layout, network, first.model.space.names)
     second = learn(tmp_path / "b", FAST, start)
