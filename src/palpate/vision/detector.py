@@ -52,6 +52,8 @@ class Detector:
         (h, w) searched region; `None` for the whole image.
     edge_px
         Blur of a marker's edge, by lens and pixel.
+    doubt
+        Whether blobs outside the field of markers are rejected.
     """
 
     spec: DetectSpec
@@ -59,6 +61,7 @@ class Detector:
     diameter_px: float
     mask: BoolArray | None
     edge_px: float = _EDGE_PX
+    doubt: bool = True
 
     def find(self, image: NDArray[Any]) -> Blobs:
         """Detect the blobs of an image (h, w) or (h, w, 3), of any number type.
@@ -80,7 +83,7 @@ class Detector:
 
     def _by_centroid(self, grey: Image) -> Blobs:
         blobs = self._fit(grey, _ROUNDS)[0]
-        strays = find_strays(blobs.positions_px, blobs.diameter_px)
+        strays = find_strays(blobs.positions_px, blobs.diameter_px) if self.doubt else np.zeros(len(blobs), bool)
         return blobs.take(~strays) if strays.any() else blobs
 
     @cached_property
@@ -138,8 +141,8 @@ def prepare_detector(
     spec
         Known properties of the markers.
     doubt
-        Whether blobs that do not look printed, such as lamps and grain, are rejected; `False` if they are compared
-        with a design later.
+        Whether blobs that do not look printed, such as lamps and grain, and blobs of a rim are rejected; `False` if
+        they are compared with a design later.
     gap
         Maximum gap between markers of one field, over the median distance of nearest neighbours; at least 2.6.
         Anything further away is masked.
@@ -163,7 +166,7 @@ def prepare_detector(
     rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
     mask = _find_mask(blobs, grey.shape, max(gap, _GAP)) if spec.mask == "auto" else None
-    found = Detector(spec, dark, rough.diameter_px, mask, edge)
+    found = Detector(spec, dark, rough.diameter_px, mask, edge, doubt)
     known = spec.diameter_px is not None and spec.polarity != "auto"
     if doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
         raise none

@@ -1,18 +1,21 @@
-"""Blobs outside a hexagonal lattice of markers: screws, arcs and glints of a rim."""
+"""Blobs outside a field of markers: screws, arcs and glints of a rim."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
 
 _NEIGHBOURS, _HEXAGON = 7, 1.35
-"""Number of neighbours; maximum distance of the sixth over that of the first in a hexagonal lattice.
+"""Number of neighbours; maximum of the sixth distance over the first in a hexagonal lattice.
 
 It is 1 for a hexagon, 1.41 for a square. Corners of a pressed square field end too few lines.
 """
 _OFF, _SIZE = 0.22, 1.4
+_OFF_STRICT, _SIZE_STRICT = 0.14, 1.25
 """Limits of a blob that continues the lattice: distance from a line, and ratio of diameters.
 
 The distance is from the extrapolated line of two neighbours, over theirs.
@@ -22,28 +25,52 @@ _LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
 
 Then the minimum number of blobs, and the number of inner markers tested.
 """
-_BEYOND, _WIDTH = 0.6, 2.5
-"""Distance beyond the hull of a rejected blob, and width of the tested border, over the lattice step."""
+_BEYOND, _WIDTH = 0.2, 2.3
+"""Distance beyond the hull of a rejected blob, and width of the tested border.
+
+Both are over the lattice step.
+"""
+_ROW, _GAP, _SLOPE = 5, (0.75, 1.4), 30.0
+"""Minimum number of markers of a row along the border, limits of their distances, slope of a row.
+
+The distances are over the lattice step, the slope is in degrees.
+"""
+_CORNER, _NEAR = 3, 1.3
+"""Lines that a corner marker ends, or neighbours within `_NEAR` lattice steps.
+
+A corner needs no row.
+"""
+_ROWS = 0.7
+"""Minimum share of markers near the border that stand in rows."""
 
 
 def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
-    """Return which blobs (n, 2), of diameters (n,), px, are outside a hexagonal lattice.
+    """Return which blobs (n, 2), of diameters (n,), px, are outside the field of markers.
 
-    They are beyond its hull, on fewer than two lines. All are inside if the field is not such a lattice, such as a
-    square grid, rings or scattered markers.
+    Those outside a hexagonal lattice are on fewer than two of its lines. Those outside rows along the border of any
+    field, such as the rings of a dome or the sides of a grid, are in no row themselves. All are inside if the border
+    has no rows, such as of scattered markers. A single one is inside too: it may be an orientation mark.
     """
-    none = np.zeros(len(points), bool)
+    strays = np.zeros(len(points), bool)
     if len(points) < _LEAST:
-        return none
+        return strays
+    try:
+        strays = _find_outside_lattice(points, diameters)
+        strays = strays | _find_outside_rows(points, diameters, ~strays)
+    except QhullError:  # all blobs on one line
+        pass
+    return strays if strays.sum() > 1 else np.zeros(len(points), bool)
+
+
+def _find_outside_lattice(points: FloatArray, diameters: FloatArray) -> BoolArray:
+    none = np.zeros(len(points), bool)
     distance, near = cKDTree(points).query(points, _NEIGHBOURS + 1)
     if np.median(distance[:, 6] / np.maximum(distance[:, 1], 1e-9)) > _HEXAGON:
         return none
     step = float(np.median(distance[:, 1]))
-    outer = _near_hull(points, points, _WIDTH * step)
-    if outer is None:
-        return none
+    outer = _beyond_hull(points, points)[0] > -_WIDTH * step
     rows, inner = np.flatnonzero(outer), np.flatnonzero(~outer)
-    on_line = np.ones(len(points), bool)
+    on_line = ~none
     if len(inner) < _LEAST // 2:
         return none
     inner = inner[:: max(len(inner) // _LOOKED, 1)]
@@ -51,31 +78,66 @@ def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
         return none
     for _ in range(3):  # a blob off the lattice may stand on the line of another
         on_line[rows] = _count_lines(points, diameters, near, on_line, rows) >= 2
-    beyond = _near_hull(points[on_line], points, -_BEYOND * step)
-    return none if beyond is None else ~on_line & ~beyond
+    return ~on_line & (_beyond_hull(points[on_line], points)[0] > _BEYOND * step)
 
 
-def _near_hull(points: FloatArray, places: FloatArray, margin: float) -> BoolArray | None:
-    """Return whether places are within `margin` of a hull or outside; if negative, at most that far out."""
-    try:
-        equations = ConvexHull(points).equations
-    except QhullError:
-        return None
-    out = (places @ equations[:, :2].T + equations[:, 2]).max(axis=1)
-    return np.asarray(out > -margin if margin > 0.0 else out < -margin)
+def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolArray) -> BoolArray:
+    """Return which blobs near the border of those inside stand in no row along it."""
+    none, everything = np.zeros(len(points), bool), np.arange(len(points))
+    near = cKDTree(points).query(points, _NEIGHBOURS + 1)[1]
+    strict = _OFF_STRICT, _SIZE_STRICT
+    corner = inside & (_count_lines(points, diameters, near, inside, everything, strict) >= _CORNER)
+    for first in (True, False, False):
+        numbers = np.flatnonzero(inside)
+        distance, near = cKDTree(points[inside]).query(points[inside], _NEIGHBOURS + 2)
+        near, own = numbers[near], np.full(len(points), np.nan)
+        own[inside] = np.median(distance[:, 1:4], axis=1)
+        step = float(np.median(own[inside]))
+        outer = inside & (_beyond_hull(points[inside], points)[0] > -_WIDTH * step)
+        if (inside & ~outer).sum() < _LEAST // 4:
+            return none
+        normal = _beyond_hull(points[inside & ~outer], points)[1]
+        local = np.clip(np.median(own[near[:, 1:]], axis=1), 0.7 * step, 1.4 * step)
+        own[inside] = local
+        i, j = np.repeat(numbers, _NEIGHBOURS + 1), near[:, 1:].ravel()
+        arm, apart = points[j] - points[i], distance[:, 1:].ravel()
+        slope = np.minimum(np.abs(np.sum(arm * normal[i], axis=1)), np.abs(np.sum(arm * normal[j], axis=1)))
+        gap, ratio = apart / np.minimum(own[i], own[j]), diameters[i] / np.maximum(diameters[j], 1e-9)
+        alike = (ratio < _SIZE) & (ratio > 1.0 / _SIZE) & (_GAP[0] < gap)
+        linked = alike & outer[i] & outer[j] & (slope < np.sin(np.radians(_SLOPE)) * apart) & (gap < _GAP[1])
+        links = coo_array((np.ones(linked.sum()), (i[linked], j[linked])), shape=(len(points),) * 2)
+        group = connected_components(links, directed=False)[1]
+        near_by = np.bincount(i[alike & (gap < _NEAR)], minlength=len(points))
+        good = (np.bincount(group)[group] >= _ROW) | (near_by >= _CORNER) | corner
+        if first and good[outer].mean() < _ROWS:
+            return none
+        inside = inside & (~outer | good)
+    return ~inside & (_beyond_hull(points[inside], points)[0] > _BEYOND * step)
+
+
+def _beyond_hull(points: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return distances (n,) of places beyond the hull of points, and normals (n, 2) of its sides."""
+    sides = ConvexHull(points).equations
+    beyond = places @ sides[:, :2].T + sides[:, 2]
+    return beyond.max(axis=1), sides[beyond.argmax(axis=1), :2]
 
 
 def _count_lines(
-    points: FloatArray, diameters: FloatArray, near: IntArray, trusted: BoolArray, rows: IntArray
+    points: FloatArray,
+    diameters: FloatArray,
+    near: IntArray,
+    trusted: BoolArray,
+    rows: IntArray,
+    limits: tuple[float, float] = (_OFF, _SIZE),
 ) -> IntArray:
-    """Count the lines (k,) of three blobs that points (k,) end; the first two are trusted and similar."""
+    """Count lines (k,) of three blobs that points (k,) end; the first two are trusted and similar."""
     first = near[rows, 1:]
     second = near[first][:, :, 1:]
     ends = 2.0 * points[first][:, :, None] - points[second]
     miss = np.linalg.norm(ends - points[rows, None, None], axis=-1)
     arm = np.linalg.norm(points[first] - points[rows, None], axis=-1)[:, :, None]
-    fits = (miss < _OFF * arm) & trusted[first][:, :, None] & trusted[second]
+    fits = (miss < limits[0] * arm) & trusted[first][:, :, None] & trusted[second]
     typical = np.sqrt(diameters[first][:, :, None] * diameters[second])
     ratio = diameters[rows, None, None] / np.maximum(typical, 1e-9)
-    fits &= (ratio < _SIZE) & (ratio > 1.0 / _SIZE)
+    fits &= (ratio < limits[1]) & (ratio > 1.0 / limits[1])
     return np.asarray(fits.any(axis=2).sum(axis=1))
