@@ -8,6 +8,7 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,10 +18,12 @@ from errors import check_values
 from palpate.core import ArtefactStore
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, read_requirements, validate_front, write_front
+from palpate.mesh import MeshSpec
+from palpate.optimise import RequirementsSpec, optimise_design, read_requirements, validate_front, write_front
+from palpate.optimise.design_study import design_study
 from palpate.simulation import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.simulation.result import pool_units
-from palpate.study import find_artefact, read_study
+from palpate.study import Study, find_artefact, read_study
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -63,6 +66,13 @@ def wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def one_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     """A quarter of the presses, where errors are not compared with those of units."""
     monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip",))
+
+
+def coarse_study(spec: RequirementsSpec, *design: Any) -> Study:
+    """The study that trains a design, on the mesh of the bench and with fewer poses."""
+    study = design_study(spec, *design)
+    coarse = {"mesh": MeshSpec(cells=5), "dataset": study.dataset.model_copy(update={"n_presses": 200})}
+    return study.model_copy(update=coarse | {"tilts_deg": study.tilts_deg[::2]})
 
 
 @pytest.mark.usefixtures("one_contact")
@@ -130,6 +140,8 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
     monkeypatch.setattr(validation, "VirtualBenchSpec", small)
     monkeypatch.setattr(validation, "UNITS", 3)
+    monkeypatch.setattr(validation, "design_study", coarse_study)
+    monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip", 1.2, 0.5))  # those around the frictions of units
     monkeypatch.setattr(
         validation, "plan_skin_evaluation", lambda *design, full: evaluation.plan_skin_evaluation(*design)
     )
