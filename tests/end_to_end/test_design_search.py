@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,6 +25,7 @@ from palpate.optimise.design_study import design_study
 from palpate.simulation import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.simulation.result import pool_units
 from palpate.study import Study, find_artefact, read_study
+from presses import stored_folder
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -68,6 +70,13 @@ def one_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip",))
 
 
+@pytest.fixture
+def searched(wanted: Path, one_contact: None) -> Path:
+    """Folder of a search of `WANTED` from nothing, done once for all tests; only to be read."""
+    spec = read_requirements(wanted)
+    return stored_folder("search", [spec.model_dump_json(), 5], lambda made: optimise_design(spec, made, workers=2))
+
+
 def coarse_study(spec: RequirementsSpec, *design: Any) -> Study:
     """The study that trains a design, on the mesh of the bench and with fewer poses."""
     study = design_study(spec, *design)
@@ -75,9 +84,8 @@ def coarse_study(spec: RequirementsSpec, *design: Any) -> Study:
     return study.model_copy(update=coarse | {"tilts_deg": study.tilts_deg[::2]})
 
 
-@pytest.mark.usefixtures("one_contact")
 def test_a_search_finds_the_same_however_it_was_done(
-    wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    wanted: Path, searched: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     spec, store = read_requirements(wanted), tmp_path / "cut" / "store"
     script = tmp_path / "cut.py"
@@ -92,7 +100,7 @@ def test_a_search_finds_the_same_however_it_was_done(
     made = {path: path.stat().st_mtime_ns for path in store.glob("press/*/*.h5")}
     assert len(made) >= 6
     again = optimise_design(spec, tmp_path / "cut", workers=2)
-    whole = optimise_design(spec, tmp_path / "whole", workers=2)
+    whole = optimise_design(spec, shutil.copytree(searched, tmp_path / "whole"), workers=2)
     assert again == whole
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is pressed twice"
     monkeypatch.setattr(
@@ -105,10 +113,10 @@ def test_a_search_finds_the_same_however_it_was_done(
     assert 0 < again.winner.value("error") < 0.5
 
 
-@pytest.mark.usefixtures("one_contact")
-def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
+def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, searched: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 
+    shutil.copytree(searched / "store", tmp_path / "out" / "store")
     wanted.write_text(WANTED + "baseline_grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
     more = ["--skins", "2", "--random-skins", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
