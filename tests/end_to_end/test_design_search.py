@@ -2,12 +2,14 @@
 
 import importlib
 import json
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,10 +19,13 @@ from errors import check_values
 from palpate.core import ArtefactStore
 from palpate.design import Design, DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, read_requirements, validate_front, write_front
+from palpate.mesh import MeshSpec
+from palpate.optimise import RequirementsSpec, optimise_design, read_requirements, validate_front, write_front
+from palpate.optimise.design_study import design_study
 from palpate.simulation import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.simulation.result import pool_units
-from palpate.study import find_artefact, read_study
+from palpate.study import Study, find_artefact, read_study
+from presses import stored_folder
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -65,9 +70,22 @@ def one_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip",))
 
 
-@pytest.mark.usefixtures("one_contact")
+@pytest.fixture
+def searched(wanted: Path, one_contact: None) -> Path:
+    """Folder of a search of `WANTED` from nothing, done once for all tests; only to be read."""
+    spec = read_requirements(wanted)
+    return stored_folder("search", [spec.model_dump_json(), 5], lambda made: optimise_design(spec, made, workers=2))
+
+
+def coarse_study(spec: RequirementsSpec, *design: Any) -> Study:
+    """The study that trains a design, on the mesh of the bench and with fewer poses."""
+    study = design_study(spec, *design)
+    coarse = {"mesh": MeshSpec(cells=5), "dataset": study.dataset.model_copy(update={"n_presses": 200})}
+    return study.model_copy(update=coarse | {"tilts_deg": study.tilts_deg[::2]})
+
+
 def test_a_search_finds_the_same_however_it_was_done(
-    wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    wanted: Path, searched: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     spec, store = read_requirements(wanted), tmp_path / "cut" / "store"
     script = tmp_path / "cut.py"
@@ -82,7 +100,7 @@ def test_a_search_finds_the_same_however_it_was_done(
     made = {path: path.stat().st_mtime_ns for path in store.glob("press/*/*.h5")}
     assert len(made) >= 6
     again = optimise_design(spec, tmp_path / "cut", workers=2)
-    whole = optimise_design(spec, tmp_path / "whole", workers=2)
+    whole = optimise_design(spec, shutil.copytree(searched, tmp_path / "whole"), workers=2)
     assert again == whole
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is pressed twice"
     monkeypatch.setattr(
@@ -95,10 +113,10 @@ def test_a_search_finds_the_same_however_it_was_done(
     assert 0 < again.winner.value("error") < 0.5
 
 
-@pytest.mark.usefixtures("one_contact")
-def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
+def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, searched: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 
+    shutil.copytree(searched / "store", tmp_path / "out" / "store")
     wanted.write_text(WANTED + "baseline_grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
     more = ["--skins", "2", "--random-skins", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
@@ -130,6 +148,8 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
     monkeypatch.setattr(validation, "VirtualBenchSpec", small)
     monkeypatch.setattr(validation, "UNITS", 3)
+    monkeypatch.setattr(validation, "design_study", coarse_study)
+    monkeypatch.setattr(evaluation, "_COARSE_CONTACTS", ("no-slip", 1.2, 0.5))  # those around the frictions of units
     monkeypatch.setattr(
         validation, "plan_skin_evaluation", lambda *design, full: evaluation.plan_skin_evaluation(*design)
     )

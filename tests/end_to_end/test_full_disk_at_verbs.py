@@ -16,13 +16,29 @@ VERBS = {
     "make": ("design make --markers 61 --out pack", ""),
     "press": ("press --cells 4 --depth 0.4 --export shown", ""),
     "learn": ("recording train {data}/recording --out kept", "kept"),
-    "twin": ("calibration predict {data}/small.yaml --out kept --workers 2", "kept"),
-    "limit": ("design bound {data}/small.yaml --out kept --workers 2", "kept"),
+    "twin": ("calibration predict ../quick.yaml --out kept --workers 2", "kept"),
+    "limit": ("design bound ../quick.yaml --out kept --workers 2", "kept"),
     "benchmark make": ("benchmark make --spec tiny --out kept --workers 2", "kept"),
-    "optimise": ("search paper_task --out kept --workers 2", "kept"),
+    "optimise": ("search ../wanted.yaml --out kept --workers 2", "kept"),
 }
 """Verb → its words, and the folder that keeps finished results."""
 FAST = ("run", "press")
+QUICK = """
+name: quick
+designs: {heights: [20 mm], thicknesses: [2 mm], markers: [7]}
+mesh: {cells: 4}
+tilts_deg: [0, 3]
+obstacle: {depth: 1 mm}
+"""
+"""A study whose first press fills the disk as soon as another's."""
+WANTED = """
+name: wanted
+depth: 1
+min_depth: 0.5
+max_tilt_deg: 3
+skins: 1
+finalists: 0
+"""
 
 
 @pytest.fixture
@@ -41,6 +57,8 @@ def palpate(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
 )
 def test_a_full_disk_is_one_sentence_at_every_verb(verb: str, small_disk: Path) -> None:
     words, folder = VERBS[verb]
+    (small_disk.parent / "quick.yaml").write_text(QUICK)
+    (small_disk.parent / "wanted.yaml").write_text(WANTED)
     if verb != "run":
         with (small_disk / "ballast").open("wb") as file:
             file.write(bytes(112 * 1024))

@@ -220,13 +220,14 @@ def _choose(
 ) -> list[tuple[Kernel, float]]:
     """Kernel of minimum left-out error, and that error, for each column of targets (n b, v)."""
     best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
+    rows = _press_rows(presses.press, len(targets) // len(presses.press))
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
         scale = scale * max(float(np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())), 1e-9)
         for length in _LENGTHS:
             decomposed = _decompose(presses, scale * length, actions)
             for noise in _NOISES:
-                errors = _left_out_errors(decomposed, noise, targets, presses.press)
+                errors = _left_out_errors(decomposed, noise, targets, rows)
                 for column, error in enumerate(errors):
                     if error < best[column][1]:
                         best[column] = Kernel(scale * length, noise), float(error)
@@ -239,17 +240,26 @@ def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tup
     return np.maximum(values, 0.0), vectors
 
 
+def _press_rows(press: IntArray, width: int) -> list[IntArray]:
+    """Rows (p, s) of the targets of each press, `width` an image; presses of as many images are together."""
+    order = np.argsort(press, kind="stable")
+    together: dict[int, list[IntArray]] = {}
+    for images in np.split(order, np.flatnonzero(np.diff(press[order])) + 1):
+        rows = (images[:, None] * width + np.arange(width)).reshape(-1)
+        together.setdefault(len(rows), []).append(rows)
+    return [np.array(rows) for rows in together.values()]
+
+
 def _left_out_errors(
-    decomposed: tuple[FloatArray, FloatArray], noise: float, targets: FloatArray, press: IntArray
+    decomposed: tuple[FloatArray, FloatArray], noise: float, targets: FloatArray, rows: Sequence[IntArray]
 ) -> FloatArray:
     """Root mean square errors (v,) of the targets (n b, v) of each press from all others."""
     values, vectors = decomposed
     inverse = 1.0 / (values + noise * values.mean())
     weights = vectors @ (inverse[:, None] * (vectors.T @ targets))
-    width, left, order = len(weights) // len(press), np.empty_like(weights), np.argsort(press, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(press[order])) + 1):
-        own = (rows[:, None] * width + np.arange(width)).reshape(-1)
-        left[own] = np.linalg.solve((vectors[own] * inverse) @ vectors[own].T, weights[own])
+    left = np.empty_like(weights)
+    for own in rows:
+        left[own] = np.linalg.solve((vectors[own] * inverse) @ vectors[own].transpose(0, 2, 1), weights[own])
     return np.asarray(np.sqrt(np.mean(left**2, axis=0)))
 
 

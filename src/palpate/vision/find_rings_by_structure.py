@@ -25,6 +25,7 @@ from palpate.vision.fit_ring import (
     REACH,
     STRAY,
     RingFitter,
+    prior_rows,
 )
 from palpate.vision.pattern import MarkerPattern
 from palpate.vision.ring_model import Profile, RingFit, RingsFit, fit_ring_model
@@ -215,9 +216,8 @@ class RingFinder:
                 first += len(where)
                 blob, weights = np.where(good, blob, -1), ring.weights
                 if good.sum() > len(where) / 2:
-                    weights = self.settler.fitted(
-                        ring_harmonics(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, NEXT
-                    )
+                    terms = ring_harmonics(self.angles[number + 1], 7)[good]
+                    weights = self.settler.fitted(terms, self.blobs[blob[good]], prior_rows(weights, NEXT))
                 rings[number] = replace(ring, weights=weights, blob=blob, error_px=np.where(good, distance, np.nan))
         return rings
 
@@ -263,13 +263,13 @@ class RingFinder:
         phi = self.angles[number]
         pitch = 2.0 * np.pi * like.radius_px / len(phi) * float(rho / law.rho.max())
         terms = ring_harmonics(phi, 7)
-        held = weights
+        prior = prior_rows(weights, INSIDE)
         for _ in range(3):
             blob, left = self.settler.nearest(terms @ weights, _LAW_REACH * pitch, taken)
             have = blob >= 0
             if not have.any():
                 break
-            weights = self.settler.fitted(terms[have], self.blobs[blob[have]], held, INSIDE)
+            weights = self.settler.fitted(terms[have], self.blobs[blob[have]], prior)
         return RingFit(weights, blob, left)
 
     def _middle(self, rings: list[RingFit], taken: BoolArray) -> RingFit:

@@ -102,8 +102,11 @@ class RingFitter:
         """Alternate between nearest blobs and ring fit, then drop blobs too far from the ring."""
         terms, held = ring_harmonics(phi, 7), weights
         blob = np.full(len(phi), -1)
-        left = np.full(len(phi), np.nan)
+        left, prior, settled = np.full(len(phi), np.nan), prior_rows(held, hold), False
+        of = blob
         for again in range(6):
+            if settled and again <= 3:  # the same ring reaches as far
+                continue
             places = terms @ weights
             radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
             pitch = 2.0 * np.pi * radius / len(phi)
@@ -115,7 +118,9 @@ class RingFitter:
             have = blob >= 0
             if again == 5 or have.sum() < 3:
                 break
-            weights = self.fitted(terms[have], self.blobs[blob[have]], held, hold)
+            settled = np.array_equal(blob, of)  # the same blobs give the same ring
+            if not settled:
+                weights, of = self.fitted(terms[have], self.blobs[blob[have]], prior), blob
         if len(phi) <= _SMALL and (dropped := self._without_worst(terms, (held, hold), blob, left)):
             weights, blob, left = dropped
         if self._has_more(phi, weights):
@@ -133,10 +138,10 @@ class RingFitter:
         have = np.flatnonzero(blob >= 0)
         if len(have) < (4 if held[1] is INSIDE else 5):
             return None
-        tried = []
+        tried, prior = [], prior_rows(*held)
         for out in have:
             rest = have[have != out]
-            fit = self.fitted(terms[rest], self.blobs[blob[rest]], *held)
+            fit = self.fitted(terms[rest], self.blobs[blob[rest]], prior)
             off = np.full(len(blob), np.nan)
             off[have] = np.linalg.norm(self.blobs[blob[have]] - terms[have] @ fit, axis=1)
             tried.append((off[out], fit, np.where(np.arange(len(blob)) == out, -1, blob), off))
@@ -159,13 +164,10 @@ class RingFitter:
             kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
-    def fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: RingPrior) -> FloatArray:
-        """Fit a ring to blobs (n, 2), regularised towards its prediction."""
-        radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
-        sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
-        ridge = _DOT_PX / sd
-        rows = np.vstack([terms, np.diag(ridge)])
-        return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, ridge[:, None] * weights]), rcond=None)[0])
+    def fitted(self, terms: FloatArray, seen: FloatArray, prior: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """Fit a ring to blobs (n, 2), regularised towards its prediction by `prior_rows`."""
+        rows, right = prior
+        return np.asarray(np.linalg.lstsq(np.vstack([terms, rows]), np.vstack([seen, right]), rcond=None)[0])
 
     def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
         """Return whether there are blobs between the places too: a ring with two or three times as many."""
@@ -197,6 +199,14 @@ class RingFitter:
         first[order[np.unique(blob[order], return_index=True)[1]]] = True
         good = first & (distance < reach) & ~taken[blob]
         return np.where(good, blob, -1), np.where(good, distance, np.nan)
+
+
+def prior_rows(weights: FloatArray, hold: RingPrior) -> tuple[FloatArray, FloatArray]:
+    """Return the rows of a least-squares fit, and their right sides, that hold a ring near its prediction."""
+    radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
+    sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
+    ridge = _DOT_PX / sd
+    return np.diag(ridge), ridge[:, None] * weights
 
 
 def _flatness(weights: FloatArray) -> float:
