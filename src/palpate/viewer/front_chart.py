@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.optimise import SearchFolder
 from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
-from palpate.viewer.labels import column_label
+from palpate.viewer.labels import column_label, find_column
 
 ERROR = "p95_deg"
 """Column of the minimised error."""
@@ -55,8 +55,15 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
 def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
     row = search.rows[number]
     x, y = float(row[across]), float(row[ERROR])
-    words = f"{design_words(search, number)}<br>{column_label(across)}: {x:.3g}<br>{column_label(ERROR)}: {y:.3g}"
-    marked = {"itemStyle": {"color": FIRST, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
+    words = "<br>".join(
+        [
+            design_words(search, number),
+            *(f"{column_label(n)}: {find_column(n).text(v)}" for n, v in ((across, x), (ERROR, y))),
+        ]
+    )
+    marked = (
+        {"itemStyle": {"borderColor": FIRST, "borderWidth": 3, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
+    )
     return {"name": f"design {number}", "value": [x, y, number], "tooltip": {"formatter": words}, **marked}
 
 
