@@ -19,7 +19,7 @@ from palpate.fea import Press, WallSpec
 from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.design_cache import DesignCache
-from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, view_buttons
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import WRONG_FIELD, NumberField
@@ -86,10 +86,7 @@ class Workbench:
             self._status = ui.label("").classes("faint status").props('role="status" data-testid="status"')
         self._fault = error_label()
         with ui.element("div").classes("domes"):
-            dome = DomeView("a", "The design")
-            with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
-                for side in ("side", "front", "top", "below"):
-                    ui.button(side, on_click=lambda side=side: dome.look(side)).props("flat dense no-caps")
+            view_buttons(DomeView("a", "The design"))
         self._look_row = ui.element("div").classes("look")
         self._bar = PoseBar(0.0, 0.0, 0.0)
         self._build_look(self._bar)
@@ -103,7 +100,7 @@ class Workbench:
             ui.toggle(colours, value=colours[0], on_change=lambda event: bar.look(colour=event.value)).props(
                 'no-caps dense unelevated role="group" aria-label="Colour of the dome"'
             )
-            for name, label in (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Trails"), ("wall", "Wall")):
+            for name, label in SWITCHES:
                 ui.checkbox(
                     label, value=True, on_change=lambda event, name=name: bar.look(**{name: event.value})
                 ).props("dense")
