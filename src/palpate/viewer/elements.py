@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -30,11 +31,14 @@ class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": 
 
 def view_buttons(*domes: DomeView) -> None:
     """Place buttons that set the direction of all these views."""
+
+    def look(side: str) -> None:
+        for dome in domes:
+            dome.look(side)
+
     with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
         for side in ("side", "front", "top", "below"):
-            ui.button(side, on_click=lambda side=side: [dome.look(side) for dome in domes]).props(
-                "flat dense no-caps"
-            )
+            ui.button(side, on_click=partial(look, side)).props("flat dense no-caps")
 
 
 class CameraView(Element, component="scripts/camera_view.js"):
