@@ -8,6 +8,8 @@ from palpate.viewer.labels import column_label, find_column
 
 ERROR = "p95_deg"
 """Column of the minimised error."""
+COARSE = "front, coarse presses only"
+"""Role of a non-dominated design whose skin is no finalist."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
 """Columns of the remaining objectives."""
 
@@ -16,7 +18,13 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
     """All designs of a search by their error over a column; each point's value ends in its number."""
     numbers = range(len(search.rows))
     parts = (
-        ("tried", [k for k in numbers if k >= search.front], {"color": ink.faint, "opacity": 0.45}, 7),
+        (
+            "tried",
+            [k for k in numbers if k >= search.front + search.coarse],
+            {"color": ink.faint, "opacity": 0.45},
+            7,
+        ),
+        (COARSE, [k for k in numbers if role_of(search, k) == COARSE], {"color": "#e69f00"}, 8),
         ("front", [k for k in numbers if k < search.front and k != search.winner], {"color": VIRIDIS[5]}, 10),
         ("winner", [search.winner] if search.winner >= 0 else [], {"color": SECOND}, 17),
     )
@@ -75,5 +83,7 @@ def design_words(search: SearchFolder, number: int) -> str:
 
 
 def role_of(search: SearchFolder, number: int) -> str:
-    """Return the role of a design in its search: ``"winner"``, ``"front"`` or ``"tried"``."""
-    return "winner" if number == search.winner else "front" if number < search.front else "tried"
+    """Return the role of a design in its search: ``"winner"``, ``"front"``, `COARSE` or ``"tried"``."""
+    if number >= search.front:
+        return COARSE if number < search.front + search.coarse else "tried"
+    return "winner" if number == search.winner else "front"
