@@ -146,7 +146,7 @@ class Front:
 
     @cached_property
     def coarse_pareto(self) -> tuple[DesignCandidate, ...]:
-        """Non-dominated designs that are no finalist's, evaluated by coarse presses; empty for a single objective."""
+        """Non-dominated designs without fine presses; empty for a single objective."""
         if len(self.spec.objectives) == 1 or self.candidates == self.feasible:
             return ()
         return tuple(entry for entry in self._unbeaten(self.feasible) if entry.trial.fine is None)

@@ -42,7 +42,7 @@ class SearchFolder:
     front
         Number of designs on the front.
     coarse
-        Number of non-dominated designs of skins that are no finalists; 0 unless the search has finished.
+        Number of non-dominated designs without fine presses; 0 unless the search has finished.
     winner
         Index of the winner; -1 without one.
     skins

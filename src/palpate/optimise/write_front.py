@@ -184,7 +184,7 @@ def _dropped_lines(front: Front) -> Iterator[str]:
 
 
 def _coarse_lines(front: Front) -> list[str | Report]:
-    """Return the non-dominated designs of skins that are no finalists; empty without one."""
+    """Return the non-dominated designs without fine presses; empty if none exists."""
     if not front.coarse_pareto:
         return []
     found = [describe_entry(entry) for entry in front.coarse_pareto]

@@ -9,7 +9,7 @@ from palpate.viewer.labels import column_label, find_column
 ERROR = "p95_deg"
 """Column of the minimised error."""
 COARSE = "front, coarse presses only"
-"""Role of a non-dominated design whose skin is no finalist."""
+"""Role of a non-dominated design without fine presses."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
 """Columns of the remaining objectives."""
 
