@@ -142,7 +142,7 @@ def _surface(pyvista: Any, press: Press, increment: int) -> Any:
 def _draw_obstacle(axis: Any, press: Press) -> None:
     """Draw the surface of the obstacle at the last depth in the section x = 0."""
     obstacle = press.obstacle.path(press.mesh)(float(press.depth[-1]))
-    y, z = np.meshgrid(np.linspace(*axis.get_xlim(), _GRID), np.linspace(*axis.get_ylim(), _GRID))
+    y, z = np.meshgrid(*(np.linspace(low, high, _GRID) for low, high in (axis.get_xlim(), axis.get_ylim())))
     points = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])
     shown = axis.contour(y, z, obstacle.penetration(points).reshape(y.shape), levels=[0.0], colors="C3")
     axis.clabel(shown, fmt=str(getattr(press.obstacle, "kind", "wall")).replace("_", " "), fontsize=8)
