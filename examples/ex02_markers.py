@@ -23,7 +23,8 @@ def main() -> float:
     figure, axis = plt.subplots(figsize=(5, 4), layout="constrained")
     axis.plot(*(camera.project(layout).T), "o", color="#888888", ms=3)
     axis.quiver(*camera.project(layout).T, *moved[-1].T, angles="xy", scale_units="xy", scale=0.2, color="#00538c")
-    axis.set(xlim=(0, camera.width_px), ylim=(camera.height_px, 0), aspect="equal", title="five times enlarged")
+    axis.set(xlim=(0, camera.width_px), ylim=(camera.height_px, 0), aspect="equal")
+    axis.set(xlabel="u (px)", ylabel="v (px)", title="displacements of the markers, five times enlarged")
     figure.savefig("ex02_markers.svg")
     return float(travel[-1].mean())
 

@@ -116,6 +116,99 @@ def test_two_designs_are_compared(page, link, designs):
     assert page.get_by_test_id("figures").locator("tr").first.inner_text().count("H20") == 2
 
 
+def test_compared_designs_have_one_scale_and_one_range_of_colours(page, link, designs):
+    open_page(page, link, "?depth=3&design=1")
+    alone = scale(page, 0)
+    choose(page, "second-design", designs[0])
+    page.wait_for_function("document.querySelectorAll('.camera-view')[1].querySelectorAll('circle').length > 0")
+    page.wait_for_function(f"Number(document.querySelector('.dome-gauge').dataset.pxPerMm) < 0.8 * {alone}")
+    assert scale(page, 0) == pytest.approx(scale(page, 1), rel=1e-3)
+    page.evaluate(
+        """import('palpate-stage').then(({ stage, changed }) => {
+        const { motion } = stage.slots.b; motion.arrays.displacement.forEach((v, i, all) => (all[i] = 2 * v));
+        delete motion.tops; changed(); })"""
+    )
+    high = [page.locator(".dome-legend span:last-of-type").nth(i) for i in (0, 1)]
+    page.wait_for_function("Number(document.querySelector('.dome-legend span:last-of-type').textContent) > 6")
+    assert high[0].inner_text() == high[1].inner_text()
+    top = page.get_by_role("button", name="top", exact=True)
+    assert top.count() == 1
+    drawn = [int(page.locator(".dome-view").nth(i).get_attribute("data-drawn")) for i in (0, 1)]
+    top.click()
+    for i in (0, 1):
+        page.wait_for_function(f"Number(document.querySelectorAll('.dome-view')[{i}].dataset.drawn) > {drawn[i]}")
+
+
+def scale(page, pane):
+    """Pixels of the page in a mm of a 3-D view."""
+    return float(page.locator(".dome-gauge").nth(pane).get_attribute("data-px-per-mm"))
+
+
+def test_the_bar_of_the_scale_is_as_long_as_it_states(page, link):
+    open_page(page, link, "?depth=2")
+    gauge = page.locator(".dome-gauge").first
+    words = gauge.locator("text.scale").text_content()
+    assert words.endswith(" mm")
+    bar = gauge.locator("path.scale").evaluate("e => e.getBBox().width")
+    assert bar == pytest.approx(float(words.split()[0]) * scale(page, 0), abs=0.5)
+    assert [text.strip() for text in gauge.locator("g text").all_text_contents()] == ["x", "y", "z"]
+
+
+def test_no_colour_is_shown_before_the_stress_is_there(page, link):
+    open_page(page, link, "?depth=3&trails=0")
+    held = []
+    page.route("**/data/motion/*stress=true*", lambda route: held.append(route))
+    page.get_by_test_id("colour").get_by_role("button", name="stress", exact=True).click()
+    page.wait_for_function("document.querySelector('.dome-note').textContent !== ''")
+    legend = page.locator(".dome-legend span:last-of-type").first
+    assert legend.inner_text() == "…"
+    assert most_yellow(page) < 12
+    page.wait_for_timeout(100)
+    held[0].continue_()
+    page.wait_for_function("document.querySelector('.dome-note').textContent === ''")
+    assert float(legend.inner_text()) > 0
+    assert most_yellow(page) > 40
+
+
+def most_yellow(page):
+    """The greatest excess of green over blue in the 3-D picture."""
+    return page.evaluate(
+        """() => { const c = document.querySelector('.dome-view canvas'); const d = document.createElement('canvas');
+        d.width = c.width; d.height = c.height; const x = d.getContext('2d'); x.drawImage(c, 0, 0);
+        const p = x.getImageData(0, 0, c.width, c.height).data; let most = 0;
+        for (let i = 0; i < p.length; i += 4) if (p[i + 3] > 250) most = Math.max(most, p[i + 1] - p[i + 2]);
+        return most; }"""
+    )
+
+
+@pytest.mark.parametrize("query", ["", "?design=1&other=0"], ids=["one", "compared"])
+def test_the_page_fits_a_phone(page, link, query):
+    page.set_viewport_size({"width": 390, "height": 844})
+    open_page(page, link, query)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    head = page.locator(".head").bounding_box()
+    for icon in page.locator(".head .q-icon").all():
+        box = icon.bounding_box()
+        assert box["y"] >= 0
+        assert box["y"] + box["height"] <= head["height"]
+        assert box["x"] + box["width"] <= 390
+
+
+def test_selects_and_axes_are_read_in_whole(page, link):
+    open_page(page, link)
+    page.locator(".heat svg text").first.wait_for()
+    for name in ("metric", "across", "up"):
+        assert page.get_by_test_id(name).evaluate("e => e.scrollWidth - e.clientWidth") <= 0, name
+    texts = page.locator(".heat svg text").evaluate_all(
+        "all => all.map(e => [e.textContent, e.getBoundingClientRect().left, e.getBoundingClientRect().right])"
+    )
+    label = next(right for text, _, right in texts if text == "H (mm)")
+    tick = min(left for text, left, _ in texts if text == "20")
+    assert tick - label >= 2
+    page.get_by_test_id("metric").hover()
+    page.locator(".q-tooltip", has_text=page.get_by_test_id("metric").input_value()).wait_for()
+
+
 def test_a_link_restores_the_view(page, link):
     open_page(page, link, "?design=0&depth=2.5&tilt=4&azimuth=120&colour=contact&cut=0&where=markers+%3C+10")
     wait_for_numbers(page, "kept", [1, 2])

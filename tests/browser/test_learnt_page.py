@@ -19,7 +19,8 @@ def learnt_link(tmp_path_factory) -> Iterator[str]:
 def test_the_report_is_shown_and_images_are_read(page, learnt_link):
     page.goto(learnt_link)
     assert page.locator("table.errors tr").count() >= 3
-    page.locator("figure img").first.wait_for()
+    page.locator(".report .card img").first.wait_for()
+    assert {"RMSE rx (°)", "maximum rx (°)"} <= set(page.locator("table.errors th").all_inner_texts())
     page.goto(learnt_link + "live")
     page.get_by_test_id("start").click()
     page.locator("[data-testid=status][data-found='61'][data-markers='61']").wait_for()

@@ -18,7 +18,7 @@ from typing import Any
 from cyclopts import Argument, CycloptsError, default_name_transform
 from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, Spec
 
 DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
@@ -66,12 +66,12 @@ def _loses_interruption(frame: FrameType | None) -> bool:
 def _answer(command: Callable[[], Any]) -> int:
     try:
         code = command()
+    except ValidationError as error:
+        return _refuse(_describe_all(error), "See --help for units and bounds.", _kind(error))
     except PalpateError as error:
         if _is_disk_full(error):
             return _report_full_disk(error.problem)
         return _refuse(error.problem, error.remedy, error.code)
-    except ValidationError as error:
-        return _refuse(_describe_all(error), "See --help for units and bounds.", _kind(error))
     except CycloptsError as error:
         if isinstance(error.__cause__, ValidationError):
             said = _describe_all(error.__cause__, error.argument)
@@ -145,10 +145,8 @@ def _describe_all(error: ValidationError, argument: Argument | None = None) -> s
 
 
 def _describe(details: Any, transform: Callable[[str], str]) -> str:
-    flag = f"--{transform(str(details['loc'][0]))}: " if details["loc"] else ""
-    given, message = details["input"], details["msg"].removeprefix("Value error, ").rstrip(".")
-    shown = f" (given {given})" if isinstance(given, str | int | float) and str(given) not in message else ""
-    return f"{flag}{message}{shown}."
+    flag = f"--{transform(str(details['loc'][0]))}" if details["loc"] else ""
+    return f"{Spec.describe_value(details, flag)}."
 
 
 def _write_log() -> Path:

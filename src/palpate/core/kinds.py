@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from palpate.core.errors import PalpateError
 from palpate.core.parameter import Spec
 from palpate.core.registry import Registry
+from palpate.core.spec_error import describe_value
 
 S = TypeVar("S", bound=Spec)
 
@@ -38,8 +39,9 @@ def spec_from_data(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: st
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
+        name = f"The {kinds.noun}'s {where or 'numbers'}"
         raise PalpateError(
-            f"The {kinds.noun}'s {where or 'numbers'}: {first['msg']}.",
+            f"{describe_value(first, name)}.",
             f"Its parameters are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
             code=first["type"],
         ) from None

@@ -14,12 +14,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from palpate.core.renamed_keys import RENAMED_KEYS
+from palpate.core.spec_error import SpecError, describe_value
 
 _QUANTITY = re.compile(r"^\s*((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*([^\d\s].*?)\s*$")
 """A complete number followed by a unit; a number alone does not match."""
@@ -62,7 +63,23 @@ _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 _UNIT_ENDINGS = ("_deg", "_px", "_percent")
 
 
-class Spec(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _SpecType(ModelMetaclass):
+    """Type of specs: a call with wrong values raises a `SpecError`."""
+
+    def __call__(self, *args: Any, **values: Any) -> Any:
+        try:
+            return super().__call__(*args, **values)
+        except ValidationError as error:
+            raise SpecError.from_validation(error, cast(type[BaseModel], self)) from None
+
+
+class Spec(BaseModel, metaclass=_SpecType):
     """Choices of a user for one stage: frozen, unknown keys rejected, units checked.
 
     A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is rejected, and so is a number
@@ -70,6 +87,8 @@ class Spec(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    describe_value = staticmethod(describe_value)
 
     @model_validator(mode="before")
     @classmethod

@@ -21,6 +21,7 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     `results` are those of at least two meshes, from the coarsest to the finest.
     """
     from matplotlib.figure import Figure  # here, because matplotlib is slow to load
+    from matplotlib.ticker import LogLocator
 
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     stress, errors = figure.subplots(1, 2)
@@ -37,9 +38,11 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     for (name, values), mark in zip(curves.items(), "os^", strict=True):
         errors.plot(elements[:-1], values, f"{mark}-", label=name)
     errors.axhline(_PAPER_LIMIT, color="0.5", linestyle="--", linewidth=1, label=f"{_PAPER_LIMIT:g} %")
-    errors.set_yscale("log")
+    errors.set_yscale("log", subs=[])
+    errors.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    errors.yaxis.set_major_formatter("{x:g}")
     errors.set_ylabel("deviation from the finest mesh (%)")
-    errors.legend(frameon=False, fontsize=8)
+    errors.legend(frameon=False, fontsize=8, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     for axis in (stress, errors):
         _label_elements(axis, elements)
     figure.suptitle(f"{results[-1].depth:.3g} mm deep, finest mesh {results[-1].elements} elements", fontsize=11)

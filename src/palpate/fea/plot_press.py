@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from palpate.fea.press import Press
 
 _GRAPHICS = "libEGL.so.1"
+_GRID = 121
+"""Points along each axis by which the surface of the obstacle is drawn."""
 _DRAWN = 4
 """Number of outlines of the section that are drawn, from rest to the end."""
 
@@ -33,6 +35,7 @@ def plot_press(press: Press) -> Figure:
     chosen = np.unique(np.linspace(0, len(press.depth) - 1, _DRAWN).astype(int))
     for increment, shade in zip(chosen, np.linspace(0.75, 0.1, len(chosen)), strict=True):
         _draw_section(section, press, int(increment), str(shade))
+    _draw_obstacle(section, press)
     section.set_aspect("equal")
     section.set_xlabel("across, in the plane of the tilt (mm)")
     section.set_ylabel("height (mm)")
@@ -134,6 +137,15 @@ def _surface(pyvista: Any, press: Press, increment: int) -> Any:
         half["von Mises (MPa)"] = stress
         halves.append(half)
     return halves[0].merge(halves[1]) if len(halves) > 1 else halves[0]
+
+
+def _draw_obstacle(axis: Any, press: Press) -> None:
+    """Draw the surface of the obstacle at the last depth in the section x = 0."""
+    obstacle = press.obstacle.path(press.mesh)(float(press.depth[-1]))
+    y, z = np.meshgrid(*(np.linspace(low, high, _GRID) for low, high in (axis.get_xlim(), axis.get_ylim())))
+    points = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])
+    shown = axis.contour(y, z, obstacle.penetration(points).reshape(y.shape), levels=[0.0], colors="C3")
+    axis.clabel(shown, fmt=str(getattr(press.obstacle, "kind", "wall")).replace("_", " "), fontsize=8)
 
 
 def _draw_section(axis: Any, press: Press, increment: int, shade: str) -> None:

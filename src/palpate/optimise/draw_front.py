@@ -55,7 +55,8 @@ def draw_front(front: Front) -> Figure:
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axis = figure.add_subplot()
     for entries, style, colour, words in (
-        (front.candidates, ".", _GREY, "every design that meets the limits"),
+        (front.feasible, ".", _GREY, "every design that meets the limits"),
+        (front.coarse_pareto, "s", _ORANGE, "front, coarse presses only"),
         (front.pareto, "o", _BLUE, "front"),
     ):
         if entries:

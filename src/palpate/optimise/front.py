@@ -129,19 +129,27 @@ class Front:
     @cached_property
     def candidates(self) -> tuple[DesignCandidate, ...]:
         """All options of the feasible skins; of the feasible finalists only, if there are any."""
-        final = [one for one in self.trials if one.fine is not None and one.feasible]
-        skins = final or [one for one in self.trials if one.feasible]
+        final = tuple(entry for entry in self.feasible if entry.trial.fine is not None)
+        return final or self.feasible
+
+    @cached_property
+    def feasible(self) -> tuple[DesignCandidate, ...]:
+        """All options of the feasible skins, each at its highest fidelity."""
+        skins = [one for one in self.trials if one.feasible]
         return tuple(DesignCandidate(one, option) for one in skins for option in one.finest.options)
 
     @cached_property
     def pareto(self) -> tuple[DesignCandidate, ...]:
         """Non-dominated designs, sorted by the first objective; only the best for a single objective."""
-        found = [
-            entry for entry in self.candidates if not any(self._beats(other, entry) for other in self.candidates)
-        ]
-        first = self.spec.objectives[0]
-        found.sort(key=lambda entry: (entry.value(first), entry.trial.number, entry.option.markers.count))
-        return tuple(found[:1] if len(self.spec.objectives) == 1 else found)
+        found = self._unbeaten(self.candidates)
+        return found[:1] if len(self.spec.objectives) == 1 else found
+
+    @cached_property
+    def coarse_pareto(self) -> tuple[DesignCandidate, ...]:
+        """Non-dominated designs without fine presses; empty for a single objective."""
+        if len(self.spec.objectives) == 1 or self.candidates == self.feasible:
+            return ()
+        return tuple(entry for entry in self._unbeaten(self.feasible) if entry.trial.fine is None)
 
     @property
     def winner(self) -> DesignCandidate | None:
@@ -182,6 +190,13 @@ class Front:
         if error > self.spec.error_deg:
             return f"The minimum error found is {error:.3f}°; the requirement is {self.spec.error_deg:g}°."
         return ""
+
+    def _unbeaten(self, entries: Sequence[DesignCandidate]) -> tuple[DesignCandidate, ...]:
+        """Return the non-dominated entries, sorted by the first objective."""
+        found = [entry for entry in entries if not any(self._beats(other, entry) for other in entries)]
+        first = self.spec.objectives[0]
+        found.sort(key=lambda entry: (entry.value(first), entry.trial.number, entry.option.markers.count))
+        return tuple(found)
 
     def _beats(self, one: DesignCandidate, other: DesignCandidate) -> bool:
         names = self.spec.objectives

@@ -38,9 +38,11 @@ class SearchFolder:
     folder, spec
         The folder and the requirements.
     rows
-        Figures of designs: the front first, then the best design of every trial.
+        Figures of designs: the front, non-dominated designs by coarse presses only, the best of every trial.
     front
         Number of designs on the front.
+    coarse
+        Number of non-dominated designs without fine presses; 0 unless the search has finished.
     winner
         Index of the winner; -1 without one.
     skins
@@ -53,6 +55,7 @@ class SearchFolder:
     spec: RequirementsSpec
     rows: tuple[Row, ...]
     front: int
+    coarse: int
     winner: int
     skins: int
     finished: bool
@@ -125,6 +128,7 @@ def read_search(folder: Path) -> SearchFolder:
         if finished
         else [describe_entry(entry) for entry in known.pareto]
     )
+    coarse = [rename_columns(row) for row in ended.get("coarse_front", ())] if finished else []
     first: Row | None = (
         ended["winner"] and rename_columns(ended["winner"])
         if finished
@@ -133,7 +137,9 @@ def read_search(folder: Path) -> SearchFolder:
         else None
     )
     winner = next((number for number, row in enumerate(front) if row == first), -1)
-    return SearchFolder(folder, spec, (*front, *others), len(front), winner, len(tried), finished)
+    return SearchFolder(
+        folder, spec, (*front, *coarse, *others), len(front), len(coarse), winner, len(tried), finished
+    )
 
 
 def _read_journal(path: Path) -> Iterator[SkinTrial]:

@@ -125,6 +125,7 @@ def describe_front(front: Front) -> dict[str, Any]:
         "validation": front.validation.as_dict() if front.validation else None,
         "random_skins": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
         "front": [describe_entry(entry) for entry in front.pareto],
+        "coarse_front": [describe_entry(entry) for entry in front.coarse_pareto],
         "skins": len(front.trials),
         "meeting_the_limits": sum(one.feasible for one in front.trials),
     }
@@ -147,6 +148,7 @@ def report(front: Front, influences: SobolIndices, command: str) -> str:
         *validation_page(front.validation),
         "## The front",
         Report("", FRONT_COLUMNS, [describe_entry(entry) for entry in front.pareto]),
+        *_coarse_lines(front),
         "![front](front.svg)",
         "![search](search.svg)",
         *_control_lines(front),
@@ -179,6 +181,17 @@ def _dropped_lines(front: Front) -> Iterator[str]:
         if one.fine is not None and not one.feasible:
             broken = " and ".join(WORDS[name] for name, by in one.violations.items() if by > 0)
             yield f"Skin {one.number} met the limits by coarse presses alone: by fine ones {broken}."
+
+
+def _coarse_lines(front: Front) -> list[str | Report]:
+    """Return the non-dominated designs without fine presses; empty if none exists."""
+    if not front.coarse_pareto:
+        return []
+    found = [describe_entry(entry) for entry in front.coarse_pareto]
+    return [
+        f"By coarse presses only, {len(found)} more designs are on the front. More `finalists` evaluate them finely:",
+        Report("", FRONT_COLUMNS, found),
+    ]
 
 
 def _end_lines(front: Front) -> list[str]:

@@ -60,7 +60,7 @@ def parse_launch_spec(kind: type[S], values: dict[str, Any]) -> S:
         first = error.errors()[0]
         name = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
-            f"Invalid parameter {name}: {first['msg'].rstrip('.')}.",
+            f"{Spec.describe_value(first, f'Parameter {name}')}.",
             f"The parameters are {', '.join(kind.model_fields)}.",
             code=first["type"],
         ) from None

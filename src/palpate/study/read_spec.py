@@ -18,7 +18,6 @@ from palpate.core import PalpateError, Spec, parameters
 MOST_ERRORS = 8
 """Maximum number of reported errors."""
 
-_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 
 Place = tuple[str | int, ...]
 Given = TypeVar("Given", bound=Spec)
@@ -99,10 +98,7 @@ def _describe(path: Path, tree: CommentedMap, details: ErrorDetails, spec: type[
         return f"{where}: there is no such key; {hint}"
     if details["type"] == "missing":
         return f"{where} is missing."
-    given, message = details["input"], details["msg"].rstrip(".")
-    shown = f" (given {given})" if isinstance(given, str | int | float) and str(given) not in message else ""
-    unit = _unit(spec, details["loc"]) if "ctx" in details and details["type"] in _BOUNDS else ""
-    return f"{where}: {message}{unit}{shown}."
+    return f"{Spec.describe_value(details, where, _unit(spec, details['loc']))}."
 
 
 def _written_place(tree: CommentedMap, place: Sequence[str | int]) -> Iterator[str | int]:

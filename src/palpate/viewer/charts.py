@@ -28,6 +28,9 @@ VIRIDIS = (
 FIRST, SECOND, LIMIT = "#0072b2", "#d55e00", "#999999"
 """Colours of the design shown, of the compared one, and of bounds (Okabe and Ito)."""
 
+_HEAT_PX = 318
+"""Minimum width of the heat maps, that of a side column of `style.css`."""
+
 Chart = dict[str, Any]
 
 
@@ -100,7 +103,7 @@ def heat_chart(grid: SpecificationGrid, metric: str, chosen: Selection, ink: The
             "bottom": 0,
             "itemWidth": 10,
             "itemHeight": 150,
-            "text": [f"{high:.3g}", f"{low:.3g}"],
+            "text": [grid_column(metric).text(high), grid_column(metric).text(low)],
             "textStyle": {"color": ink.text, "fontSize": 11},
         },
         "tooltip": {"appendToBody": True},
@@ -145,16 +148,23 @@ def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Theme)
     abreast = 1 if len(names) == 1 else 2
     rows = -(-len(names) // abreast)
     wide, tall = 100 / abreast, 88 / rows
+    gap = 15 + 6 * max(map(len, axes[1]))  # px: the tick labels, at 10 px
+    margin = (gap + 12) / _HEAT_PX * 100
     grids, titles, xs, ys = [], [], [], []
     for i, name in enumerate(names):
         left, top = wide * (i % abreast), tall * (i // abreast)
         grids.append(
-            {"left": f"{left + 9}%", "top": f"{top + 7}%", "width": f"{wide - 10}%", "height": f"{tall - 17}%"}
+            {
+                "left": f"{left + margin}%",
+                "top": f"{top + 7}%",
+                "width": f"{wide - margin - 1}%",
+                "height": f"{tall - 17}%",
+            }
         )
         titles.append(
             {
                 "text": name,
-                "left": f"{left + 9}%",
+                "left": f"{left + margin}%",
                 "top": f"{top}%",
                 "textStyle": {"fontSize": 11, "fontWeight": 600, "color": ink.text},
             }
@@ -168,7 +178,7 @@ def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Theme)
         )
         first = i % abreast == 0
         ys.append(
-            {"data": axes[1], "type": "category", "name": "H (mm)" if first else "", "nameGap": 20, **named, **line}
+            {"data": axes[1], "type": "category", "name": "H (mm)" if first else "", "nameGap": gap, **named, **line}
         )
     return {"grid": grids, "title": titles, "xAxis": xs, "yAxis": ys}
 
@@ -241,7 +251,12 @@ def _scatter_dot(
             "borderWidth": 1,
         },
         "tooltip": {
-            "formatter": f"{name}<br>{grid_column(axes[0]).label}: {x:.3g}<br>{grid_column(axes[1]).label}: {y:.3g}"
+            "formatter": "<br>".join(
+                [
+                    name,
+                    *(f"{(c := grid_column(axis)).label}: {c.text(v)}" for axis, v in zip(axes, (x, y), strict=True)),
+                ]
+            )
         },
     }
 
@@ -263,10 +278,9 @@ def line_chart(
     if series:
         series[0]["markLine"] = {"symbol": "none", "data": uprights, "silent": True, "animation": False}
     return {
-        "grid": {"left": 44, "right": 14, "top": 26, "bottom": 36},
+        "grid": {"left": 44, "right": 14, "top": 26 if len(curves) < 3 else 44, "bottom": 36},
         "legend": {
             "show": len(curves) > 1,
-            "type": "scroll",
             "top": 0,
             "itemWidth": 18,
             "itemHeight": 8,

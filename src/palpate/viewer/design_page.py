@@ -62,8 +62,8 @@ class DesignPage:
             ).props("dense outlined options-dense").classes("wide material")
         with ui.element("div").classes("card"):
             heading("Markers")
-            rings = NumberField.free("rings", "Rings", (0, _RINGS, 1), self._rings, self._set_rings)
-            rings.note("a marker at the apex, 6 k on ring k")
+            self._ring_count = NumberField.free("rings", "Rings", (0, _RINGS, 1), self._rings, self._set_rings)
+            self._ring_count.note("a marker at the apex, 6 k on ring k")
             self._own_rings = ui.input(
                 "Diameters of the rings, mm",
                 placeholder="even; or your own: 6, 14, 25",
@@ -87,12 +87,15 @@ class DesignPage:
     def _set_rings(self, rings: float) -> None:
         """Set this many evenly spaced rings."""
         self._rings = int(rings)
-        self._own_rings.set_value("")
-        self._set_diameters("")
+        if len(_words(self._own_rings.value)) != self._rings:
+            self._own_rings.set_value("")
+            self._set_diameters("")
 
     def _set_diameters(self, text: str | None) -> None:
-        """Set ring diameters, from the apex outward; an empty field restores the slider's rings."""
-        words = (text or "").replace(",", " ").split()
+        """Set ring diameters, from the apex outward, and the slider; an empty field spaces the rings evenly."""
+        words = _words(text)
+        if 0 < len(words) <= _RINGS:
+            self._ring_count.put(len(words))
         self._chosen["markers"]["ring_diameters"] = words or None
         self._set("markers", "count", markers_in_rings(len(words) or self._rings))
 
@@ -109,3 +112,7 @@ class DesignPage:
 
     def _redraw(self) -> None:
         self._bench.show(self._chosen)
+
+
+def _words(text: str | None) -> list[str]:
+    return (text or "").replace(",", " ").split()

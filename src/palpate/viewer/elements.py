@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
+from nicegui import ui
 from nicegui.element import Element
+
+SWITCHES = (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Marker paths"), ("wall", "Wall"))
+"""Parts of the 3-D view that a visitor shows or hides, with their labels."""
 
 
 class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": "scripts"}):
@@ -22,6 +27,18 @@ class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": 
     def save(self, name: str) -> None:
         """Save the view as a PNG file in the browser."""
         self.run_method("savePicture", name)
+
+
+def view_buttons(*domes: DomeView) -> None:
+    """Place buttons that set the direction of all these views."""
+
+    def look(side: str) -> None:
+        for dome in domes:
+            dome.look(side)
+
+    with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
+        for side in ("side", "front", "top", "below"):
+            ui.button(side, on_click=partial(look, side)).props("flat dense no-caps")
 
 
 class CameraView(Element, component="scripts/camera_view.js"):

@@ -14,7 +14,7 @@ from palpate.study import design_label, grid_column, own_column
 from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
-from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, view_buttons
 from palpate.viewer.labels import jitter_words
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
@@ -22,7 +22,6 @@ from palpate.viewer.page_head import PageHeader, error_label, heading, show_erro
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign
 
-_SWITCHES = (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
 
 
@@ -87,9 +86,7 @@ class ExplorePage:
         columns = {name: grid_column(name).label for name in numeric_columns(self._grid)}
         with ui.element("div").classes("card"):
             heading("Specification grid")
-            ui.select(
-                columns, value=self._view.metric, label="Colour shows", with_input=True, on_change=self._choose_metric
-            ).props('dense outlined options-dense data-testid="metric"').classes("wide metric")
+            _select(columns, self._view.metric, "Colour shows", "metric").on_value_change(self._choose_metric)
             self._where = (
                 ui.input("Keep designs where", value=self._view.where, placeholder=_EXAMPLE)
                 .props('dense outlined clearable debounce=350 data-testid="where"')
@@ -103,55 +100,36 @@ class ExplorePage:
     def _build_scatter(self) -> None:
         with ui.element("div").classes("card"):
             heading("Trade-off")
-            with ui.element("div").classes("pair"):
-                for axis, label in (("across", "Across"), ("up", "Up")):
-                    ui.select(
-                        self._columns,
-                        value=getattr(self._view, axis),
-                        label=label,
-                        with_input=True,
-                        on_change=lambda event, axis=axis: self._choose_axis(axis, event.value),
-                    ).props(f'dense outlined options-dense data-testid="{axis}"').classes(axis)
+            for axis, label in (("across", "Across"), ("up", "Up")):
+                _select(self._columns, getattr(self._view, axis), label, axis).on_value_change(
+                    lambda event, axis=axis: self._choose_axis(axis, event.value)
+                )
             self._scatter = ui.echart({}, on_point_click=self._click_dot, renderer="svg").classes("scatter")
 
     def _build_stage(self) -> None:
         view = self._view
         with ui.element("div").classes("stage-head"):
-            self._select = (
-                ui.select(self._names, value=view.design, label="Design", with_input=True)
-                .props('dense outlined options-dense data-testid="design"')
-                .classes("design")
-                .on_value_change(lambda event: self._choose(event.value))
-            )
-            self._beside = (
-                ui.select(
-                    {-1: "nothing", **self._names},
-                    value=view.other,
-                    label="Compare with",
-                    with_input=True,
-                )
-                .props('dense outlined options-dense data-testid="second-design"')
-                .classes("beside")
-                .on_value_change(lambda event: self._set_second(event.value))
+            self._select = _select(self._names, view.design, "Design", "design")
+            self._select.on_value_change(lambda event: self._choose(event.value))
+            _select({-1: "nothing", **self._names}, view.other, "Compare with", "second-design").on_value_change(
+                lambda event: self._set_second(event.value)
             )
         self._fault = error_label()
         with ui.element("div").classes("domes") as self._domes:
             self._dome = DomeView("a", "Design shown")
             self._second = DomeView("b", "Compared design")
-            with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
-                for side in ("side", "front", "top", "below"):
-                    ui.button(side, on_click=lambda side=side: self._look_from(side)).props("flat dense no-caps")
+            view_buttons(self._dome, self._second)
         self._build_look()
         self._bar = PoseBar(view.depth, view.tilt, view.azimuth)
         self._bar.on("rest", self._rest)
-        self._bar.look(**{name: getattr(view, name) for name, _ in _SWITCHES}, colour=str(view.colour))
+        self._bar.look(**{name: getattr(view, name) for name, _ in SWITCHES}, colour=str(view.colour))
 
     def _build_look(self) -> None:
         with ui.element("div").classes("look"):
             ui.toggle(
                 [str(item) for item in ColourQuantity], value=str(self._view.colour), on_change=self._choose_colour
             ).props('no-caps dense unelevated aria-label="Colour of the dome" data-testid="colour"')
-            for name, label in _SWITCHES:
+            for name, label in SWITCHES:
                 ui.checkbox(
                     label,
                     value=getattr(self._view, name),
@@ -280,10 +258,6 @@ class ExplorePage:
         self._change(**{name: value})
         self._bar.look(**{name: value})
 
-    def _look_from(self, side: str) -> None:
-        self._dome.look(side)
-        self._second.look(side)
-
     def _rest(self, event: events.GenericEventArguments) -> None:
         pose = {name: float(event.args[name]) for name in ("depth", "tilt", "azimuth")}
         self._change(**pose)
@@ -308,6 +282,15 @@ class ExplorePage:
 
     def _download_grid(self) -> None:
         ui.download.from_url(f"/data/grid.csv?{urlencode({'where': self._view.where})}", "grid.csv")
+
+
+def _select(options: dict[Any, str], value: Any, label: str, name: str) -> ui.select:
+    """Place a select whose text can be searched; a tooltip shows the whole text of its value."""
+    select = ui.select(options, value=value, label=label, with_input=True).classes("wide")
+    select.props(f'dense outlined options-dense data-testid="{name}"')
+    with select:
+        ui.tooltip().bind_text_from(select, "value", lambda chosen: options.get(chosen, ""))
+    return select
 
 
 def set_chart(chart: ui.echart, data: dict[str, Any]) -> None:

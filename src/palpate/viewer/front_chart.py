@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from palpate.optimise import SearchFolder
 from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
-from palpate.viewer.labels import column_label
+from palpate.viewer.labels import column_label, find_column
 
 ERROR = "p95_deg"
 """Column of the minimised error."""
+COARSE = "front, coarse presses only"
+"""Role of a non-dominated design without fine presses."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
 """Columns of the remaining objectives."""
 
@@ -16,7 +18,13 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
     """All designs of a search by their error over a column; each point's value ends in its number."""
     numbers = range(len(search.rows))
     parts = (
-        ("tried", [k for k in numbers if k >= search.front], {"color": ink.faint, "opacity": 0.45}, 7),
+        (
+            "tried",
+            [k for k in numbers if k >= search.front + search.coarse],
+            {"color": ink.faint, "opacity": 0.45},
+            7,
+        ),
+        (COARSE, [k for k in numbers if role_of(search, k) == COARSE], {"color": "#e69f00"}, 8),
         ("front", [k for k in numbers if k < search.front and k != search.winner], {"color": VIRIDIS[5]}, 10),
         ("winner", [search.winner] if search.winner >= 0 else [], {"color": SECOND}, 17),
     )
@@ -55,8 +63,15 @@ def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> C
 def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
     row = search.rows[number]
     x, y = float(row[across]), float(row[ERROR])
-    words = f"{design_words(search, number)}<br>{column_label(across)}: {x:.3g}<br>{column_label(ERROR)}: {y:.3g}"
-    marked = {"itemStyle": {"color": FIRST, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
+    words = "<br>".join(
+        [
+            design_words(search, number),
+            *(f"{column_label(n)}: {find_column(n).text(v)}" for n, v in ((across, x), (ERROR, y))),
+        ]
+    )
+    marked = (
+        {"itemStyle": {"borderColor": FIRST, "borderWidth": 3, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
+    )
     return {"name": f"design {number}", "value": [x, y, number], "tooltip": {"formatter": words}, **marked}
 
 
@@ -68,5 +83,7 @@ def design_words(search: SearchFolder, number: int) -> str:
 
 
 def role_of(search: SearchFolder, number: int) -> str:
-    """Return the role of a design in its search: ``"winner"``, ``"front"`` or ``"tried"``."""
-    return "winner" if number == search.winner else "front" if number < search.front else "tried"
+    """Return the role of a design in its search: ``"winner"``, ``"front"``, `COARSE` or ``"tried"``."""
+    if number >= search.front:
+        return COARSE if number < search.front + search.coarse else "tried"
+    return "winner" if number == search.winner else "front"

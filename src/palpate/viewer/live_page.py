@@ -51,7 +51,7 @@ class LivePage:
             with ui.element("section").classes("stage").props('aria-label="Image"'):
                 self._fault = error_label()
                 self._view = LiveView("The sensor's image with its markers")
-                self._status = ui.label("Choose a source and start.").classes("faint")
+                self._status = ui.label("").classes("faint")
                 self._status.props('role="status" data-testid="status" data-state="idle"')
             with ui.element("section").classes("side").props('aria-label="Pose"'):
                 self._build_pose()

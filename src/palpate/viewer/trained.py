@@ -68,8 +68,9 @@ def read_trained_sensor(folder: Path) -> TrainedSensor:
 
 def error_columns(sensor: TrainedSensor) -> list[str]:
     """Headings of the table of errors."""
-    names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in sensor.model.outputs]
-    return ["estimator", "images read", *(f"{name}: RMSE" for name in names), *(f"{name}: most" for name in names)]
+    symbols = {"deg": " (°)", "1": ""}
+    names = [f"{axis}{symbols.get(unit, f' ({unit})')}" for axis, unit, _ in sensor.model.outputs]
+    return ["estimator", "images read", *(f"RMSE {name}" for name in names), *(f"maximum {name}" for name in names)]
 
 
 def error_rows(sensor: TrainedSensor) -> list[list[str]]:

@@ -28,22 +28,23 @@ class TrainedPage:
         """Place the report."""
         report, about = self._learnt.report, self._learnt.model.about
         with ui.element("div").classes("report"):
-            heading(f"Results of the recording {about['recording']}")
-            ui.label(
-                f"{about['images']} images of {about['presses']} presses: {about['train']} training images, "
-                f"{about['validation']} for validation, {about['test']} test images. No press is in two sets."
-            )
-            self._build_errors()
-            for sentence in [*report.get("notes", []), report.get("enough", "")]:
-                if sentence:
-                    ui.label(str(sentence)).classes("faint")
-            with ui.element("div").classes("do"):
+            with ui.element("div").classes("card"):
+                heading(f"Recording {about['recording']}")
+                ui.label(
+                    f"{about['images']} images of {about['presses']} presses: {about['train']} for training, "
+                    f"{about['validation']} for validation, {about['test']} for the test. No press is in two sets."
+                )
+                for sentence in [*report.get("notes", []), report.get("enough", "")]:
+                    if sentence:
+                        ui.label(str(sentence)).classes("faint")
+            with ui.element("div").classes("card"):
+                heading(f"Errors on the {about['test']} test images; the selected estimator first")
+                self._build_errors()
                 ui.link("Read images", "/live").classes("go")
             for name in self._learnt.pictures:
-                with ui.element("figure"):
+                with ui.element("div").classes("card"):
+                    heading(PICTURES[name])
                     ui.image(f"/data/learnt/{name}").props(f'alt="{PICTURES[name]}" fit=contain no-spinner')
-                    with ui.element("figcaption"):
-                        ui.label(PICTURES[name]).classes("faint")
 
     def _build_errors(self) -> None:
         best = str(self._learnt.report.get("best", ""))

@@ -5,21 +5,21 @@ The design page shows the design of its fields on it, the page of a search the s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from nicegui import ElementFilter, ui
 from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, Spec
 from palpate.core.run import LocalWorkers, Progress
 from palpate.design import Finding
 from palpate.fea import Press, WallSpec
-from palpate.viewer.charts import FIRST, ChartCurve, line_chart
+from palpate.viewer.charts import ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.design_cache import DesignCache
-from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, view_buttons
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import WRONG_FIELD, NumberField
@@ -52,6 +52,7 @@ class Workbench:
         self._ordered = (self._sketch, self._drawn)
         self._pool: LocalWorkers | None = None
         self._done, self._what, self._cancelled = Progress(), "", False
+        self._valid = True
         self._finish: Callable[[Any], None] = self._show_press
         self._curves: list[ChartCurve] = []
         head.watch(self._draw_force)
@@ -84,12 +85,13 @@ class Workbench:
             self._cancel.props('no-caps flat dense data-testid="cancel"')
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
             self._status = ui.label("").classes("faint status").props('role="status" data-testid="status"')
+        self._wrong = list(ElementFilter(kind=ui.label, marker=WRONG_FIELD))
+        for button in (self._press, self._make):
+            for label in self._wrong:
+                button.bind_enabled_from(label, "text", lambda _: self._ready())
         self._fault = error_label()
         with ui.element("div").classes("domes"):
-            dome = DomeView("a", "The design")
-            with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
-                for side in ("side", "front", "top", "below"):
-                    ui.button(side, on_click=lambda side=side: dome.look(side)).props("flat dense no-caps")
+            view_buttons(DomeView("a", "The design"))
         self._look_row = ui.element("div").classes("look")
         self._bar = PoseBar(0.0, 0.0, 0.0)
         self._build_look(self._bar)
@@ -103,7 +105,7 @@ class Workbench:
             ui.toggle(colours, value=colours[0], on_change=lambda event: bar.look(colour=event.value)).props(
                 'no-caps dense unelevated role="group" aria-label="Colour of the dome"'
             )
-            for name, label in (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Trails"), ("wall", "Wall")):
+            for name, label in SWITCHES:
                 ui.checkbox(
                     label, value=True, on_change=lambda event, name=name: bar.look(**{name: event.value})
                 ).props("dense")
@@ -127,8 +129,12 @@ class Workbench:
             self._sketch = DesignDraft.model_validate(chosen)
             self._drawn = build_preview(self._sketch)
         except (PalpateError, ValidationError) as error:
+            self._valid = False
+            self._enable()
             self.complain(_describe(error), code_of(error))
             return
+        self._valid = True
+        self._enable()
         self.complain("")
         self._show_findings(self._drawn.findings)
         self._bar.show(self._shelf.put(self._drawn.design, self._drawn.specimen))
@@ -151,19 +157,26 @@ class Workbench:
                     ui.label("No finding.")
 
     def _draw_force(self) -> None:
-        curves = self._curves or [ChartCurve("force", [], FIRST)]
-        set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
+        self._force.set_visibility(bool(self._curves))
+        set_chart(self._force, line_chart(self._curves, ("depth (mm)", "force (N)"), self._head.ink))
 
     def _show_state(self, state: str, what: str = "") -> None:
         self._status.text = what
         self._status.props(f'data-state="{state}"')
 
     def _busy(self, busy: bool, what: str = "") -> None:
-        self._press.set_enabled(not busy)
-        self._make.set_enabled(not busy)
+        self._enable()
         for element in (self._cancel, self._progress):
             element.set_visibility(busy)
         self._show_state("busy" if busy else "idle", what)
+
+    def _ready(self) -> bool:
+        """Whether a job can start: none runs, and no field has a wrong value."""
+        return self._valid and self._pool is None and not any(label.text for label in self._wrong)
+
+    def _enable(self) -> None:
+        for button in (self._press, self._make):
+            button.set_enabled(self._ready())
 
     def _start_press(self) -> None:
         self._finish = self._show_press
@@ -175,9 +188,6 @@ class Workbench:
 
     def _start(self, work: Callable[..., Any], what: str) -> None:
         if self._pool is not None:
-            return
-        if any(label.text for label in ElementFilter(kind=ui.label, marker=WRONG_FIELD)):
-            show_error(self._fault, "A field has a wrong value. Correct it first.", "field-wrong")
             return
         show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
@@ -235,7 +245,13 @@ class Workbench:
 def _describe(error: PalpateError | ValidationError) -> str:
     if isinstance(error, PalpateError):
         return str(error)
-    return " ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}." for item in error.errors())
+    return " ".join(f"{Spec.describe_value(item, _name_of(item['loc']))}." for item in error.errors())
+
+
+def _name_of(place: Sequence[int | str]) -> str:
+    """Return the name of a field for a visitor, e.g. ``"ring diameters, value 2,"``."""
+    name = next((part.replace("_", " ") for part in reversed(place) if isinstance(part, str)), "")
+    return f"{name}, value {place[-1] + 1}," if place and isinstance(place[-1], int) else name
 
 
 def code_of(error: PalpateError | ValidationError) -> str:

@@ -40,4 +40,5 @@ def test_plot_convergence_shows_every_mesh_and_the_papers_limit(results) -> None
     assert list(stress.lines[0].get_xdata()) == [result.elements for result in results]
     assert stress.lines[0].get_ydata()[-1] == pytest.approx(results[-1].peak_stress)
     assert errors.lines[1].get_ydata() == pytest.approx([100 * abs(result.force_error) for result in results[:-1]])
+    assert all("mathdefault" not in label.get_text() for label in errors.get_yticklabels())
     assert len(errors.lines) == 4

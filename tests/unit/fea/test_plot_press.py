@@ -25,6 +25,10 @@ def press() -> Press:
 def test_a_press_draws_its_section_and_force(press):
     section, force = plot_press(press).axes
     assert len(section.lines) == 2 * 3  # two surfaces, in each of three images
+    (wall,) = section.collections
+    heights = wall.get_paths()[0].vertices[:, 1]
+    assert np.ptp(heights) > 1.0, "it is tilted"
+    assert 20.0 < heights.mean() < 22.0, "it has reached the dome"
     assert force.lines[0].get_ydata()[-1] == pytest.approx(np.linalg.norm(press.force[-1]))
 
 

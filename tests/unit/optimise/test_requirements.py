@@ -138,6 +138,21 @@ def test_a_front_of_two_has_what_nothing_beats() -> None:
     assert [entry.trial.number for entry in forces.pareto] == [1, 0]
 
 
+def test_designs_by_coarse_presses_stay_on_the_front_and_are_marked(tmp_path: Path) -> None:
+    """The only finalist is stiffer than skin 0, which no fine presses were made of."""
+    spec = SPEC.model_copy(update={"objectives": ("error", "force"), "finalists": 1})
+    front = Front(spec, (TRIED[0], replace(TRIED[1], fine=TRIED[1].coarse)))
+    assert [entry.trial.number for entry in front.pareto] == [1]
+    assert [entry.trial.number for entry in front.coarse_pareto] == [0]
+    assert front.winner == front.pareto[0]
+    write_front(tmp_path, front, "palpate search wanted.yaml")
+    assert "front, coarse presses only" in (tmp_path / "front.svg").read_text()
+    (row,) = (line for line in (tmp_path / "report.md").read_text().splitlines() if line.startswith("| 0 |"))
+    check_values(row, "0.5")
+    assert [row["skin"] for row in json.loads((tmp_path / "front.json").read_text())["coarse_front"]] == [0]
+    assert Front(SPEC, front.trials).coarse_pareto == (), "one objective: the best of the finalists counts"
+
+
 def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once() -> None:
     several = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
     front = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.31, 0.01, 0.02))

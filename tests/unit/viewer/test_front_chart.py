@@ -28,7 +28,7 @@ def test_every_design_is_one_point_and_the_winner_stands_out(tmp_path, column):
             assert (x, y) == (search.rows[number][column], search.rows[number]["p95_deg"])
     marked = [dot["value"][2] for dots in series.values() for dot in dots if "itemStyle" in dot]
     assert marked == [chosen]
-    assert series["tried"][2]["itemStyle"]["color"] == FIRST
+    assert series["tried"][2]["itemStyle"]["borderColor"] == FIRST
 
 
 def test_a_design_is_named_by_what_it_is(tmp_path):

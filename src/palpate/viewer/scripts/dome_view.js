@@ -1,12 +1,11 @@
 // The skin in 3-D: half of it is drawn and mirrored, so that the other half can be cut away; a whole one is clipped.
 import { OrbitControls, THREE } from "nicegui-scene";
-import { between, changed, CIVIDIS, listen, mix, placeOf, save, stage, VIRIDIS } from "palpate-stage";
+import { between, changed, listen, placeOf, save, stage } from "palpate-stage";
+import { drawGauge, GAUGE } from "palpate-stage/gauge.js";
+import { colour, FAR_MM, isBlank, ramp, topOfAll } from "palpate-stage/tones.js";
 
-const TABLE = 256;
-const TABLES = { displacement: VIRIDIS, stress: VIRIDIS, contact: CIVIDIS };
 const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
-const FAR_MM = 2;
-const CLAMP_MM = 4;
+const CLAMP_MM = [4, 3];
 const HALF = new THREE.Plane(new THREE.Vector3(1, 0, 0), 0);
 
 export default {
@@ -14,7 +13,8 @@ export default {
   template: `
     <div class="dome-view" ref="box">
       <canvas ref="canvas" tabindex="0" role="img" :aria-label="words" @keydown="turn"></canvas>
-      <div class="dome-legend" aria-hidden="true"><span ref="low"></span><i ref="ramp"></i><span ref="high"></span><b ref="what"></b></div>
+      <div class="dome-legend" ref="legend" aria-hidden="true"><span ref="low"></span><i ref="ramp"></i><span ref="high"></span><b ref="what"></b></div>
+      ${GAUGE}
       <div class="dome-note" ref="note" role="status"></div>
     </div>`,
   computed: {
@@ -43,6 +43,7 @@ export default {
       renderer.setPixelRatio(this.three.soft ? 0.7 : Math.min(window.devicePixelRatio, 2));
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
+      this.fit();
       camera.updateProjectionMatrix();
       this.render();
     },
@@ -62,24 +63,35 @@ export default {
         return;
       }
       if (slot.shell !== this.shell) this.load(slot.shell);
+      this.fit();
       this.move(slot);
       this.render();
     },
     load(shell) {
       this.shell = shell;
-      this.motion = null;
       loadShell(this.three, shell);
       if (!this.placed) this.look("side");
+    },
+    // The distance at which the largest skin on the stage fills the view; the visitor's zoom is a factor to it.
+    fit() {
+      const { camera, controls } = this.three;
+      const metas = Object.values(stage.slots).flatMap((slot) => (slot.shell ? [slot.shell.meta] : []));
+      const sizes = metas.map((meta) => Math.max(meta.outer_base_radius_mm + CLAMP_MM[0], meta.outer_radius_mm, 0.62 * meta.height_mm));
+      if (!sizes.length) return;
+      const half = Math.tan((camera.fov * Math.PI) / 360);
+      const span = (1.18 * Math.max(...sizes)) / (half * Math.min(1, camera.aspect));
+      if (this.placed && span !== this.span) {
+        camera.position.sub(controls.target).multiplyScalar(span / this.span).add(controls.target);
+        controls.update();
+      }
+      this.span = span;
     },
     move(slot) {
       const { three } = this;
       const place = placeOf(slot.motion);
       const { positions } = three;
-      if (slot.motion !== this.motion || stage.look.colour !== this.colour) {
-        this.motion = slot.motion;
-        this.colour = stage.look.colour;
-        this.top = greatest(slot);
-      }
+      this.colour = stage.look.colour;
+      this.top = topOfAll();
       const count = slot.shell.arrays.rest.length;
       between(slot.motion.arrays.displacement, count, place, three.moved);
       for (let i = 0; i < count; i++) positions.array[i] = slot.shell.arrays.rest[i] + three.moved[i];
@@ -97,20 +109,22 @@ export default {
       this.say(slot, place);
     },
     say(slot, place) {
-      const low = { displacement: "0", stress: "0", contact: "0" }[this.colour];
-      this.$refs.low.textContent = low;
-      this.$refs.high.textContent = this.colour === "contact" ? `${FAR_MM}+` : this.top.toPrecision(3);
+      const blank = isBlank(slot);
+      const waits = blank && slot.motion.meta.depths_mm.length > 1;
+      this.$refs.legend.style.visibility = blank && !waits ? "hidden" : "";
+      this.$refs.low.textContent = "0";
+      this.$refs.high.textContent = waits ? "…" : this.colour === "contact" ? `≥ ${FAR_MM}` : this.top.toPrecision(3);
       this.$refs.what.textContent = NAMES[this.colour];
       this.$refs.what.dataset.colour = this.colour;
-      this.$refs.ramp.style.background = `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
+      this.$refs.ramp.style.background = waits ? "#9aa3ab" : `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
       const ended = place.depth < stage.pose.depth - 1e-6;
-      const waits = stage.look.colour === "stress" && !slot.motion.arrays.stress;
-      this.$refs.note.textContent = stage.fault || (waits ? "Finding the stress …" : ended
+      this.$refs.note.textContent = stage.fault || (waits ? "Computing the stress …" : ended
         ? `Ended at ${place.depth.toFixed(1)} mm: ${slot.motion.meta.ended}.` : "");
     },
     render() {
-      const { renderer, scene, camera } = this.three;
+      const { renderer, scene, camera, controls } = this.three;
       renderer.render(scene, camera);
+      drawGauge(this.$refs.gauge, camera, controls.target, this.$refs.box.clientHeight);
       this.drawn = (this.drawn || 0) + 1;
       this.$refs.box.dataset.drawn = this.drawn;
     },
@@ -119,9 +133,8 @@ export default {
       if (!meta) return;
       const way = { side: [-2.6, -1.9, 1.6], top: [0, -0.01, 1], below: [0, -0.3, -1], front: [-1, 0, 0.15] }[from];
       const { camera, controls } = this.three;
-      const reach = Math.max(meta.outer_base_radius_mm + 4, meta.outer_radius_mm, 0.62 * meta.height_mm) * 1.12;
-      const half = Math.tan((camera.fov * Math.PI) / 360);
-      const arm = new THREE.Vector3(...way).setLength(reach / (half * Math.min(1, camera.aspect)));
+      this.fit();
+      const arm = new THREE.Vector3(...way).setLength(this.span);
       controls.target.set(0, 0, meta.height_mm * 0.42);
       camera.position.copy(controls.target).add(arm);
       this.placed = true;
@@ -245,23 +258,25 @@ function buildWall(three, meta) {
   return pane;
 }
 
-// A strip outward from every outer edge that is clamped.
+// A flange outward from every outer edge that is clamped: its face, rim and back.
 function buildClamps(edges) {
   const [count, size] = edges.shape;
   const points = [];
   const corners = [];
   for (let i = 0; i < count * size; i++) {
     const [x, y, z] = edges.subarray(3 * i, 3 * i + 3);
-    const out = 1 + CLAMP_MM / Math.hypot(x, y);
-    points.push(x, y, z - 0.02, out * x, out * y, z - 0.02);
-    if (i % size) corners.push(2 * i - 2, 2 * i - 1, 2 * i, 2 * i, 2 * i - 1, 2 * i + 1);
+    const out = 1 + CLAMP_MM[0] / Math.hypot(x, y);
+    const back = i < size ? z - CLAMP_MM[1] : z + CLAMP_MM[1];
+    for (const [share, level] of [[1, z], [out, z], [out, back], [1, back], [1, z]]) points.push(share * x, share * y, level);
+    for (let k = 0; i % size && k < 4; k++) {
+      const at = 5 * i + k;
+      corners.push(at - 5, at - 4, at, at, at - 4, at + 1);
+    }
   }
   const strip = new THREE.BufferGeometry();
   strip.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
   strip.setIndex(corners);
-  strip.computeVertexNormals();
-  return new THREE.Mesh(strip, new THREE.MeshLambertMaterial(
-    { color: 0x9aa8b5, side: THREE.DoubleSide, transparent: true, opacity: 0.55 }));
+  return new THREE.Mesh(strip, new THREE.MeshPhongMaterial({ color: 0xb4bfc9, side: THREE.DoubleSide, flatShading: true }));
 }
 
 function buildMarkers(three, shell) {
@@ -335,64 +350,6 @@ function cutAway(positions, count, azimuth) {
   const angle = (azimuth * Math.PI) / 180;
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
   return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < -0.1;
-}
-
-function greatest(slot) {
-  const values = stage.look.colour === "stress" ? slot.motion.arrays.stress : slot.motion.arrays.displacement;
-  let top = 0;
-  if (stage.look.colour === "stress") {
-    for (const value of values || []) top = Math.max(top, value);
-  } else {
-    for (let i = 0; i < values.length; i += 3) {
-      top = Math.max(top, values[i] ** 2 + values[i + 1] ** 2 + values[i + 2] ** 2);
-    }
-    top = Math.sqrt(top);
-  }
-  return top || 1;
-}
-
-function ramp(name) {
-  return name === "contact" ? [...CIVIDIS].reverse() : TABLES[name];
-}
-
-const tables = {};
-function table(name) {
-  if (!tables[name]) {
-    const steps = ramp(name);
-    tables[name] = new Float32Array(TABLE * 3);
-    for (let i = 0; i < TABLE; i++) {
-      const tone = new THREE.Color(...mix(steps, i / (TABLE - 1))).convertSRGBToLinear();
-      tables[name].set([tone.r, tone.g, tone.b], 3 * i);
-    }
-  }
-  return tables[name];
-}
-
-function colour(three, slot, place, top) {
-  const { field, moved } = three;
-  const name = stage.look.colour;
-  if (name === "stress" && slot.motion.arrays.stress) {
-    between(slot.motion.arrays.stress, field.length, place, field);
-  } else if (name === "contact") {
-    const { normal: n, touch_mm: touch, way } = slot.motion.meta;
-    const at = three.positions.array;
-    const level = n.reduce((sum, part, i) => sum + part * (touch[i] - place.depth * way[i]), 0);
-    for (let i = 0; i < field.length; i++) {
-      field[i] = level - (n[0] * at[3 * i] + n[1] * at[3 * i + 1] + n[2] * at[3 * i + 2]);
-    }
-  } else {
-    for (let i = 0; i < field.length; i++) field[i] = Math.hypot(moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]);
-  }
-  const scale = (TABLE - 1) / (name === "contact" ? FAR_MM : top);
-  const tones = table(name);
-  const out = three.colours.array;
-  for (let i = 0; i < field.length; i++) {
-    const step = 3 * Math.min(Math.max(Math.round(field[i] * scale), 0), TABLE - 1);
-    out[3 * i] = tones[step];
-    out[3 * i + 1] = tones[step + 1];
-    out[3 * i + 2] = tones[step + 2];
-  }
-  three.colours.needsUpdate = true;
 }
 
 // Normals of the drawn half; in the mirror plane they lie in it, so that no crease shows.

@@ -3,9 +3,11 @@ const SVG = "http://www.w3.org/2000/svg";
 
 export default {
   props: { label: String },
-  template: `<div class="live-view"><svg ref="svg" role="img" :aria-label="label" xmlns="http://www.w3.org/2000/svg"></svg></div>`,
+  template: `<div class="live-view"><p v-if="!begun">No image yet. Choose a source and press Start.</p><svg v-show="begun" ref="svg" role="img" :aria-label="label" xmlns="http://www.w3.org/2000/svg"></svg></div>`,
+  data: () => ({ begun: false }),
   methods: {
     begin(width, height, rest) {
+      this.begun = true;
       const svg = this.$refs.svg;
       svg.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
       this.picture = make("image", { x: -0.5, y: -0.5, width, height });
