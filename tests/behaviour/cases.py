@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from palpate_benchmark import PRESETS, make_benchmark, read_set
 from palpate_benchmark.simulate_unit import simulate_unit
@@ -51,6 +52,7 @@ from palpate.optimise.skin_evaluation import SkinEvaluation
 from palpate.simulation import run_unit_trial
 from palpate.simulation.trial import COLUMNS
 from palpate.surrogate import TWIN_DERIVATIVES, MarkerTwin, build_field
+from palpate.vision import prepare_detector
 from presses import build_twin, run_tiny_study, solve_press, stored_folder
 from small_chain import TWIN_CELLS, TWIN_DEPTH, small_bench, small_twin, write_small_twin
 
@@ -345,7 +347,15 @@ def recorded(estimators: str = "ridge", **spec: int) -> tuple[Path, Any]:
 
 
 def detections() -> Results:
-    return {"drawn recording": _arrays_of("sight")}
+    image = np.zeros((420, 420), np.uint8)
+    turns = np.concatenate([np.arange(6 * k) * np.pi / (3 * k) for k in range(1, 11)])
+    away = np.repeat(18.3 * np.arange(1, 11), 6 * np.arange(1, 11))
+    glints = np.array([0.2, 0.9, 2.1, 3.3, 4.4, 5.6])
+    turns, away = np.r_[turns, glints], np.r_[away, np.full(6, 206.0)]
+    for x, y in 210.0 + away[:, None] * np.c_[np.cos(turns), np.sin(turns)]:
+        cv2.circle(image, (round(x), round(y)), 5, 255, -1)
+    rim = prepare_detector(image).find(image)
+    return {"drawn recording": _arrays_of("sight"), "rim": {"positions": rim.positions_px[::20], "count": [len(rim)]}}
 
 
 def correspondences() -> Results:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -72,11 +72,13 @@ else:
 class _SpecType(ModelMetaclass):
     """Type of specs: a call with wrong values raises a `SpecError`."""
 
-    def __call__(self, *args: Any, **values: Any) -> Any:
-        try:
-            return super().__call__(*args, **values)
-        except ValidationError as error:
-            raise SpecError.from_validation(error, cast(type[BaseModel], self)) from None
+    if not TYPE_CHECKING:  # type checkers see the fields of each spec
+
+        def __call__(self, *args: Any, **values: Any) -> Any:
+            try:
+                return super().__call__(*args, **values)
+            except ValidationError as error:
+                raise SpecError.from_validation(error, self) from None
 
 
 class Spec(BaseModel, metaclass=_SpecType):
@@ -104,7 +106,7 @@ class Spec(BaseModel, metaclass=_SpecType):
     @classmethod
     def _strip_unit(cls, value: Any, info: ValidationInfo) -> Any:
         field = cls.model_fields[info.field_name or ""]
-        if value == "" and isinstance(value, str) and type(None) in get_args(field.annotation):
+        if isinstance(value, str) and value == "" and type(None) in get_args(field.annotation):
             return None
         return _without_unit(cls, info.field_name or "", value)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -38,20 +39,24 @@ class SpecError(ValidationError, PalpateError):
         return f"{self.problem} {self.remedy}".strip()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.title, [_again(item) for item in self.errors()], self.__dict__)
+        details = [_again(item) for item in self.errors()]
+        for item in details:  # other inputs, such as functions, may not be sent to another process
+            item["input"] = item["input"] if isinstance(item["input"], str | Real) else repr(item["input"])
+        return _rebuild, (self.title, details, self.__dict__)
 
 
 def describe_value(details: ErrorDetails, name: str, unit: str = "") -> str:
     """State a wrong value and the requirement, e.g. ``"height is -1; it must be at least 2"``."""
     given, head = details["input"], f"{name}: " if name else ""
     message = details["msg"].removeprefix("Value error, ").rstrip(".")
-    shown = isinstance(given, str | int | float)
+    shown = isinstance(given, str | Real)
     if details["type"] in ("enum", "literal_error"):
         return f"{head}unknown value '{given}'; choose {details['ctx']['expected'].replace(chr(39), '')}"
     if message.startswith(_REQUIRED) and shown and name:
         rule = message.removeprefix(_REQUIRED).partition(", unable")[0]
         rule = rule.replace("greater than or equal to", "at least").replace("less than or equal to", "at most")
-        return f"{name} is {given}; it must be {rule}{unit if details['type'] in _BOUNDS else ''}"
+        said = "empty" if given == "" else given
+        return f"{name} is {said}; it must be {rule}{unit if details['type'] in _BOUNDS else ''}"
     return f"{head}{message}{f' (given {given})' if shown and str(given) not in message else ''}"
 
 

@@ -66,8 +66,14 @@ def draw_mold_section(module: ContactModule, radius: float, floor: float, plate:
     _fill(axis, down * [[0, foot], [radius, foot], [radius, foot - plate], [0, foot - plate]], CORE)
     axis.text(0, -foot + plate / 2, "core", ha="center", va="center", fontsize=9)
     axis.text(0, -top + floor / 2, "cavity", ha="center", va="center", fontsize=9)
-    axis.set_xlim(-radius - 4, radius + 4)
-    axis.set_ylim(-top - 4, -foot + plate + 4)
+    side, inner = radius + 5, -module.skin.height
+    draw_dimension(axis, (-radius, -top - 5), (radius, -top - 5), f"{2 * radius:.4g}")
+    draw_dimension(axis, (side, -top), (side, -foot), f"{top - foot:.4g}")
+    draw_dimension(axis, (side, -foot), (side, -foot + plate), f"{plate:.4g}")
+    draw_dimension(axis, (-side, inner), (-side, -foot), f"{-foot - inner:.4g}")
+    draw_dimension(axis, (-side, -top), (-side, -top + floor), f"{floor:.4g}")
+    axis.set_xlim(-side - 9, side + 9)
+    axis.set_ylim(-top - 8, -foot + plate + 4)
     return figure
 
 
@@ -142,7 +148,9 @@ def draw_dimension(
     axis.annotate("", end, start, arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8})
     x, y = (np.array(start) + end) / 2
     upright = abs(start[0] - end[0]) < 1e-9
-    if offset or upright:
-        axis.text(x + 1.0, y, text, va="center", fontsize=9)
+    if offset:
+        axis.text(x, max(start[1], end[1]) + 0.6, text, ha="center", va="bottom", fontsize=9)
+    elif upright:
+        axis.text(x + np.copysign(1.0, x), y, text, ha="left" if x > 0 else "right", va="center", fontsize=9)
     else:
         axis.text(x, y + 0.6, text, ha="center", va="bottom", fontsize=9)

@@ -36,7 +36,7 @@ def draw_barrel_section(module: ContactModule) -> Figure:
     draw_dimension(
         axis, (skin.height, side + 4), (module.top, side + 4), f"{module.flange_thickness:.4g}", offset=True
     )
-    axis.set_xlim(low - 6, high + 10)
+    axis.set_xlim(low - 14, high + 10)
     axis.set_ylim(-side - 12, side + 10)
     return figure
 

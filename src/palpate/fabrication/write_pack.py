@@ -206,7 +206,10 @@ def _write_sheets(work: Path, made: PackContent, findings: tuple[Finding, ...]) 
     }
     if enclosure.frame is not None:
         figures["assembly_section"] = draw_cut_open(assembly, enclosure.frame.azimuths[0])
+    version = provenance()["palpate"]
     for name, figure in figures.items():
+        head = f"{name.replace('_', ' ')} · {_title(made)} · {made.design.material.name} · palpate {version}"
+        figure.supxlabel(f"{head}\nmm, not to scale; ISO 2768-m where the sheet gives no tolerance", fontsize=8)
         figure.savefig(work / f"{name}.png", dpi=120)
     sections = write_instructions(made, findings)
     table = bill_of_materials(made)

@@ -223,7 +223,7 @@ def first_duplicate(digests: TextArray) -> IntArray:
 
 
 def _describe(detector: Detector) -> list[float]:
-    return [detector.dark, round(detector.diameter_px, 4), round(detector.edge_px, 4)]
+    return [detector.dark, round(detector.diameter_px, 4), round(detector.edge_px, 4), detector.drop_strays]
 
 
 def _grey(image: NDArray[Any]) -> Pictures:

@@ -283,7 +283,9 @@ def read_model(path: Path) -> RecordedModel:
             kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _STORED]
         found = facts["detector"]
         detector = (
-            None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
+            None
+            if found is None
+            else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2], drop_strays=True)
         )
         eye = Preprocessor(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
         return RecordedModel(

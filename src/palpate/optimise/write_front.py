@@ -189,7 +189,7 @@ def _coarse_lines(front: Front) -> list[str | Report]:
         return []
     found = [describe_entry(entry) for entry in front.coarse_pareto]
     return [
-        f"By coarse presses only, {len(found)} more designs are on the front. More `finalists` evaluate them finely:",
+        f"Designs that only coarse presses place on the front: {len(found)}. Raise `finalists` to confirm them:",
         Report("", FRONT_COLUMNS, found),
     ]
 

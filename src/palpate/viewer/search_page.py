@@ -158,5 +158,5 @@ def _state(search: SearchFolder) -> str:
         if search.front
         else "No design"
     )
-    found += f", and {search.coarse} by coarse presses only" if search.coarse else ""
+    found += f", and {search.coarse} more by coarse presses only" if search.coarse else ""
     return f"{found}; errors are predicted after {search.spec.calibration_presses} calibration presses."

@@ -52,8 +52,8 @@ class Detector:
         (h, w) searched region; `None` for the whole image.
     edge_px
         Blur of a marker's edge, by lens and pixel.
-    doubt
-        Whether blobs outside the field of markers are rejected.
+    drop_strays
+        Whether blobs outside the field of markers, such as those of a rim, are left out.
     """
 
     spec: DetectSpec
@@ -61,7 +61,7 @@ class Detector:
     diameter_px: float
     mask: BoolArray | None
     edge_px: float = _EDGE_PX
-    doubt: bool = True
+    drop_strays: bool = False
 
     def find(self, image: NDArray[Any]) -> Blobs:
         """Detect the blobs of an image (h, w) or (h, w, 3), of any number type.
@@ -79,12 +79,8 @@ class Detector:
                 "Prepare a detector from an image of this size.",
                 code="image-size-changed",
             )
-        return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
-
-    def _by_centroid(self, grey: Image) -> Blobs:
-        blobs = self._fit(grey, _ROUNDS)[0]
-        strays = find_strays(blobs.positions_px, blobs.diameter_px) if self.doubt else np.zeros(len(blobs), bool)
-        return blobs.take(~strays) if strays.any() else blobs
+        blobs = self._by_opencv(grey) if self.spec.method == "opencv" else self._fit(grey, _ROUNDS)[0]
+        return blobs.take(~find_strays(blobs.positions_px, blobs.diameter_px)) if self.drop_strays else blobs
 
     @cached_property
     def _window(self) -> tuple[slice, slice]:
@@ -150,7 +146,7 @@ def prepare_detector(
     Raises
     ------
     PalpateError
-        If no field of markers is found. With given polarity and diameter, any blobs are accepted.
+        If no field of markers is found. With given polarity and diameter, blobs need not look printed.
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)

@@ -40,8 +40,12 @@ _CORNER, _NEAR = 3, 1.3
 
 A corner needs no row.
 """
-_ROWS = 0.7
-"""Minimum share of markers near the border that stand in rows."""
+_ROWS, _UNEVEN, _STEEP, _MARKS = 0.7, 0.06, 0.15, 4
+"""Limits of rows: share of markers near the border, median deviation of their gaps, median slope.
+
+Gaps are over the lattice step. Rings and grids have slopes below 0.14, scattered markers and rings that
+the image cuts slopes above 0.17. Then the maximum number of printed marks outside the field.
+"""
 
 
 def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
@@ -49,7 +53,8 @@ def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
 
     Those outside a hexagonal lattice are on fewer than two of its lines. Those outside rows along the border of any
     field, such as the rings of a dome or the sides of a grid, are in no row themselves. All are inside if the border
-    has no rows, such as of scattered markers. A single one is inside too: it may be an orientation mark.
+    has no rows, such as of scattered markers. A single one is inside too, and up to four of the markers' size: they
+    may be printed marks.
     """
     strays = np.zeros(len(points), bool)
     if len(points) < _LEAST:
@@ -59,7 +64,9 @@ def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
         strays = strays | _find_outside_rows(points, diameters, ~strays)
     except QhullError:  # all blobs on one line
         pass
-    return strays if strays.sum() > 1 else np.zeros(len(points), bool)
+    ratio = diameters[strays] / np.median(diameters)
+    alike = np.all((ratio < _SIZE_STRICT) & (ratio > 1.0 / _SIZE_STRICT))
+    return np.zeros(len(points), bool) if strays.sum() <= (_MARKS if alike else 1) else strays
 
 
 def _find_outside_lattice(points: FloatArray, diameters: FloatArray) -> BoolArray:
@@ -109,7 +116,10 @@ def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolAr
         group = connected_components(links, directed=False)[1]
         near_by = np.bincount(i[alike & (gap < _NEAR)], minlength=len(points))
         good = (np.bincount(group)[group] >= _ROW) | (near_by >= _CORNER) | corner
-        if first and good[outer].mean() < _ROWS:
+        if first and not (linked.any() and good[outer].mean() >= _ROWS):
+            return none
+        uneven = np.median(np.abs(gap[linked] - np.median(gap[linked])))
+        if first and (uneven > _UNEVEN or np.median(slope[linked] / apart[linked]) > _STEEP):
             return none
         inside = inside & (~outer | good)
     return ~inside & (_beyond_hull(points[inside], points)[0] > _BEYOND * step)
