@@ -44,7 +44,7 @@ def test_each_wrong_value_has_a_sentence_without_a_link():
 def test_values_inside_a_spec_name_their_place():
     with pytest.raises(PalpateError) as caught:
         PlateSpec(hole={"diameter": np.float32(30)})
-    check_values(caught.value.problem, "PlateSpec.hole.diameter", 30, 20)
+    check_values(caught.value.problem, "PlateSpec.hole.diameter", 30.0, 20)
     with pytest.raises(PalpateError) as caught:
         PlateSpec(hole={"diameter": lambda: 30})
     assert pickle.loads(pickle.dumps(caught.value)).problem == caught.value.problem
