@@ -90,10 +90,13 @@ def _find_outside_lattice(points: FloatArray, diameters: FloatArray) -> BoolArra
 
 def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolArray) -> BoolArray:
     """Return which blobs near the border of those inside stand in no row along it."""
-    none, everything = np.zeros(len(points), bool), np.arange(len(points))
+    none = np.zeros(len(points), bool)
     near = cKDTree(points).query(points, _NEIGHBOURS + 1)[1]
     strict = _OFF_STRICT, _SIZE_STRICT
-    corner = inside & (_count_lines(points, diameters, near, inside, everything, strict) >= _CORNER)
+    spacing = float(np.median(np.linalg.norm(points[near[:, 1]] - points, axis=1)))
+    rows = np.flatnonzero(inside & (_beyond_hull(points, points)[0] > -2.0 * _WIDTH * spacing))
+    corner = np.zeros(len(points), bool)
+    corner[rows] = _count_lines(points, diameters, near, inside, rows, strict) >= _CORNER
     for first in (True, False, False):
         numbers = np.flatnonzero(inside)
         distance, near = cKDTree(points[inside]).query(points[inside], _NEIGHBOURS + 2)
@@ -121,7 +124,10 @@ def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolAr
         uneven = np.median(np.abs(gap[linked] - np.median(gap[linked])))
         if first and (uneven > _UNEVEN or np.median(slope[linked] / apart[linked]) > _STEEP):
             return none
-        inside = inside & (~outer | good)
+        still = inside & (~outer | good)
+        if (still == inside).all():
+            break
+        inside = still
     return ~inside & (_beyond_hull(points[inside], points)[0] > _BEYOND * step)
 
 
