@@ -64,11 +64,13 @@ def _round(value: float) -> float | None:
 
 
 def renew(stages: list[str]) -> None:
-    """Write new results of stages, all if none is named, which gives them new stamps."""
+    """Write new results of stages, all if none is named; a stage whose results agree keeps them and its stamp."""
     stored = json.loads(BEHAVIOUR_FILE.read_text()) if BEHAVIOUR_FILE.exists() else {}
     _write({stage: stored.get(stage, {}) for stage in CASES})  # stages ask for the stamps of all
     for stage in stages or CASES:
-        stored[stage] = compute(stage)
+        found = compute(stage)
+        if stage not in stored or compare(stage, stored[stage], found):
+            stored[stage] = found
     _write({stage: stored[stage] for stage in CASES})
 
 

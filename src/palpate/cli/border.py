@@ -66,7 +66,7 @@ def _loses_interruption(frame: FrameType | None) -> bool:
 def _answer(command: Callable[[], Any]) -> int:
     try:
         code = command()
-    except ValidationError as error:
+    except ValidationError as error:  # before `PalpateError`: a `SpecError` is both, and flags are named here
         return _refuse(_describe_all(error), "See --help for units and bounds.", _kind(error))
     except PalpateError as error:
         if _is_disk_full(error):

@@ -18,7 +18,7 @@ _OFF, _SIZE = 0.22, 1.4
 _OFF_STRICT, _SIZE_STRICT = 0.14, 1.25
 """Limits of a blob that continues the lattice: distance from a line, and ratio of diameters.
 
-The distance is from the extrapolated line of two neighbours, over theirs.
+The distance is from the extrapolated line of two neighbours, over theirs. The strict limits are for corners of rows.
 """
 _LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
 """Lines that an inner marker ends, and minimum share of such markers.
@@ -36,9 +36,9 @@ _ROW, _GAP, _SLOPE = 5, (0.75, 1.4), 30.0
 The distances are over the lattice step, the slope is in degrees.
 """
 _CORNER, _NEAR = 3, 1.3
-"""Lines that a corner marker ends, or neighbours within `_NEAR` lattice steps.
+"""Lines that end at a marker, or neighbours within `_NEAR` lattice steps.
 
-A corner needs no row.
+So many keep a marker without a row, such as at a corner of the field.
 """
 _ROWS, _UNEVEN, _STEEP, _MARKS = 0.7, 0.06, 0.15, 4
 """Limits of rows: share of markers near the border, median deviation of their gaps, median slope.
@@ -70,6 +70,7 @@ def find_strays(points: FloatArray, diameters: FloatArray) -> BoolArray:
 
 
 def _find_outside_lattice(points: FloatArray, diameters: FloatArray) -> BoolArray:
+    """Return which blobs (n,) beyond a hexagonal lattice are on fewer than two of its lines."""
     none = np.zeros(len(points), bool)
     distance, near = cKDTree(points).query(points, _NEIGHBOURS + 1)
     if np.median(distance[:, 6] / np.maximum(distance[:, 1], 1e-9)) > _HEXAGON:
@@ -89,7 +90,11 @@ def _find_outside_lattice(points: FloatArray, diameters: FloatArray) -> BoolArra
 
 
 def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolArray) -> BoolArray:
-    """Return which blobs near the border of those inside stand in no row along it."""
+    """Return which blobs (n,) near the border of those inside stand in no row along it.
+
+    A row is a chain of blobs of similar size at about one lattice step, nearly parallel to the border. Blobs without
+    one leave, and the border is determined again, up to three times.
+    """
     none = np.zeros(len(points), bool)
     near = cKDTree(points).query(points, _NEIGHBOURS + 1)[1]
     strict = _OFF_STRICT, _SIZE_STRICT
@@ -108,7 +113,7 @@ def _find_outside_rows(points: FloatArray, diameters: FloatArray, inside: BoolAr
             return none
         normal = _beyond_hull(points[inside & ~outer], points)[1]
         local = np.clip(np.median(own[near[:, 1:]], axis=1), 0.7 * step, 1.4 * step)
-        own[inside] = local
+        own[inside] = local  # lattice step about each blob, px
         i, j = np.repeat(numbers, _NEIGHBOURS + 1), near[:, 1:].ravel()
         arm, apart = points[j] - points[i], distance[:, 1:].ravel()
         slope = np.minimum(np.abs(np.sum(arm * normal[i], axis=1)), np.abs(np.sum(arm * normal[j], axis=1)))

@@ -14,10 +14,10 @@ export function isBlank(slot) {
 }
 
 export function topOfAll() {
-  return Math.max(...Object.values(stage.slots).map((slot) => (slot.motion && !isBlank(slot) ? greatest(slot.motion) : 0))) || 1;
+  return Math.max(...Object.values(stage.slots).map((slot) => (slot.motion && !isBlank(slot) ? maximum(slot.motion) : 0))) || 1;
 }
 
-function greatest(motion) {
+function maximum(motion) {
   const name = stage.look.colour;
   motion.tops ??= {};
   if (name in motion.tops) return motion.tops[name];
