@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
-
-import numpy as np
 
 from palpate.core.errors import PalpateError
 from palpate.core.text_lines import HEAD, Line
@@ -22,20 +21,40 @@ _NUMBERS_WITHIN = re.compile(r"[-+\d.,][;,|\t ]+[-+\d.,]|[\d.][;,|\t]$|^\d+[.,]\
 _MIN_ROWS = 5
 """Fewer rows after the table may be a footer."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
+_THOUSANDS = {
+    decimal: re.compile(
+        rf"[-+]?\d{{1,3}}(?:(?:{mark}\d{{3}})+{point}\d+|(?:{mark}\d{{3}}){{2,}}"
+        rf"|(?:[ \xa0\u202f'’]\d{{3}})+(?:{point}\d+)?)"
+    )
+    for decimal, mark, point in ((".", ",", r"\."), (",", r"\.", ","))
+}
+"""Decimal mark → numbers with marks between the thousands that cannot be decimal marks."""
+_FORTRAN = re.compile(r"[-+]?[\d.]+[dD][-+]?\d+")
+_QUANTITY = re.compile(r"([-+\u2212]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?)\s?([^\d\s.,].*)")
+_TOKEN = re.compile(r"\S+(?:\s+[\[(][^\[\]()]*[\])])?")
+"""Name of a column between spaces, with a unit in brackets behind it."""
 
 
 def parse_number(cell: str, decimal: str = ".") -> float:
     """Value of a cell; NaN if it is empty or no number."""
-    if decimal == ",":
-        if "." in cell:
-            return float("nan")
-        cell = cell.replace(",", ".")
-    try:
-        return float(cell) if "_" not in cell else float("nan")
-    except ValueError:
-        if cell[:1] == "\u2212":
-            return parse_number("-" + cell[1:])
-        return _TRUTH_VALUES.get(cell.lower(), float("nan"))
+    if decimal == "." or "." not in cell:
+        try:
+            return float(cell.replace(decimal, ".")) if "_" not in cell else float("nan")
+        except ValueError:
+            pass
+    if cell[:1] == "\u2212":
+        return parse_number("-" + cell[1:], decimal)
+    if _THOUSANDS[decimal].fullmatch(cell):
+        return float(re.sub(r"[^-+\d,.]" + ("|," if decimal == "." else r"|\."), "", cell).replace(",", "."))
+    if _FORTRAN.fullmatch(cell):
+        return parse_number(re.sub("[dD]", "e", cell), decimal)
+    return _TRUTH_VALUES.get(cell.lower(), float("nan"))
+
+
+def split_quantity(cell: str) -> tuple[str, str]:
+    """Number and unit of a cell such as ``12.5 N`` or ``3%``; an empty unit without one."""
+    found = _QUANTITY.fullmatch(cell)
+    return (found[1], found[2]) if found and is_unit(found[2]) else (cell, "")
 
 
 @dataclass(frozen=True)
@@ -56,22 +75,24 @@ class Dialect:
             except (csv.Error, StopIteration):
                 text = text.replace('"', "")
         if self.delimiter == " ":
-            return text.split()
+            return text.split() if "(" not in text and "[" not in text else _TOKEN.findall(text)
         return [cell.strip() for cell in text.split(self.delimiter)]
 
     def is_number(self, cell: str) -> bool:
         """Whether a cell is a number."""
-        return bool(np.isfinite(parse_number(cell, self.decimal))) or cell.lower() in ("nan", "inf", "-inf")
+        return math.isfinite(parse_number(cell, self.decimal)) or cell.lower() in ("nan", "inf", "-inf")
 
     def count_numbers(self, cells: list[str]) -> int:
-        """Cells of a row that are numbers."""
-        return sum(self.is_number(cell) for cell in cells if cell)
+        """Numbers of a row: plain ones, or else numbers with their units if all cells are such."""
+        count = sum(self.is_number(cell) for cell in cells if cell)
+        bare = [] if count else [split_quantity(cell)[0] for cell in cells if cell]
+        return len(bare) if all(map(self.is_number, bare)) and bare else count
 
     def fit(self, text: str) -> int:
         """Numbers of a line, less the cells that are numbers only by another dialect; 0 if it is no row."""
         cells = self.split(text)
         numbers = self.count_numbers(cells)
-        bad = sum(not self.is_number(c) and bool(_NUMBERS_WITHIN.search(c)) for c in cells if c)
+        bad = sum(not self.is_number(c) and bool(_NUMBERS_WITHIN.search(split_quantity(c)[0])) for c in cells if c)
         return numbers - 3 * bad if len(cells) >= 2 and numbers else -3 * bad
 
 
@@ -147,9 +168,7 @@ def find_blocks(lines: list[Line], dialect: Dialect) -> list[Block]:
     for _, text in lines:
         cells = dialect.split(text) if text.strip() else []
         filled = sum(map(bool, cells))
-        kinds.append(
-            0 if not filled else 1 if len(cells) >= 2 and any(map(dialect.is_number, filter(None, cells))) else 2
-        )
+        kinds.append(0 if not filled else 1 if len(cells) >= 2 and dialect.count_numbers(cells) else 2)
         widths.append(filled)
     blocks, at, blank = [Block([], [])], 0, False
     while at < len(lines):
@@ -279,9 +298,17 @@ def read_head(
     above = [text.strip() for _, text in lines[:first] if text.strip()]
     widths = [len(trimmed(dialect.split(lines[at][1]))) for at in block.rows[:HEAD]]
     if not block.header:
-        cells = trimmed(dialect.split(comments[-1].lstrip("#/ "))) if comments else []
-        names = tuple(cells) if len(cells) == block.width else ("",) * max(widths)
-        return Head(names if len(cells) == block.width else ("",) * block.width, (), tuple(above))
+        split = (
+            trimmed(one.split(text.lstrip("#/ ")))
+            for text in reversed(comments)
+            for one in (dialect, Dialect(" ", "."))
+        )
+        heads = [
+            tuple(cells) for cells in split if len(cells) == block.width and not any(map(dialect.is_number, cells))
+        ]
+        named = [cells for cells in heads if not all(map(is_unit, cells))]
+        units = heads[0] if named and heads[0] != named[0] else ()
+        return Head(named[0] if named else ("",) * block.width, units, tuple(above))
     if min(widths) > len(block.header):
         raise PalpateError(
             f"{path}: row {lines[first][0] - 1} names {len(block.header)} columns, but row {lines[first][0]} has "

@@ -6,6 +6,7 @@ Every command that reads a table does so by `read_table`.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -18,7 +19,15 @@ from numpy.typing import NDArray
 from palpate.core.arrays import FloatArray, IntArray
 from palpate.core.errors import PalpateError
 from palpate.core.extra import load_extra
-from palpate.core.table_text import COMMENTS, Block, find_blocks, find_dialect, parse_number, read_head
+from palpate.core.table_text import (
+    COMMENTS,
+    Block,
+    find_blocks,
+    find_dialect,
+    parse_number,
+    read_head,
+    split_quantity,
+)
 from palpate.core.text_lines import HEAD, Line, read_bytes, split_lines
 from palpate.core.units import split_unit
 
@@ -155,12 +164,13 @@ def read_table(
     rows = (dialect.split(kept[at][1]) for block in blocks for at in block.rows)
     while part := list(islice(rows, _PART)):
         columns.add(path, part, numbers)
+    names, units, found = _expand(head.names, columns.merge_units(head.units), columns.join())
     return Table(
         path=path,
-        header=head.names,
-        units=head.units,
+        header=names,
+        units=units,
         preamble=(*head.above, *comments),
-        columns=columns.join(),
+        columns=found,
         faults=columns.faults,
         lines=np.array(numbers, np.int64),
         block=np.repeat(np.arange(len(blocks)), [len(block.rows) for block in blocks]),
@@ -202,6 +212,7 @@ class _Columns:
         self._parts: list[list[Column]] = [[] for _ in range(width)]
         self._decimal, self._words = decimal, {word.casefold() for word in words}
         self._numeric: dict[int, bool] = {}
+        self._units: dict[int, str] = {}
         self._count = 0
         self.faults: dict[int, Fault] = {}
 
@@ -226,6 +237,12 @@ class _Columns:
             return np.array(texts)
         values = np.array([parse_number(text, self._decimal) for text in texts], float)
         bad = filled & ~np.isfinite(values)
+        if bad.all():
+            quantities = [split_quantity(text) for text in texts]
+            if len(units := {unit for _, unit in quantities}) == 1 and (unit := units.pop()):
+                values = np.array([parse_number(number, self._decimal) for number, _ in quantities], float)
+                bad = filled & ~np.isfinite(values)
+                self._units[column] = unit
         wrong = int(sum(texts[at].casefold() not in ("nan", "inf", "-inf") for at in np.flatnonzero(bad)))
         if column not in self._numeric and filled.any():
             names = self._words & {texts[at].casefold() for at in np.flatnonzero(bad)}
@@ -239,6 +256,12 @@ class _Columns:
             self.faults[column] = Fault(int(lines[self._count + first]), texts[first])
         return values
 
+    def merge_units(self, units: tuple[str, ...]) -> tuple[str, ...]:
+        """Row of units with those that stand in all cells of a column."""
+        if not self._units:
+            return units
+        return tuple(self._units.get(at, units[at] if units else "") for at in range(len(self._parts)))
+
     def join(self) -> tuple[Column, ...]:
         """Whole columns; a column is text if any part of it is."""
         found = []
@@ -250,6 +273,21 @@ class _Columns:
             ]
             found.append(np.concatenate([part.astype(str) if text else part for part in whole] or [np.empty(0)]))
         return tuple(found)
+
+
+def _expand(
+    names: tuple[str, ...], units: tuple[str, ...], columns: tuple[Column, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...], tuple[Column, ...]]:
+    """Add a column for each number of lists that are the cells of a column: ``[1, 2]``."""
+    for name, column in zip(names, columns, strict=True):
+        if column.dtype.kind == "U" and len(column) and all(cell[:1] + cell[-1:] == "[]" for cell in column.tolist()):
+            cells = [re.split(r"[\s,;]+", cell[1:-1].strip()) for cell in column.tolist()]
+            values = np.array([[parse_number(text) for text in row] for row in cells if len(row) == len(cells[0])])
+            if len(values) == len(column) and np.isfinite(values).all():
+                names = (*names, *(f"{name}_{at}" for at in range(values.shape[1])))
+                units = (*units, *("",) * values.shape[1]) if units else ()
+                columns = (*columns, *values.T)
+    return names, units, columns
 
 
 def flatten(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -267,8 +305,8 @@ def flatten(row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
     def objects() -> Iterator[tuple[int, Any]]:
-        if data.lstrip()[:1] == b"[" and path.suffix.lower() == ".json":
-            yield from enumerate(json.loads(data), start=1)
+        if path.suffix.lower() == ".json" and (whole := _load_whole(data)) is not None:
+            yield from enumerate(whole, start=1)
             return
         for number, line in enumerate(data.splitlines(), start=1):
             if line.strip():
@@ -293,6 +331,25 @@ def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
             code="table-unreadable",
         ) from error
     return _of_records(path, rows, numbers, words)
+
+
+def _load_whole(data: bytes) -> list[Any] | None:
+    """Rows of one JSON value: a list, the list of an object, lists as columns, or an object for each image."""
+    try:
+        value = json.loads(data)
+    except ValueError:
+        return None  # one object on each line
+    if not isinstance(value, dict):
+        return value if isinstance(value, list) else None
+    inner = list(value.values())
+    tables = [one for one in inner if isinstance(one, list) and one and all(isinstance(row, dict) for row in one)]
+    if len(tables) == 1:
+        return tables[0]
+    if inner and all(isinstance(one, list) and len(one) == len(inner[0]) for one in inner):
+        return [dict(zip(value, row, strict=True)) for row in zip(*inner, strict=True)]
+    if len(inner) > 1 and all(isinstance(one, dict) for one in inner):
+        return [{"image": name, **row} for name, row in value.items()]
+    return [value]
 
 
 def _read_parquet(path: Path, words: Sequence[str]) -> Table:

@@ -1,5 +1,6 @@
 """Datasets: images of markers with known poses, simulated from presses or read from recordings."""
 
+from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.dataset import Dataset
 from palpate.datasets.generate_dataset import generate_dataset
 from palpate.datasets.io import dataset_version, read_dataset, write_dataset
@@ -9,7 +10,6 @@ from palpate.datasets.quantities import find_quantities
 from palpate.datasets.randomise import PerturbedPresses
 from palpate.datasets.read_recording import LEAST_PRESSES, Recording, read_recording
 from palpate.datasets.recording_columns import (
-    ColumnMapping,
     PoseColumn,
     find_image_column,
     find_press_column,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from palpate.core import PalpateError
 from palpate.core.units import split_unit
+from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.recording_columns import (
     AXES,
-    ColumnMapping,
     PoseColumn,
     list_columns,
     name_axes,

@@ -10,10 +10,11 @@ import numpy as np
 from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
 from palpate.core.files import natural_key
+from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
-    ColumnMapping,
     PoseColumn,
+    find_gaps,
     find_image_column,
     find_pose_columns,
     find_press_column,
@@ -25,6 +26,7 @@ from palpate.datasets.recording_images import (
     SelectedImages,
     VideoImages,
     find_files,
+    find_numbered_files,
     list_below,
 )
 from palpate.datasets.recording_reader import READERS, RecordingReader
@@ -118,9 +120,17 @@ def read_recording(
     folder = place.parent
     if images is None and choice.image not in table.columns and (folder / choice.image).is_dir():
         folder, choice = folder / choice.image, replace(choice, image="")
-    column = find_image_column(table, choice) if images is None else ""
-    by = find_press_column(table, choice)
     notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
+    column, by = "", find_press_column(table, choice)
+    if images is None:
+        try:
+            column = find_image_column(table, choice)
+        except PalpateError as error:
+            files = [path for path in list_below(folder) if path.stem.lower() != REST]
+            if error.code != "image-column-missing" or len(files) != len(table):
+                raise
+            images, rest = ImageFiles(files), rest or _find_rest(folder)
+            notes.append(f"No column names images: rows are taken as {files[0].name} to {files[-1].name}, in order.")
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
@@ -133,6 +143,10 @@ def read_recording(
         shown = _find_images(folder, posed, column) if images is None else SelectedImages(images, chosen.tolist())
         posed, within = add_forces(posed, shown, choice)
         chosen, posed = chosen[within], posed.rows(within)
+    posed, gaps, said = find_gaps(posed, choice)
+    if said:
+        notes.append(f"{place.name}: {said}.")
+        chosen, posed = chosen[~gaps], posed.rows(~gaps)
     posed = to_surface(posed, choice, (by, column))
     notes += [f"{note}." if not note.endswith(".") else note for note in posed.notes[len(table.notes) :]]
     poses, others, left_out = find_pose_columns(posed, choice, (by, column))
@@ -179,6 +193,7 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
     files = sorted(place.iterdir())
     for reader in readers:
         tables = [path for path in files if reader.accepts(path)]
+        tables = [path for path in tables if path.suffix.lower() != ".json"] or tables  # often about the recording
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):
             return reader, tables[0]
         if tables:
@@ -237,10 +252,12 @@ def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
     found = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
     videos = [path for path in found if path.suffix.lower() in recording_suffixes()]
     which = [0] * len(table) if len(videos) == 1 else _videos_of_rows(table, videos)
+    if which is None and (images := find_numbered_files(folder, table.columns[column].astype(int).tolist())):
+        return ImageFiles(images)
     if which is None:
         raise PalpateError(
-            f"Column {column} numbers images, and {folder} holds {len(videos)} videos.",
-            "Put the one video of these images at the table, or name the video of each row in a column.",
+            f"Column {column} numbers images, and {folder} holds {len(videos)} videos and no image of each.",
+            "Put the one video or the images at the table, or name the video or image of each row in a column.",
             code="recording-several-videos",
         )
     return VideoImages(videos, which, table.columns[column].astype(int).tolist())

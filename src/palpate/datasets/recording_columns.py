@@ -7,14 +7,16 @@ degrees, lengths to mm.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.camera import IMAGE_SUFFIXES
 from palpate.core import FloatArray, PalpateError
-from palpate.core.units import split_unit
+from palpate.core.units import is_unit, split_unit
+from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
@@ -51,6 +53,7 @@ _LENGTH = re.compile(
 FACTORS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
     **dict.fromkeys(("rad", "radian", "radians", "弧度"), ("deg", 180.0 / np.pi)),
+    "mrad": ("deg", 0.18 / np.pi),
     **dict.fromkeys(("mm", "毫米"), ("mm", 1.0)),
     **dict.fromkeys(("um", "µm", "μm"), ("mm", 1e-3)),
     **{"cm": ("mm", 10.0), "m": ("mm", 1e3)},
@@ -71,6 +74,8 @@ AXES = {
 }
 """Alternative names of axes, used if no column has the name itself."""
 _STILL = 1e-9
+_FEW_MISSING = 0.1
+"""Share of rows without a number up to which these rows are left out, above it the column: it was not recorded."""
 _JUMP, _GAP = 150.0, 45.0
 """Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
 _TURN = 3.5
@@ -100,47 +105,6 @@ class PoseColumn:
     note: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class ColumnMapping:
-    """Meaning and units of columns that a table does not state itself.
-
-    Attributes
-    ----------
-    targets
-        Columns to estimate, ``pose_4=rx_deg`` if the name does not state the quantity; empty for rx, ry and depth
-        if they exist, else all.
-    image, press
-        Names of these columns; empty if recognised.
-    angles, lengths
-        Units of columns without a unit, ``deg`` or ``rad``, ``mm`` or ``m``; empty if the values decide.
-    euler
-        Orientation of three or more columns: order of Euler angles, as scipy names it (``xyz`` about fixed axes,
-        ``XYZ`` about rotated ones), ``rotvec``, ``xyzw`` or ``wxyz`` for quaternions, ``matrix``; empty if names and
-        values state it, or angles are a tilt as they stand.
-    frame
-        Point of the pressed surface in mm and its outward normal, in the frame of the poses: ``x,y,z,nx,ny,nz``,
-        empty if poses are relative to it, or it is estimated.
-    pose
-        Topic of the poses of a ROS bag; empty if it has one.
-    forces
-        Table of forces with their times.
-    times, force_unit
-        Units of times and of forces without a unit: ``s``, ``ms``, ``us`` or ``ns``; ``N``, ``mN``, ``kN``, ``gf``, …
-    """
-
-    targets: tuple[str, ...] = ()
-    image: str = ""
-    press: str = ""
-    angles: str = ""
-    lengths: str = ""
-    euler: str = ""
-    frame: str = ""
-    pose: str = ""
-    forces: Path | None = None
-    times: str = ""
-    force_unit: str = ""
-
-
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     """Name of the column that names images, or numbers them.
 
@@ -161,9 +125,9 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
             "Choose one by --image.",
             code="column-ambiguous",
         )
-    numbered = [name for name in table.columns if name.strip().lower() in _IMAGE and table.is_numeric(name)]
-    if len(numbered) == 1:
-        return numbered[0]
+    called = [name for name in table.columns if name.strip().lower() in _IMAGE]
+    if len(called) == 1:  # numbers, or names without their ending
+        return called[0]
     raise PalpateError(
         f"No column of {table.name} names images; it has {list_columns(table)}.",
         "Name the column of image files by --image.",
@@ -239,6 +203,31 @@ def find_pose_columns(
         chosen.sort(key=lambda one: learn.index(one.column))
     others = tuple(one for one in poses if one not in chosen)
     return tuple(chosen), others, tuple(left_out)
+
+
+def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[RecordingTable, NDArray[np.bool_], str]:
+    """Rows in which a few numbers of the pose are missing.
+
+    Returns
+    -------
+    tuple
+        The table without the faults of these rows, (n,) whether a row is one of them, and a sentence; empty without
+        such rows.
+    """
+    gaps, names = np.zeros(len(table), bool), []
+    asked = {text.partition("=")[0].strip().casefold() for text in choice.targets}
+    for name, values in table.columns.items():
+        posed = _ANGLE.search(name.lower()) or _LENGTH.search(name.lower())
+        if table.is_numeric(name) and (name.casefold() in asked if asked else posed):
+            missing = ~np.isfinite(as_numbers(values))
+            if 0 < missing.sum() <= _FEW_MISSING * len(values):
+                gaps |= missing
+                names.append(name)
+    if not names:
+        return table, gaps, ""
+    faults = {name: fault for name, fault in table.faults.items() if name not in names}
+    said = f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
+    return replace(table, faults=faults), gaps, said
 
 
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
@@ -336,6 +325,8 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
     if unit not in FACTORS or not bare:
         bare = low
+        if is_unit(unit) and unit not in ("-", "1") and not choice.angles + choice.lengths:
+            return PoseColumn(name, short_name(low), "1", values, f"Column {name} is in {unit}; it is kept.")
         if _ANGLE.search(low):
             unit = choice.angles or ("deg" if most > _TURN and not _fits_circle(values) else "")
             other, flag = (

@@ -6,6 +6,7 @@ They are read in ascending order, one by one.
 from __future__ import annotations
 
 import os
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -157,27 +158,52 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
     direct = [folder / name.replace("\\", "/") for name in names]
     if all(path.is_file() for path in direct):
         return direct
-    below: dict[str, list[Path]] = {}
-    for path in list_below(folder):
-        below.setdefault(path.name, []).append(path)
-    twice = next(
-        (below[path.name] for path in direct if not path.is_file() and len(below.get(path.name, ())) > 1), None
+    files = list_below(folder)
+    for key in (_whole_name, _bare_name):  # converted copies differ in their ending only
+        below: dict[str, list[Path]] = {}
+        for path in files:
+            below.setdefault(key(path), []).append(path)
+        twice = next(
+            (below[key(path)] for path in direct if not path.is_file() and len(below.get(key(path), ())) > 1), None
+        )
+        if twice:
+            folders = [str(path.parent.relative_to(folder)) for path in twice]
+            raise PalpateError(
+                f"{twice[0].name} is in {len(folders)} folders: {', '.join(folders)}.",
+                f"Choose one by --image, such as --image {folders[-1]}.",
+                code="images-in-several-folders",
+            )
+        found = [path if path.is_file() else below.get(key(path), [path])[0] for path in direct]
+        if any(path.is_file() for path in found):
+            return found
+    raise PalpateError(
+        f"None of the {len(names)} images of the table exists; the first is {names[0]}.",
+        f"Put them next to the table, into {folder} or a folder in it.",
+        code="images-missing",
     )
-    if twice:
-        folders = [str(path.parent.relative_to(folder)) for path in twice]
-        raise PalpateError(
-            f"{twice[0].name} is in {len(folders)} folders: {', '.join(folders)}.",
-            f"Choose one by --image, such as --image {folders[-1]}.",
-            code="images-in-several-folders",
-        )
-    found = [path if path.is_file() else below.get(path.name, [path])[0] for path in direct]
-    if not any(path.is_file() for path in found):
-        raise PalpateError(
-            f"None of the {len(names)} images of the table exists; the first is {names[0]}.",
-            f"Put them next to the table, into {folder} or a folder in it.",
-            code="images-missing",
-        )
-    return found
+
+
+def find_numbered_files(folder: Path, numbers: Sequence[int]) -> list[Path] | None:
+    """Image files by the last number in their names; `None` if a number is missing or in several names."""
+    below: dict[int, list[Path]] = {}
+    for path in list_below(folder):
+        if digits := re.findall(r"\d+", path.stem):
+            below.setdefault(int(digits[-1]), []).append(path)
+    if any(len(below.get(number, ())) != 1 for number in numbers):
+        return None
+    return [below[number][0] for number in numbers]
+
+
+def _whole_name(path: Path) -> str:
+    return path.name
+
+
+def _bare_name(path: Path) -> str:
+    return (path.stem if _is_image(path) else path.name).casefold()
+
+
+def _is_image(path: Path) -> bool:
+    return path.suffix.lower() in IMAGE_SUFFIXES
 
 
 def list_below(folder: Path) -> list[Path]:
@@ -189,5 +215,5 @@ def list_below(folder: Path) -> list[Path]:
             inner.clear()
             continue
         entered.add(real)
-        found += [Path(place) / name for name in files if Path(name).suffix.lower() in IMAGE_SUFFIXES]
+        found += [path for name in files if _is_image(path := Path(place) / name)]
     return sorted(found, key=lambda path: natural_key(str(path)))

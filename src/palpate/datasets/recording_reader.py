@@ -77,7 +77,7 @@ class RecordingReader(ABC):
 class TableReader(RecordingReader):
     """Text tables, JSON lines and Parquet next to image files or a video."""
 
-    formats = ".csv, .tsv, .txt, .dat, .jsonl, .ndjson, .parquet"
+    formats = ".csv, .tsv, .txt, .dat, .json, .jsonl, .ndjson, .parquet"
 
     @classmethod
     def accepts(cls, place: Path) -> bool:

@@ -14,8 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.units import split_unit
+from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.quantities import find_angles_and_lengths
-from palpate.datasets.recording_columns import ColumnMapping, PoseColumn, short_name
+from palpate.datasets.recording_columns import PoseColumn, short_name
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _EULER = ("roll", "pitch", "yaw")

@@ -19,7 +19,9 @@ _STRAIN = re.compile(
     re.I,
 )
 _TRAVEL = re.compile(
-    r"extension|displacement|crosshead|travel|weg\b|traverse|position|d[ée]placement|位移|变形|変位|ストローク", re.I
+    r"extension|displacement|crosshead|travel|stroke|deflection|weg\b|traverse|position|\bhub\b|l[äa]ngen[äa]nderung"
+    r"|verl[äa]ngerung|verformung|d[ée]placement|\bcourse\b|位移|行程|变形|変位|ストローク",
+    re.I,
 )
 _STRESS = re.compile(r"stress|spannung|contrainte|应力|応力|σ", re.I)
 _FORCE = re.compile(r"force|load|kraft|\blast\b|\bcharge\b|载荷|荷重|力", re.I)
@@ -152,6 +154,9 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
         raise _several(table, kind, several)
     pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
     _check_apart(table, pairs)
+    for pair in pairs:
+        refuse_faults(table, pair.strain)
+        refuse_faults(table, pair.stress)
     strain_unit, factor, assumed = _strain_unit(table, pairs, spec)
     return Columns(
         pairs=pairs,
@@ -200,6 +205,11 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
         found = _matching(table, pattern)
         if found := [at for at in found if not _TRUE.search(table.header[at])] or found:
             return found
+    known = _STRESS_UNITS.keys() if kind == "stress" else _STRAIN_UNITS.keys() - {"-", "–", "1"}
+    found = [at for at in range(len(table.columns)) if known & {text.lower() for text in _written(table, [at])}]
+    found = [at for at in found if table.is_numeric(at)]
+    if len(found) == 1:
+        return found
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
         f"Choose one: --{kind} NAME or NUMBER, and --{kind}-unit.",

@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.tables import Table
-from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns, refuse_faults
+from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns
 from palpate.material.cycles import select_cycle
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
@@ -142,7 +142,6 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
     if columns.sample is None:
         found = []
         for pair in columns.pairs:
-            refuse_faults(table, pair.strain)
             number = _blocks(table, table.numbers(pair.strain))
             found += [(pair, number == at) for at in np.unique(number)]
         for at, (pair, rows) in enumerate(found, start=1):
@@ -170,8 +169,6 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
 
 def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Strain, stress and lines of a sample; rows at the end where both cells are empty are left out."""
-    for column in (pair.strain, pair.stress):
-        refuse_faults(table, column)
     strain, stress = table.numbers(pair.strain)[rows], table.numbers(pair.stress)[rows]
     lines = table.lines[rows]
     filled = np.flatnonzero(~(np.isnan(strain) & np.isnan(stress)))

@@ -138,6 +138,7 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
         data = text("strain (%),stress (kPa)", 100 * sign * c, -sign * 1e3 * yeoh(1 - c)).encode()
         yield Case(f"compression of sign {sign}", data, right=squeezed, file="compression.csv")
     yield from cyclic_cases()
+    yield from more_material_cases(e, p)
     stiff = text("Strain,Stress (MPa)", 100 * np.linspace(0.001, 0.1, 30), 0.1 * np.linspace(0.001, 0.1, 30)).encode()
     yield Case("per cent without a unit, soft", stiff, code="modulus-implausible")
     yield Case(
@@ -161,6 +162,56 @@ def material_cases(seed: int = 0) -> Iterator[Case]:
     )
     yield Case("a spreadsheet", b"PK\x03\x04" + bytes(200), code="file-is-spreadsheet")
     yield Case("an unreadable Parquet file", b"PAR1 nothing", code="file-unreadable", file="tension.parquet")
+
+
+def more_material_cases(e: np.ndarray, p: np.ndarray) -> Iterator[Case]:
+    """Units in cells, marks between thousands, headings in comments, names of travel that few machines use."""
+    one = (np.stack([1 + e, p]),)
+    size = {"gauge_length": 33.0, "section": 18.0}
+
+    def cells(head: str, form: str) -> bytes:
+        return (head + "".join(form.format(e=a, p=b) for a, b in zip(e, p, strict=True))).encode()
+
+    yield Case("unit in every cell", cells("Strain,Stress\n", "{e:.9g},{p:.9g} MPa\n"), right=one)
+    percent = (head := "Strain,Stress (MPa)\n") + "".join(
+        f"{100 * a:.9g}%,{b:.9g}\n" for a, b in zip(e, p, strict=True)
+    )
+    yield Case("per cent in every cell", percent.encode(), right=one)
+    yield Case("units in all cells", percent.replace(head, "Strain,Stress\n").replace("\n", " MPa\n").replace(
+        "Stress MPa", "Stress").encode(), right=one)  # fmt: skip
+    yield Case("some cells with a unit", cells(head, "{e:.9g},{p:.9g}\n") + b"2.1,0.2 MPa\n", code="value-not-number")
+    pascal = [f"{1e6 * b:,.1f}" for b in p]
+    right = (np.stack([1 + e, [float(cell.replace(",", "")) / 1e6 for cell in pascal]]),)
+    marks = {
+        "English": (",", ".", ","),
+        "German": (".", ",", ";"),
+        "Swiss": ("'", ".", ";"),
+        "French": ("\u202f", ",", ";"),
+    }
+    for name, (thousand, decimal, sep) in marks.items():
+        rows = [
+            f"{a:.9f}".replace(".", decimal) + sep + f'"{cell}"'.translate({44: thousand, 46: decimal})
+            for a, cell in zip(e, pascal, strict=True)
+        ]
+        data = "\n".join([f"Strain (mm/mm){sep}Stress (Pa)", *rows, ""])
+        yield Case(f"marks between thousands, {name}", data.encode(), right=right)
+    fortran = cells("strain stress_MPa\n", "{e:.9E} {p:.9E}\n").replace(b"E", b"D")
+    yield Case("exponents of Fortran", fortran, right=one)
+    yield Case("heading in a comment", cells("# tester A\n# strain [1]  stress [MPa]\n", "{e:.9g} {p:.9g}\n"),
+               right=one)  # fmt: skip
+    yield Case("heading and units in comments", cells("# strain stress\n# % MPa\n", "{e:.9g} {p:.9g}\n"),
+               right=(np.stack([1 + e / 100, p]),))  # fmt: skip
+    yield Case(
+        "names with units between spaces", cells("strain [mm/mm] stress [MPa]\n", "{e:.9g} {p:.9g}\n"), right=one
+    )
+    lists = "\n".join(["curve,note", *(f'"[{a:.9g}, {b:.9g}]",x' for a, b in zip(e, p, strict=True)), ""])
+    asked = {"strain": "curve_0", "stress": "curve_1", "strain_unit": "mm/mm", "stress_unit": "MPa"}
+    yield Case("lists in cells", lists.encode(), asked, one)
+    for travel in ("Stroke", "Hub", "Course", "Deflection", "Längenänderung", "行程", "Jaw separation", "dL"):
+        data = text(f"Time,Force,{travel}\nSec,N,mm", np.arange(40.0), 18 * p, 33 * e)
+        yield Case(f"travel called {travel}", data.encode(), size, one)
+    yield Case("columns known by their units", text("A (s),B (mm),C (kN)", e, 33 * e, 0.018 * p).encode(), size, one)
+    yield Case("two columns of one unit", text("A (mm),B (mm),C (kN)", e, e, p).encode(), size, code="column-missing")
 
 
 def cyclic_cases() -> Iterator[Case]:
@@ -239,6 +290,30 @@ def pose_cases(seed: int = 0) -> Iterator[Case]:
         for n, (a, b, d) in zip(names, plain.tolist(), strict=True)
     ]
     yield Case("poses as JSON lines", "\n".join(lines).encode(), right=right, file="poses.jsonl")
+    turns = [np.pi / 0.18, np.pi / 0.18, 1e3]
+    yield Case("poses in mrad", rows("image,rx_mrad,ry_mrad,depth_um", plain * turns).encode(),
+               right=right)  # fmt: skip
+    cells = [f"{n},{a:.9g}°,{b:.9g}°,{d:.9g} mm" for n, (a, b, d) in zip(names, plain, strict=True)]
+    yield Case("units in cells of poses", "\n".join(["image,rx,ry,depth", *cells, ""]).encode(), right=right)
+    plural = rows("image,rx_deg,ry_deg,depth_mm", plain)
+    yield Case("images without endings", plural.replace(".png", "").encode(), right=right)
+    yield Case("images of another ending", plural.replace(".png", ".JPG").encode(), right=right)
+    yield Case("images by number", plural.replace("image", "frame").replace("img_", "").replace(".png", "").encode(),
+               right=right)  # fmt: skip
+    yield Case("no images named", "\n".join(line.split(",", 1)[1] for line in plural.split()).encode(), right=right)
+    folders = {"Windows": "C:\\data\\run\\", "Linux": "/home/lab/run/", "below": "images/"}
+    for name, folder in folders.items():
+        yield Case(f"images in a folder, {name}", plural.replace("img_", folder + "img_").encode(), right=right)
+    fields = [dict(zip(("rx_deg", "ry_deg", "depth_mm"), row, strict=True)) for row in plain.tolist()]
+    named = [{"file_path": n, **row} for n, row in zip(names, fields, strict=True)]
+    whole = {
+        "an object for each image": dict(zip(names, fields, strict=True)),
+        "a list": named,
+        "a list in an object": {"sensor": "A", "frames": named},
+        "columns": {key: [row[key] for row in named] for key in named[0]},
+    }
+    for name, value in whole.items():
+        yield Case(f"JSON: {name}", json.dumps(value, indent=1).encode(), right=right, file="poses.json")
     yield Case("no units", rows("image,rx,ry,depth", plain / 100).encode(), code="column-unit-unknown")
     yield Case("column twice", rows("image,rx_deg,rx_deg,depth_mm", plain).encode(), code="column-twice")
     yield Case("no header", rows("", plain).strip().encode(), code="header-missing")

@@ -182,9 +182,9 @@ MALFORMED: dict[str, tuple[str | bytes, dict[str, object], tuple[str, ...]]] = {
         ("value-not-number", "row 27", "column 1", "2.5"),
     ),
     "thousands": (
-        table(delimiter=";", decimal=",", header="strain;stress (Pa)") + "2,5;1.234,5\n",
+        table(delimiter=";", decimal=",", header="strain;stress (Pa)") + "2,5;1.2345,6\n",
         {},
-        ("value-not-number", "1.234,5"),
+        ("value-not-number", "1.2345,6"),
     ),
     "a row too long": (table() + "2.1,0.1,7\n", {}, ("row-length-wrong", "row 27", "3", "2")),
     "mixed units": (
