@@ -334,7 +334,7 @@ def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
 
 
 def _load_whole(data: bytes) -> list[Any] | None:
-    """Rows of one JSON value: a list, the list of an object, lists as columns, or an object for each image."""
+    """Rows of one JSON value: a list, alone or in an object, lists as columns, or an object an image."""
     try:
         value = json.loads(data)
     except ValueError:

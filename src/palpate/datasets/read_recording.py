@@ -29,7 +29,7 @@ from palpate.datasets.recording_images import (
     find_numbered_files,
     list_below,
 )
-from palpate.datasets.recording_reader import READERS, RecordingReader
+from palpate.datasets.recording_reader import READERS, RecordingReader, TableReader
 from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
@@ -121,16 +121,10 @@ def read_recording(
     if images is None and choice.image not in table.columns and (folder / choice.image).is_dir():
         folder, choice = folder / choice.image, replace(choice, image="")
     notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
-    column, by = "", find_press_column(table, choice)
-    if images is None:
-        try:
-            column = find_image_column(table, choice)
-        except PalpateError as error:
-            files = [path for path in list_below(folder) if path.stem.lower() != REST]
-            if error.code != "image-column-missing" or len(files) != len(table):
-                raise
-            images, rest = ImageFiles(files), rest or _find_rest(folder)
-            notes.append(f"No column names images: rows are taken as {files[0].name} to {files[-1].name}, in order.")
+    by = find_press_column(table, choice)
+    column, images = ("", images) if images is not None else _name_images(table, choice, folder, notes)
+    if not column and reader is TableReader:
+        rest = rest or _find_rest(folder)
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
@@ -167,6 +161,20 @@ def read_recording(
     found = Recording(place.name, images, names[: len(chosen)], poses, others, press, len(at_rest), tuple(notes))
     _refuse_small(found)
     return found
+
+
+def _name_images(
+    table: RecordingTable, choice: ColumnMapping, folder: Path, notes: list[str]
+) -> tuple[str, ImageSet | None]:
+    """Column that names the images; without one, the images themselves if the folder has one for each row."""
+    try:
+        return find_image_column(table, choice), None
+    except PalpateError as error:
+        files = [path for path in list_below(folder) if path.stem.lower() != REST]
+        if error.code != "image-column-missing" or len(files) != len(table):
+            raise
+        notes.append(f"No column names images: rows are taken as {files[0].name} to {files[-1].name}, in order.")
+        return "", ImageFiles(files)
 
 
 def _find_rest(folder: Path) -> Path | None:

@@ -75,7 +75,7 @@ AXES = {
 """Alternative names of axes, used if no column has the name itself."""
 _STILL = 1e-9
 _FEW_MISSING = 0.1
-"""Share of rows without a number up to which these rows are left out, above it the column: it was not recorded."""
+"""Share of rows without a number above which the column is left out, not these rows."""
 _JUMP, _GAP = 150.0, 45.0
 """Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
 _TURN = 3.5

@@ -184,7 +184,7 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
 
 
 def find_numbered_files(folder: Path, numbers: Sequence[int]) -> list[Path] | None:
-    """Image files by the last number in their names; `None` if a number is missing or in several names."""
+    """Image files by the last number in their names; `None` if one is missing or in several names."""
     below: dict[int, list[Path]] = {}
     for path in list_below(folder):
         if digits := re.findall(r"\d+", path.stem):
