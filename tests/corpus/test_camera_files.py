@@ -52,6 +52,12 @@ def ros_yaml(values: list[float], model: str) -> str:
     )
 
 
+def numbers(prefix: str, values: list[float], names: str = "k1 k2 p1 p2 k3") -> str:
+    pairs = {"fx": FX, "fy": FY, "cx": CX, "cy": CY, "width": SIZE[0], "height": SIZE[1]}
+    pairs |= dict(zip(names.split(), values, strict=False))
+    return "".join(f"{prefix}{key}: {value}\n" for key, value in pairs.items())
+
+
 def ros_echo(values: list[float], model: str, names: str = "dk", blocks: bool = True) -> str:
     d, k = names
     lists = {d: values, k: FLAT}
@@ -110,6 +116,31 @@ READ = {
     "echo_ros1_fisheye.yaml": (ros_echo(LENS["fisheye"], '"equidistant"', "DK", blocks=False), "fisheye"),
     "ost.ini": (ost_ini(LENS[5]), 5),
     "ost.txt": (ost_ini(LENS[5]).replace("\n", "\r\n"), 5),
+    "numbers.yaml": (numbers("", LENS[4]), 4),
+    "numbers_of_orb_slam.yaml": ("%YAML:1.0\n---\n" + numbers("Camera.", LENS[5]), 5),
+    "numbers_of_a_fisheye.yaml": (numbers("", LENS["fisheye"], "k1 k2 k3 k4"), "fisheye"),
+    "nerfstudio.json": (
+        json.dumps(
+            {"camera_model": "OPENCV", "fl_x": FX, "fl_y": FY, "cx": CX, "cy": CY, "w": SIZE[0], "h": SIZE[1]}
+            | dict(zip(("k1", "k2", "p1", "p2"), LENS[4], strict=True))
+        ),
+        4,
+    ),
+    "groups.json": (
+        json.dumps(
+            {
+                "intrinsics": {"fx": FX, "fy": FY, "cx": CX, "cy": CY},
+                "imageSize": {"width": SIZE[0], "height": SIZE[1]},
+                "distCoeffs": LENS[5],
+            }
+        ),
+        5,
+    ),
+    "euroc.yaml": (
+        f"resolution: [{SIZE[0]}, {SIZE[1]}]\ncamera_model: pinhole\nintrinsics: [{FX}, {FY}, {CX}, {CY}]\n"
+        f"distortion_model: radial-tangential\ndistortion_coefficients: {LENS[4]}\n",
+        4,
+    ),
     "camchain.yaml": (kalibr(LENS[4], "radtan"), 4),
     "camchain_fisheye.yaml": (kalibr(LENS["fisheye"], "equidistant"), "fisheye"),
 }
@@ -177,3 +208,15 @@ def test_a_camera_file_that_says_too_little_is_refused_in_a_sentence(name: str, 
         read_calibration(path)
     assert caught.value.remedy
     assert "\n" not in caught.value.problem
+
+
+@pytest.mark.parametrize("sized", [True, False])
+def test_arrays_of_opencv_are_read_if_they_state_the_size_of_the_image(sized: bool, tmp_path: Path) -> None:
+    path = tmp_path / "calibration.npz"
+    size = {"image_size": np.array(SIZE)} if sized else {}
+    np.savez(path, mtx=MATRIX, dist=np.array([LENS[5]]), rvecs=np.zeros((3, 3, 1)), **size)
+    if sized:
+        assert read_calibration(path).intrinsics_px == pytest.approx([FX, FY, CX, CY])
+        return
+    with refused("calibration-file-unreadable", "image_width"):
+        read_calibration(path)

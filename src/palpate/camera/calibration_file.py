@@ -6,15 +6,17 @@ rows, cols and data; OpenCV requires the first line and the mark ``!!opencv-matr
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError
+from zipfile import BadZipFile
 
 import numpy as np
 from ruamel.yaml.error import YAMLError
 
 from palpate.camera.calibration import Calibration
-from palpate.camera.camera_formats import flat, read_camera_text
+from palpate.camera.camera_formats import flat, read_camera_file
 from palpate.camera.lens import LENSES, Lens, lens_from_model, make_lens
 from palpate.camera.lenses.brown import Brown
 from palpate.core import FloatArray, PalpateError
@@ -65,7 +67,7 @@ def read_calibration(path: Path) -> Calibration:
         If the file is not a calibration, or its coefficients are not those of the lens model that it names.
     """
     try:
-        return _calibration(path.name, read_camera_text(path.name, path.read_text(encoding="utf-8")))
+        return _calibration(path.name, read_camera_file(path))
     except (
         OSError,
         UnicodeDecodeError,
@@ -77,10 +79,13 @@ def read_calibration(path: Path) -> Calibration:
         TypeError,
         ValueError,
         AttributeError,
+        EOFError,
+        BadZipFile,
+        zlib.error,
     ) as error:
         raise PalpateError(
             f"{path.name} is not a calibration: {_first_line(error)}.",
-            "Give YAML, XML or JSON of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a camchain of Kalibr.",
+            "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a camchain of Kalibr.",
             code="calibration-file-unreadable",
         ) from error
 

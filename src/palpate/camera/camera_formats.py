@@ -1,7 +1,8 @@
 """Conversion of camera files of other tools to the keys of ROS's ``camera_info`` YAML.
 
 Supported are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
-``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr. Matrices may be blocks with ``data``, nested or flat lists.
+``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; fx, fy, cx, cy, k1 … as single numbers, such as those of ORB-SLAM
+and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
 """
 
 from __future__ import annotations
@@ -9,31 +10,34 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 from ruamel.yaml import YAML
 
 from palpate.core import PalpateError
 
 KALIBR_LENSES = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
 """Lens models of ROS by their names in Kalibr."""
+_INTRINSICS = (("fx", "fl_x"), ("fy", "fl_y"), ("cx", "ppx", "c_x"), ("cy", "ppy", "c_y"))
 _CAMERA = re.compile(r"cam\d+")
 _NAMES = {
     "camera_matrix": ("k", "cameramatrix", "camera_matrix", "mtx", "intrinsic_matrix"),
     "distortion_coefficients": (
         *("d", "distcoeffs", "dist_coeffs", "dist_coeff", "dist", "distortion_coefficients", "distortion"),
-        *("distortion_coeffs", "distcoefs"),
+        *("distortion_coeffs", "distcoefs", "coeffs"),
     ),
-    "image_width": ("image_width", "width"),
-    "image_height": ("image_height", "height"),
+    "image_width": ("image_width", "width", "w"),
+    "image_height": ("image_height", "height", "h"),
     "image_size": ("image_size", "imagesize", "resolution"),
-    "distortion_model": ("distortion_model", "model", "lens_model"),
+    "distortion_model": ("distortion_model", "model", "lens_model", "camera_model"),
 }
 """Names of each key in files, in lower case, by the key of ROS."""
 
 
-def read_camera_text(name: str, text: str) -> dict[str, Any]:
+def read_camera_file(path: Path) -> dict[str, Any]:
     """Return the content of a camera file by the keys of ROS's ``camera_info`` YAML.
 
     Raises
@@ -43,7 +47,11 @@ def read_camera_text(name: str, text: str) -> dict[str, Any]:
     ValueError
         If the text does not have its format; ruamel and ElementTree raise their own errors.
     """
-    start = text.lstrip("\ufeff \r\n\t")
+    name = path.name
+    if path.suffix.lower() == ".npz":
+        with np.load(path) as arrays:
+            return _by_ros_keys(name, {key: arrays[key].tolist() for key in arrays.files})
+    start = path.read_text(encoding="utf-8").lstrip("\ufeff \r\n\t")
     if start.startswith("<"):
         content = _read_xml(start)
     elif start.startswith(("{", "[\n", "[ ")):
@@ -133,8 +141,27 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _from_numbers(low: dict[str, Any]) -> dict[str, Any]:
+    """Keys with those of inner groups beside them, and matrices of numbers that have keys of their own."""
+    groups = [value for value in low.values() if isinstance(value, Mapping) and "data" not in value]
+    low = {key: value for key, value in low.items() if value not in groups}
+    for group in groups:
+        low = {str(key).lower(): value for key, value in group.items()} | low
+    values = low.get("intrinsics", [next((low[key] for key in keys if key in low), None) for keys in _INTRINSICS])
+    if isinstance(values, list) and len(values) == 4 and None not in values:
+        fx, fy, cx, cy = (float(value) for value in values)
+        low.setdefault("camera_matrix", [fx, 0, cx, 0, fy, cy, 0, 0, 1])
+        bent = [low.get(key, 0.0) for key in ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")]
+        if "k4" in low and "p1" not in low:
+            bent = [low.get(key, 0.0) for key in ("k1", "k2", "k3", "k4")]
+            low.setdefault("distortion_model", "equidistant")
+        if "k1" in low:
+            low.setdefault("distortion_coefficients", bent if len(bent) == 4 or any(bent[5:]) else bent[:5])
+    return low
+
+
 def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    low = {str(key).lower(): value for key, value in content.items()}
+    low = _from_numbers({str(key).lower().removeprefix("camera."): value for key, value in content.items()})
     found = {
         key: next(low[own] for own in names if low.get(own) is not None)
         for key, names in _NAMES.items()

@@ -89,7 +89,8 @@ LENSES: Registry[type[Lens]] = Registry(
 """Lenses by name."""
 
 _ALIASES = {
-    "radtan": "plumb_bob",
+    **dict.fromkeys(("radtan", "radial_tangential", "opencv", "pinhole"), "plumb_bob"),
+    "opencv_fisheye": "equidistant",
     "brown": "plumb_bob",
     "brown_conrady": "plumb_bob",
     "fisheye": "equidistant",
