@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import cv2
 import h5py
@@ -167,8 +168,8 @@ def write_lerobot_videos(path: Path) -> None:
 
 
 def write_bag(kind: str, path: Path) -> None:
-    bags.COUNT = 64
-    bags.make(path, kind)
+    with mock.patch.object(bags, "COUNT", 64):
+        bags.make(path, kind)
 
 
 def write_boards(path: Path) -> None:

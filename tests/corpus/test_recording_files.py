@@ -226,3 +226,52 @@ def test_several_damaged_arrays_of_a_zarr_store_are_one_error(
     time.sleep(0.2)
     gc.collect()
     assert [record for record in caplog.records if record.name == "asyncio"] == []
+
+
+FIELDS = np.array([tuple(row) for row in POSES], dtype=[(name, float) for name in NAMES])
+OTHER_TABLES: dict[str, dict[str, object]] = {
+    "fields of one array": {"images": IMAGES, "poses": FIELDS, "press": PRESS},
+    "groups": {
+        "data/images": IMAGES,
+        "data/press": PRESS.astype(str).astype("S"),
+        **{f"data/labels/{name}": POSES[:, at] for at, name in enumerate(NAMES)},
+        "data/labels/press": PRESS,
+    },
+}
+
+
+@pytest.mark.parametrize("kind", OTHER_TABLES)
+def test_poses_in_fields_and_in_groups_are_read(kind: str, tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values in OTHER_TABLES[kind].items():
+            file[name] = values
+    check(read_recording(tmp_path / "a.h5"))
+
+
+def test_units_of_hdf5_are_read_from_attributes(tmp_path: Path) -> None:
+    units = {"rx": (np.pi / 180, "rad"), "ry": (np.pi / 180, b"rad"), "depth": (1e-3, "m")}
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["images"], file["press"] = IMAGES, PRESS
+        for at, (name, (factor, unit)) in enumerate(units.items()):
+            file[name] = POSES[:, at] * factor
+            file[name].attrs["units"] = unit
+    check(read_recording(tmp_path / "a.h5"))
+
+
+def test_masks_are_images(tmp_path: Path) -> None:
+    masks = IMAGES[..., 0] > 127
+    columns = {name: POSES[:, at] for at, name in enumerate(NAMES)}
+    np.savez(tmp_path / "a.npz", images=masks, press=PRESS, **columns)
+    (image,) = read_recording(tmp_path / "a.npz").images.read([3])
+    assert (np.asarray(image) == 255 * masks[3]).all()
+
+
+@pytest.mark.parametrize("ending", ["h5", "npz"])
+def test_numbers_of_images_and_poses_that_differ_are_said(ending: str, tmp_path: Path) -> None:
+    path = tmp_path / f"a.{ending}"
+    if ending == "h5":
+        write_h5(path, IMAGES[1:])
+    else:
+        np.savez(path, images=IMAGES[1:], poses=POSES)
+    with refused("recording-no-table", f"({COUNT - 1}, 20, 24, 3)", f"({COUNT}, 3)"):
+        read_recording(path)

@@ -142,7 +142,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _from_numbers(low: dict[str, Any]) -> dict[str, Any]:
-    """Keys with those of inner groups beside them, and matrices of numbers that have keys of their own."""
+    """Keys, with those of inner groups, and the matrices of numbers that have keys of their own."""
     groups = [value for value in low.values() if isinstance(value, Mapping) and "data" not in value]
     low = {key: value for key, value in low.items() if value not in groups}
     for group in groups:

@@ -17,7 +17,7 @@ import numpy as np
 from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, Item
 from palpate.datasets.recording_reader import RecordingReader
-from palpate.datasets.stored_images import holds_images, join_parts, name_columns, read_row
+from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, name_columns, read_row
 from palpate.datasets.table import Column, RecordingTable
 
 _REMEDY = "Give images as one array (n, h, w) or (n, h, w, 3), and poses as arrays of n rows."
@@ -47,22 +47,20 @@ class ArraysReader(RecordingReader):
     def _read(self, place: Path, arrays: Mapping[str, Any]) -> tuple[RecordingTable, ImageSet]:
         cameras = [name for name, array in arrays.items() if holds_images(array)]
         if not cameras:
-            held = ", ".join(f"{name} {array.shape} {array.dtype}" for name, array in list(arrays.items())[:5])
-            raise PalpateError(f"{place.name} holds no images, but {held}.", _REMEDY, code="recording-no-images")
+            raise PalpateError(
+                f"{place.name} holds no images{list_arrays(arrays)}.", _REMEDY, code="recording-no-images"
+            )
         images = arrays[self.choose(place.name, cameras)]
         columns: dict[str, Column] = {}
         for name, array in arrays.items():
             if name in cameras or array.ndim not in (1, 2) or array.shape[0] != images.shape[0]:
                 continue
-            values = np.asarray(array[:])
-            if values.dtype.kind in "iufb":
-                columns |= name_columns(name, values.astype(float).reshape(len(values), -1))
-            elif values.ndim == 1 and values.dtype.kind == "U":
-                columns[name] = values
+            columns |= name_columns(name, array, {})
         if _ENDS in arrays:
             press = np.searchsorted(np.asarray(arrays[_ENDS][:]), np.arange(images.shape[0]), side="right")
             columns.setdefault("press", press.astype(float))
-        return RecordingTable(place.name, join_parts(place.name, [columns]), {}), _Rows(place, images)
+        joined = join_parts(place.name, [columns], list_arrays(arrays))
+        return RecordingTable(place.name, joined, {}), _Rows(place, images)
 
 
 def _read_npz(place: Path) -> dict[str, Any]:

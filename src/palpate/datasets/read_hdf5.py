@@ -19,7 +19,7 @@ from palpate.core import PalpateError, reject_external_links
 from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
-from palpate.datasets.stored_images import holds_images, join_parts, name_columns
+from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, name_columns
 from palpate.datasets.table import Column, RecordingTable
 
 _REMEDY = "Give images as one dataset (n, h, w), (n, h, w, 3) or of n JPEG files, and poses as others of n rows."
@@ -40,12 +40,14 @@ class HDF5Reader(RecordingReader):
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         parts: list[dict[str, Column]] = []
         places: list[tuple[Path, str, int]] = []
+        held = ""
         for path in _episodes(place) if place.is_dir() else [place]:
             try:
                 with h5py.File(path, "r") as file:
                     reject_external_links(file, path)
                     for images, group in self._groups(path, file):
                         parts.append(_columns(group, images, images.shape[0]))
+                        held = list_arrays(_arrays(file))
                         places += [(path, images.name, row) for row in range(images.shape[0])]
             except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
                 raise PalpateError(
@@ -53,17 +55,11 @@ class HDF5Reader(RecordingReader):
                 ) from error
         for number, part in enumerate(parts if len(parts) > 1 else ()):
             part.setdefault("press", np.full(len(next(iter(part.values()), ())), float(number)))
-        return RecordingTable(place.name, join_parts(place.name, parts), {}), ArrayImages(places)
+        return RecordingTable(place.name, join_parts(place.name, parts, held), {}), ArrayImages(places)
 
     def _groups(self, path: Path, file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:
         """Datasets of images and the groups that hold their columns, in the order of their names."""
-        found: list[h5py.Dataset] = []
-
-        def look(name: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and holds_images(item):
-                found.append(item)
-
-        file.visititems(look)
+        found = [item for item in _arrays(file).values() if holds_images(item)]
         owners: dict[str, tuple[h5py.Group, dict[str, h5py.Dataset]]] = {}
         for item in sorted(found, key=lambda one: natural_key(one.name)):
             owner = item.parent
@@ -73,7 +69,7 @@ class HDF5Reader(RecordingReader):
             owners.setdefault(owner.name, (owner, {}))[1][key] = item
         if not owners:
             raise PalpateError(
-                f"{path.name} holds no images{_list_arrays(file)}.", _REMEDY, code="recording-no-images"
+                f"{path.name} holds no images{list_arrays(_arrays(file))}.", _REMEDY, code="recording-no-images"
             )
         return [(images[self.choose(path.name, list(images))], owner) for owner, images in owners.values()]
 
@@ -86,13 +82,16 @@ def _episodes(folder: Path) -> list[Path]:
     return sorted(files, key=lambda path: natural_key(path.name)) if alike else []
 
 
-def _list_arrays(file: h5py.File) -> str:
-    """Names, shapes and types of the arrays of a file, as a clause."""
-    found: list[str] = []
-    file.visititems(
-        lambda name, item: found.append(f"{name} {item.shape} {item.dtype}") if hasattr(item, "shape") else None
-    )
-    return f", but {', '.join(found[:5])}" if found else ""
+def _arrays(group: h5py.Group) -> dict[str, h5py.Dataset]:
+    """Arrays of a group and of those below it, by their paths."""
+    found: dict[str, h5py.Dataset] = {}
+
+    def look(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            found[name] = item
+
+    group.visititems(look)
+    return found
 
 
 def _fits(item: Any, count: int) -> bool:
@@ -100,23 +99,14 @@ def _fits(item: Any, count: int) -> bool:
         isinstance(item, h5py.Dataset)
         and item.ndim in (1, 2)
         and item.shape[0] == count
-        and item.dtype.kind in "iufb"
+        and item.dtype.kind in "iufbV"
         and not holds_images(item)
     )
 
 
 def _columns(group: h5py.Group, images: h5py.Dataset, count: int) -> dict[str, Column]:
     columns: dict[str, Column] = {}
-    for owner in (group, images.parent):
-        for key, item in owner.items():
-            if not _fits(item, count):
-                continue
-            values = np.asarray(item[:], dtype=float).reshape(count, -1)
-            given = item.attrs.get("columns", item.attrs.get("names", ()))
-            names = [
-                text.decode() if isinstance(text, bytes) else str(text) for text in np.atleast_1d(given).tolist()
-            ]
-            if len(names) == 1 and "," in names[0]:
-                names = [text.strip() for text in names[0].split(",")]
-            columns |= name_columns(key, values, names)
+    near = [pair for owner in (group, images.parent) for pair in owner.items() if _fits(pair[1], count)]
+    for key, item in near or [pair for pair in _arrays(group).items() if _fits(pair[1], count)]:
+        columns |= name_columns(key.split("/")[-1], item, item.attrs)
     return columns

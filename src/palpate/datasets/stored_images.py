@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import decode_image
-from palpate.core import FloatArray, PalpateError
+from palpate.core import PalpateError
 from palpate.datasets.table import Column
 
 _FILES = (b"\xff\xd8\xff", b"\x89PNG")
@@ -26,8 +26,8 @@ def holds_images(array: Any) -> bool:
         first, last = shape[1] in (1, 3, 4), shape[3] in (1, 3, 4)
         sides = shape[2:] if first and not last else shape[1:3]
         return (first or last) and min(sides) >= _LEAST_PX
-    if len(shape) == 3 and kind in "uif" and min(shape[1:]) >= _LEAST_PX:
-        if kind == "u":
+    if len(shape) == 3 and kind in "uifb" and min(shape[1:]) >= _LEAST_PX:
+        if kind in "ub":
             return True
         low, high = float(np.min(array[0])), float(np.max(array[0]))
         return low >= 0.0 and high <= (1.0 if kind == "f" else 65535.0)
@@ -47,6 +47,8 @@ def read_row(array: Any, row: int) -> NDArray[Any]:
     if array.ndim <= 2:
         return decode_image(_file_content(array[row]), f"Image {row} of {getattr(array, 'name', 'the array')}")
     image = np.asarray(array[row])
+    if image.dtype.kind == "b":
+        image = image * np.uint8(255)
     if image.ndim == 3 and image.shape[2] not in (1, 3, 4):
         image = np.moveaxis(image, 0, -1)
     if image.dtype.kind == "f" and not np.isfinite(image).all():
@@ -65,15 +67,46 @@ def _file_content(cell: Any) -> bytes:
         return b""
 
 
-def name_columns(key: str, values: FloatArray, names: Sequence[str] = ()) -> dict[str, Column]:
-    """Columns of an array (n, k): by their names if there are k, else by its key and a number."""
+def list_arrays(arrays: Mapping[str, Any]) -> str:
+    """Names, shapes and types of the first arrays of a file, as a clause."""
+    found = [f"{name} {array.shape} {array.dtype}" for name, array in list(arrays.items())[:5]]
+    return f", but {', '.join(found)}" if found else ""
+
+
+def name_columns(key: str, array: Any, attributes: Mapping[str, Any]) -> dict[str, Column]:
+    """Columns of an array of n rows: its fields, texts, or numbers (n, k) by their names.
+
+    Attributes of the array (HDF5) may be ``columns`` or ``names``, and ``units`` or ``unit``. Without names, columns
+    are called by the key and 0 to k - 1.
+    """
+    values = np.asarray(array[:])
+    if values.dtype.names:
+        fields = (name_columns(field, values[field], {}) for field in values.dtype.names)
+        return {name: column for columns in fields for name, column in columns.items()}
+    if values.ndim == 1 and values.dtype.kind == "U":
+        return {key: values}
+    if values.dtype.kind not in "iufb" or values.ndim > 2:
+        return {}
+    values = values.astype(float).reshape(len(values), -1)
+    names = _texts(attributes.get("columns", attributes.get("names", ())))
+    units = _texts(attributes.get("units", attributes.get("unit", ())))
     if len(names) != values.shape[1]:
         names = [key] if values.shape[1] == 1 else [f"{key}_{number}" for number in range(values.shape[1])]
+    units = units * len(names) if len(units) == 1 else units
+    if len(units) == len(names):
+        names = [
+            f"{name} [{unit}]" if unit and unit not in name else name for name, unit in zip(names, units, strict=True)
+        ]
     return {name: values[:, number] for number, name in enumerate(names)}
 
 
-def join_parts(name: str, parts: Sequence[dict[str, Column]]) -> dict[str, Column]:
-    """Columns that all parts of a recording have, concatenated.
+def _texts(value: Any) -> list[str]:
+    texts = [one.decode() if isinstance(one, bytes) else str(one) for one in np.atleast_1d(value).tolist()]
+    return [text.strip() for text in texts[0].split(",")] if len(texts) == 1 else texts
+
+
+def join_parts(name: str, parts: Sequence[dict[str, Column]], held: str = "") -> dict[str, Column]:
+    """Columns that all parts of a recording have, concatenated; `held` is `list_arrays` of its file.
 
     Raises
     ------
@@ -83,7 +116,7 @@ def join_parts(name: str, parts: Sequence[dict[str, Column]]) -> dict[str, Colum
     shared = set.intersection(*(set(part) for part in parts))
     if not shared - {"press"}:
         raise PalpateError(
-            f"{name} has no numbers with as many rows as images.",
+            f"{name} has no numbers with as many rows as images{held}.",
             "Give poses as arrays of n rows for n images.",
             code="recording-no-table",
         )
