@@ -2,7 +2,7 @@
 
     python docs/images/which_state.py
 
-writes theory_which_state.svg beside this file and prints the table of the page; some three minutes.
+writes theory_which_state.svg beside this file and prints the table of the page; some ten CPU-minutes.
 """
 
 from itertools import product
