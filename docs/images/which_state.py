@@ -2,7 +2,7 @@
 
     python docs/images/which_state.py
 
-writes theory_which_state.svg beside this file and prints the table of the page; some three minutes.
+writes theory_which_state.svg beside this file and prints the table of the page; some ten CPU-minutes.
 """
 
 from itertools import product
@@ -20,11 +20,11 @@ from palpate.mesh import mesh_skin
 HERE = Path(__file__).parent
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 LAWS = ("frictionless", "no-slip")
-STYLES = {"held": "C0-", "adhesion: 0": "C1-", "inverted": "C2--"}
+STYLES = {"default": "C0-", "adhesion: 0": "C1-", "inverted": "C2--"}
 
 
 def press(height: float, tilt: float, law: str, how: str) -> Press:
-    """One press of a T = 1 mm dome: held flat, without adhesion, or inverted."""
+    """One press of a T = 1 mm dome: by default, without adhesion, or inverted."""
     mesh = mesh_skin(build_skin(DomeSpec(height=height, thickness=1)))
     wall = WallSpec(tilt_deg=tilt, contact=law, depth_step=0.4)
     solver = SolverSpec(adhesion=0) if how == "adhesion: 0" else SolverSpec()
@@ -33,11 +33,11 @@ def press(height: float, tilt: float, law: str, how: str) -> Press:
 
 def row(height: float, tilt: float, law: str, presses: dict[str, Press]) -> str:
     """One row of the table in Markdown."""
-    held, free, inverted = (presses[how] for how in STYLES)
-    kpa = 1e3 * held.stabilisation_tension.max()
+    flat, free, inverted = (presses[how] for how in STYLES)
+    kpa = 1e3 * flat.stabilisation_tension.max()
     jump = "none" if free.jump_depth != free.jump_depth else f"{free.jump_depth:.2f}"
     first = f"{inverted.depth[0]:.2f}" if inverted.depth[0] > 0 else "none"
-    forces = " | ".join(f"{one.force[-1, 2]:.4f}, {one.branch[-1]}, {one.depth[-1]:.1f}" for one in (held, free))
+    forces = " | ".join(f"{one.force[-1, 2]:.4f}, {one.branch[-1]}, {one.depth[-1]:.1f}" for one in (flat, free))
     return f"| H{height:g} | {tilt:g} | {law} | {kpa:.2f} | {forces} | {jump} | {first} |"
 
 
