@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Rec
 from palpate.core.named_arrays import read_arrays, write_arrays
 from palpate.core.run import Progress
 from palpate.datasets import LEAST_PRESSES, PressSplit, Recording, split_presses
+from palpate.learn.gaussian_process import choose_symmetry
 from palpate.learn.preprocess import Detections, Preprocessor, choose_preprocessor, first_duplicate, preprocess_images
 from palpate.learn.recording_spec import RecordingSpec
+from palpate.learn.rotation import RotationAugmentation, find_rotation
 from palpate.learn.training_set import TrainingSet
 from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
@@ -56,6 +59,17 @@ class PreparedRecording:
     press: NDArray[Any]
     split: PressSplit
     notes: tuple[str, ...]
+
+    @cached_property
+    def rotation(self) -> RotationAugmentation | None:
+        """Rotation of (rx, ry) with the training images; `None` without markers, or if none fits."""
+        if self.assigned is None:
+            return None
+        rows, axes = self.accepted & self.split.train, [one.axis for one in self.recording.poses]
+        at_rest = self.assigned.reference >= len(self.recording)
+        found = find_rotation(self.assigned.layout.rest_px, self.moved[rows], self.targets[rows], axes, at_rest)
+        samples, _ = self.samples(True)
+        return choose_symmetry(replace(samples, rotation=found))
 
     def samples(self, markers: bool, seed: int = 0) -> tuple[TrainingSet, BoolArray]:
         """Accepted displacements, or all images, as training samples; and (n,) the test samples."""

@@ -16,13 +16,13 @@ from palpate.core.run import Progress
 from palpate.datasets import PoseColumn, PressSplit, Recording
 from palpate.learn.cross_validate import count_folds, cross_validate, predict_parts
 from palpate.learn.fine_tune import PretrainedModel, compute_fine_tuning_curve, fine_tune_members
-from palpate.learn.gaussian_process import MOST_ROWS, choose_symmetry
+from palpate.learn.gaussian_process import MOST_ROWS
 from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, train_quickly
 from palpate.learn.member import EFFORTS, ESTIMATORS, EnsembleMember
 from palpate.learn.prepare_recording import PreparedRecording, prepare_recording
 from palpate.learn.recording_model import RecordedModel
 from palpate.learn.recording_spec import RecordingSpec
-from palpate.learn.rotation import RotationAugmentation, find_rotation, pattern_order
+from palpate.learn.rotation import pattern_order
 from palpate.learn.row_offset import find_row_offset
 from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
 from palpate.learn.train_members import TrainingJob, train_members
@@ -128,7 +128,7 @@ def train_on_recording(
         model = replace(model, parts={**model.parts, **again})
     if first is None:
         samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))
-        rotation = _find_rotation(seen) if samples.inputs.dtype != np.uint8 else None
+        rotation = seen.rotation if samples.inputs.dtype != np.uint8 else None
         enough = samples.train.sum() >= _LEAST_SAMPLES and test.any() and samples.validation.any()
         lesson = replace(samples, rotation=rotation)
         curve = compute_learning_curve(lesson, seen.press, test, train_quickly) if enough else ()
@@ -145,7 +145,7 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -
 
     Few presses train closed forms only, and also those that are for validation, if a kind makes no choices on them.
     """
-    chosen, rotation = spec.estimators, _find_rotation(seen)
+    chosen, rotation = spec.estimators, seen.rotation
     if chosen == "dots" and seen.assigned is None:
         chosen = "ridge"
     efforts = EFFORTS[: EFFORTS.index(chosen) + 1 if chosen in EFFORTS else None]
@@ -172,17 +172,6 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -
             others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
             whole = replace(samples, targets=np.hstack([samples.targets, others]), auxiliary=others.shape[1])
             yield TrainingJob(kind, f"{kind_name}-all", whole, spec.epochs)
-
-
-def _find_rotation(seen: PreparedRecording) -> RotationAugmentation | None:
-    """Find the rotation of (rx, ry) with the training images."""
-    if seen.assigned is None:
-        return None
-    rows, axes = seen.accepted & seen.split.train, [one.axis for one in seen.recording.poses]
-    at_rest = seen.assigned.reference >= len(seen.recording)
-    found = find_rotation(seen.assigned.layout.rest_px, seen.moved[rows], seen.targets[rows], axes, at_rest)
-    samples, _ = seen.samples(True)
-    return choose_symmetry(replace(samples, rotation=found))
 
 
 def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, progress: Progress) -> None:
