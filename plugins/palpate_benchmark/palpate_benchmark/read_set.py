@@ -100,7 +100,7 @@ class BenchmarkSet:
                 branch=np.array(told["branch"]),
                 labels=np.array([told[name] for name in LABELS], float).T,
             )
-        except (KeyError, ValueError) as error:
+        except (KeyError, OverflowError, ValueError) as error:
             raise PalpateError(
                 f"The tables of {split} in {self.folder} are damaged: {error}.",
                 _AGAIN,
