@@ -208,12 +208,12 @@ def test_what_is_no_set_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", ["9" * 21, "one", ""])
-def test_a_damaged_number_of_a_table_is_refused(made: Path, number: str, tmp_path: Path) -> None:
-    shutil.copytree(made, tmp_path / "set", ignore=shutil.ignore_patterns("*.h5", "*.png"))
-    path = tmp_path / "set" / "train.csv"
+def test_a_damaged_number_of_a_table_is_refused(made_set: BenchmarkSet, number: str, tmp_path: Path) -> None:
+    shutil.copytree(made_set.folder, tmp_path / "set", ignore=shutil.ignore_patterns("*.h5", "*.png"))
+    path = tmp_path / "set" / "test.csv"
     head, first, *rows = path.read_text().splitlines()
     at = head.split(",").index("unit")
     cells = first.split(",")
     path.write_text("\n".join([head, ",".join([*cells[:at], number, *cells[at + 1 :]]), *rows, ""]))
-    with refused("benchmark-table-damaged", "train"):
-        read_set(tmp_path / "set").table("train")
+    with refused("benchmark-table-damaged", "test"):
+        read_set(tmp_path / "set").table("test")
