@@ -41,7 +41,9 @@ def limit(
     source: Annotated[str, Parameter(help=_SOURCE)],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
-    workers: Annotated[int | None, Parameter(help="Number of worker processes; by default one per core.")] = None,
+    workers: Annotated[
+        int | None, Parameter(help="Number of worker processes; by default one per core, if memory suffices.")
+    ] = None,
     output: Output = Output(),
 ) -> int:
     """Compute lower error bounds of any estimator, by design and depth, from the simulated Jacobian.

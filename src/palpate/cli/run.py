@@ -52,7 +52,9 @@ _SIZES = {
 class WorkerFlags:
     """Number of worker processes on this machine."""
 
-    workers: Annotated[int | None, Parameter(help="Number of worker processes; by default one per core.")] = None
+    workers: Annotated[
+        int | None, Parameter(help="Number of worker processes; by default one per core, if memory suffices.")
+    ] = None
 
     def check(self) -> None:
         """Raise a `PalpateError` if a flag is out of bounds."""

@@ -53,11 +53,11 @@ def run_study(
     out
         Result folder; artefacts go to ``out/store``.
     workers
-        Number of worker processes; without one, as many as there are cores.
+        Number of worker processes; without one, one per core that has memory for it.
     progress
         Receives the start and end of every task; costs are expected seconds on one core.
     limit_s
-        Time limit of a task, s; by default an hour or 200 times its expected cost, whichever is longer.
+        Time limit of a task, s; by default an hour and 200 times its expected cost.
     cluster
         Dask cluster instead of `workers`: ``"local:N"`` or ``"tcp://HOST:PORT"``.
 

@@ -25,7 +25,7 @@ POLL_S = 0.5
 NEVER_CAME = "an artefact that it needs is neither there nor to be made"
 
 LEAST_LIMIT_S, LIMIT_OVER_COST = 3600.0, 200.0
-"""Default time limit of a task: this time, or this multiple of its expected cost, if longer."""
+"""Default time limit of a task: the sum of this time and this multiple of its expected cost."""
 
 
 def time_limit(task: Task) -> float:
