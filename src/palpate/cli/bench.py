@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from palpate.calibration import IMPERFECTIONS, AccuracySpec, ToleranceSpec, predict_budget
+from palpate.calibration import ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
@@ -20,10 +20,10 @@ from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import Column, Report, plain_page, write_csv
 from palpate.simulation import VirtualBenchSpec
-from palpate.surrogate import Twin, twin_path
 
 if TYPE_CHECKING:
     from palpate.simulation import VirtualBench
+    from palpate.surrogate import Twin
 
 _OUT = "Folder for tables and presses. The same command resumes an interrupted run."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
@@ -77,6 +77,7 @@ def bench(
 ) -> None:
     """Simulate the paper's experiment on built units that deviate from the design within tolerances."""
     from palpate.simulation import VirtualBench
+    from palpate.surrogate import Twin
 
     check_folder(out)
     chosen, model = flags.chosen(), _model(flags)
@@ -93,6 +94,7 @@ def bench(
 def _model(flags: BenchFlags) -> Path:
     """Return the model as `palpate sensor live` finds it; make a missing twin first."""
     from palpate.study import export_twins, run_twins, single_design_study
+    from palpate.surrogate import twin_path
 
     try:
         return flags.reads.find(flags.design)
@@ -129,6 +131,8 @@ def _units(trials: VirtualBench, out: Path, output: Output) -> None:
 
 def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
     """Write and print the error budget of units with a twin as estimator, computed without simulation."""
+    from palpate.calibration import IMPERFECTIONS, AccuracySpec, predict_budget
+
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
     costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
     units = {"all": "", "noise": "px", **{item.name: item.unit for item in IMPERFECTIONS}}
