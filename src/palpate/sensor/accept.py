@@ -111,7 +111,14 @@ def accept_unit(
     zero, counts = None, np.ones(len(estimates), bool)
     if spec.zero and known:
         first = truth.press == 0
-        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
+        try:
+            zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
+        except PalpateError as error:
+            raise PalpateError(
+                f"The first press gives the depth zero: {error.problem}",
+                "Use the depths of the table (`--no-zero`), lower `--min-depth`, or record a deeper first press.",
+                code="depth-zero-unknown",
+            ) from error
         counts &= ~first
     offset = zero.offset if zero else 0.0
     # an image without a pose counts if the truth says that it is deep enough
