@@ -96,7 +96,7 @@ def sprues(module: ContactModule, spec: ProcessSpec) -> str:
     return (
         f"Cut the sprues with a blade flat on the foot of the flange: one of {spec.pour_diameter / 2:g} mm radius "
         f"and {spec.vents} of {spec.vent_diameter / 2:g} mm, {middle:.4g} mm from the axis (along x). Leave at most "
-        f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no notch: the foot is the seat."
+        f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no nick: the foot is the seat."
     )
 
 
