@@ -6,7 +6,7 @@ from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
 from palpate.fabrication.frame import RODS, BarrelFrame
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import clamping, curing, mixing, sprues, thickness_tolerance
+from palpate.fabrication.process_sheet import clamping, curing, degassing, mixing, sprues, thickness_tolerance
 from palpate.fabrication.spec import ProcessSpec
 
 
@@ -33,7 +33,7 @@ def barrel_casting_steps(made: PackContent) -> list[str]:
         "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "
         "tighten the clamps. Stand it on its floor.",
         mixing(material, made.mixed),
-        "Draw air out under vacuum for 5 min.",
+        degassing(material),
         f"Pour {volume:.0f} mL into the cavity. Lower the core into it within some 5 min, so that the elastomer "
         "rises around it and drives the air before it, until the spigot is in the floor and the three pins enter: it "
         "fits one way only.",

@@ -29,13 +29,14 @@ from palpate.fabrication.barrel_sheet import (
     describe_barrel,
 )
 from palpate.fabrication.bill_of_materials import CAMERAS, bill_of_materials
-from palpate.fabrication.enclosure import SCREWS
+from palpate.fabrication.enclosure import BODIES, SCREWS
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
 from palpate.fabrication.process_sheet import (
     ADHESION,
     clamping,
     curing,
+    degassing,
     mixing,
     printing_lines,
     ring_screw,
@@ -113,7 +114,7 @@ def _cast(made: PackContent) -> list[str]:
         "Wash and dry hollow and core; spray them with mold release.",
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
         mixing(material, made.mixed),
-        "Draw air out under vacuum for 5 min.",
+        degassing(material),
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
         f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. "
@@ -220,7 +221,12 @@ def _assemble(made: PackContent) -> list[str]:
     wide = [
         size / focal * view.distance for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))
     ]
-    seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
+    far = view.distance + made.module.skin.height
+    seen = (
+        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm. Focus on the inner surface, "
+        f"{view.distance:.3g} to {far:.3g} mm from the pinhole, which is {BODIES[spec.camera_body].pinhole:g} mm "
+        "behind the front of the camera."
+    )
     flange = (
         "Set the module's flange on the seat, its notch on the key opposite the cable slot: it fits one way only. "
         f"Screw the clamp ring on with {SCREWS} screws M3 × {ring_screw(made.module)[0]}, crosswise. They cut their "
