@@ -83,7 +83,7 @@ def draw_mold_section(module: ContactModule, radius: float, floor: float, plate:
 
 
 def draw_enclosure_section(module: ContactModule, enclosure: Enclosure) -> Figure:
-    """Draw the assembled enclosure, cut open along x, with its dimensions; the cable slot is behind the camera."""
+    """Draw the assembled enclosure, cut open along x, with its dimensions."""
     figure, axis = blank_sheet((6.4, 5.0))
     parts = enclosure.parts
     ring, housing, plate = (parts[name].bounds for name in ("clamp_ring", "housing", "robot_plate"))
@@ -111,7 +111,7 @@ def draw_enclosure_section(module: ContactModule, enclosure: Enclosure) -> Figur
 
 
 def cut_open(parts: Sequence[CadSolid], azimuth: float) -> list[FloatArray]:
-    """Return the visible lines (n, 2) mm of parts cut open along the plane through the axis at an azimuth (rad)."""
+    """Return the visible lines (n, 2) mm of parts cut open through the axis at an azimuth (rad)."""
     away = box((-_FAR, -_FAR, -_FAR), (_FAR, 0.0, _FAR))
     halves = gather([part.turned("z", float(-np.degrees(azimuth))).cut(away) for part in parts])
     return halves.look((0.0, -_FAR, 0.0))

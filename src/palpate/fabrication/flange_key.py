@@ -1,4 +1,4 @@
-"""Rotational datum: a notch in the flange's edge, the rib of the cavity that casts it, and the housing's key in it.
+"""Rotational datum: a notch in the flange's edge, cast by a rib of the cavity, and the housing's key.
 
 It is opposite the cable slot. The artwork has a long stroke and the template a notch on its side.
 """

@@ -78,7 +78,7 @@ def mixing(material: str, mixed: float) -> str:
 def degassing(material: str) -> str:
     """Write how the mixed elastomer is degassed, with the pressure of the bulletin of Ecoflex 00-30."""
     much = " of 98 kPa below ambient (29 inHg)" if _BULLETIN in material else ""
-    return f"Draw air out under a vacuum{much} for 5 min, in a cup with room for the foam."
+    return f"Draw air out under a vacuum{much} for 5 min, in a cup with space for the foam."
 
 
 def curing(material: str) -> str:

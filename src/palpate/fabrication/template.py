@@ -16,9 +16,9 @@ THICKNESS = 1.2
 
 
 def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
-    """Build the shell, with a gap to the inner surface, a hole along the normal at every marker, and a notch.
+    """Build the shell, with a gap to the inner surface, and a hole along the normal at every marker.
 
-    The notch in its foot is on the side of the flange's notch.
+    A notch in its foot is on the side of the flange's notch.
 
     Raises
     ------
