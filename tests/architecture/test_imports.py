@@ -1,6 +1,7 @@
 """Imports point one way, go through front doors, and are fast."""
 
 import ast
+import json
 import os
 import subprocess
 import sys
@@ -109,10 +110,28 @@ def test_the_front_of_the_house_opens_within_a_second(code: str) -> None:
     assert seconds_to_run(code) < 1.0
 
 
-def test_the_command_line_opens_without_heavy_libraries() -> None:
-    code = "import sys, palpate.cli; print([n for n in ('torch', 'numba', 'scipy', 'cv2') if n in sys.modules])"
-    shown = subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT / "src", capture_output=True, text=True)
-    assert shown.stdout.strip() == "[]"
+HELP_OF_EVERY_VERB = """
+import contextlib, io, json, sys
+from command_table import list_commands
+from palpate.cli import main
+heavy, found = {"torch", "numba", "scipy.linalg", "cv2", "h5py", "matplotlib", "build123d", "optuna"}, {}
+for verb, _ in list_commands():
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+        main([*verb.split(), "--help"])
+    found[verb] = sorted(heavy & set(sys.modules))
+print(json.dumps(found))
+"""
+
+
+def test_the_help_of_every_verb_loads_no_heavy_libraries() -> None:
+    path = os.pathsep.join([str(ROOT / "tests" / "unit" / "cli"), os.environ.get("PYTHONPATH", "")])
+    code = [sys.executable, "-c", HELP_OF_EVERY_VERB]
+    shown = subprocess.run(
+        code, check=True, cwd=ROOT / "src", capture_output=True, text=True, env=os.environ | {"PYTHONPATH": path}
+    )
+    found = json.loads(shown.stdout)
+    assert len(found) >= 38
+    assert {verb: loaded for verb, loaded in found.items() if loaded} == {}
 
 
 def test_reading_a_study_does_not_load_torch() -> None:

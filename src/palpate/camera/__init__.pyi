@@ -1,8 +1,8 @@
 """Camera: from points in the dome's frame to pixels and back to rays; the lens from images of a board."""
 
-from palpate.camera.board import BoardSpec, read_board
+from palpate.camera.board import BoardSpec, CalibrationSpec, read_board
 from palpate.camera.build_camera import build_camera
-from palpate.camera.calibrate import CalibrationSpec, calibrate_camera
+from palpate.camera.calibrate import calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera

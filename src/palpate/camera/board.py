@@ -69,6 +69,22 @@ BOARDS = {
 """Boards by name."""
 
 
+class CalibrationSpec(Spec):
+    """Settings of a camera calibration."""
+
+    board: BoardSpec = BoardSpec()
+    """The board in the images."""
+    lens: Literal["pinhole", "fisheye"] = parameter("pinhole", unit="", meaning="model of the lens")
+    fix_k3: bool = parameter(
+        False, unit="", meaning="whether the sixth-order term is 0; few boards separate it from the fourth"
+    )
+    keep_outliers: bool = parameter(False, unit="", meaning="whether outlier images are kept")
+    window_px: int | None = parameter(
+        None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
+    )
+    min_images: int = parameter(4, unit="1", meaning="minimum number of images for a fit", ge=3, le=1000)
+
+
 def read_board(text: str) -> BoardSpec:
     """Read a board from text: ``charuco``, ``chessboard:9x6:25``, ``charuco:11x8:29:21.5:DICT_4X4_100``.
 

@@ -8,39 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera.board import BoardSpec, alternative_boards, board_points
+from palpate.camera.board import BoardSpec, CalibrationSpec, alternative_boards, board_points
 from palpate.camera.calibration import Calibration
 from palpate.camera.find_board import find_board
 from palpate.camera.lens import Lens
 from palpate.camera.lenses.brown import Brown
 from palpate.camera.lenses.kannala_brandt import KannalaBrandt
-from palpate.core import FloatArray, PalpateError, Spec, load_opencv, parameter
+from palpate.core import FloatArray, PalpateError, load_opencv
 
 _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
 _FIRST_IMAGES = 8
 """Number of images in which boards other than the given one are tried."""
-
-
-class CalibrationSpec(Spec):
-    """Settings of a camera calibration."""
-
-    board: BoardSpec = BoardSpec()
-    """The board in the images."""
-    lens: Literal["pinhole", "fisheye"] = parameter("pinhole", unit="", meaning="model of the lens")
-    fix_k3: bool = parameter(
-        False, unit="", meaning="whether the sixth-order term is 0; few boards separate it from the fourth"
-    )
-    keep_outliers: bool = parameter(False, unit="", meaning="whether outlier images are kept")
-    window_px: int | None = parameter(
-        None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
-    )
-    min_images: int = parameter(4, unit="1", meaning="minimum number of images for a fit", ge=3, le=1000)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,13 +18,12 @@ from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.core.report import plain_page
 from palpate.design import TILT_SPACE
-from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import AcceptanceSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.learn import Predictor
+    from palpate.learn import Predictor, RecordedModel
     from palpate.sensor import GroundTruth, Unit
     from palpate.surrogate import Twin
 
@@ -69,6 +68,7 @@ def accept(
     output: Output = Output(),
 ) -> int:
     """Test a unit's pose errors on presses of known angles against the tolerances."""
+    from palpate.learn import is_recorded_model, read_model
     from palpate.sensor import (
         accept_unit,
         acceptance_page,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -14,17 +14,11 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.sensor import AlignSpec, Unit, check_model, list_touches, open_model
-from palpate.simulation import (
-    AlignmentScenario,
-    AlignmentTrial,
-    SimulatedRobotSpec,
-    VirtualUnit,
-    describe_wall,
-    list_wall_touches,
-    write_alignments,
-)
-from palpate.surrogate import Twin
+from palpate.sensor import AlignSpec
+from palpate.simulation import SimulatedRobotSpec
+
+if TYPE_CHECKING:
+    from palpate.simulation import AlignmentTrial
 
 _OUT = "Folder for touches.csv and alignment.json."
 _WALLS = "Number of walls; each has its own tilt, friction and distance."
@@ -85,6 +79,10 @@ def align(
 
     For a real robot, use `palpate.sensor.Aligner` in Python.
     """
+    from palpate.sensor import Unit, check_model, list_touches, open_model
+    from palpate.simulation import AlignmentScenario, VirtualUnit, describe_wall, list_wall_touches, write_alignments
+    from palpate.surrogate import Twin
+
     run.check()
     designed = design.design(reads.material)
     twin = open_model(reads.find(design), designed.skin)

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
+from pydantic import ValidationError
 
-from palpate.calibration import IMPERFECTIONS, AccuracySpec, ToleranceSpec, predict_budget
+from palpate.calibration import ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
@@ -19,11 +20,12 @@ from palpate.cli.progress import show_progress
 from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError
 from palpate.core.report import Column, Report, plain_page, write_csv
+from palpate.core.run import Progress
 from palpate.simulation import VirtualBenchSpec
-from palpate.surrogate import Twin, twin_path
 
 if TYPE_CHECKING:
     from palpate.simulation import VirtualBench
+    from palpate.surrogate import Twin
 
 _OUT = "Folder for tables and presses. The same command resumes an interrupted run."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
@@ -77,6 +79,7 @@ def bench(
 ) -> None:
     """Simulate the paper's experiment on built units that deviate from the design within tolerances."""
     from palpate.simulation import VirtualBench
+    from palpate.surrogate import Twin
 
     check_folder(out)
     chosen, model = flags.chosen(), _model(flags)
@@ -93,12 +96,15 @@ def bench(
 def _model(flags: BenchFlags) -> Path:
     """Return the model as `palpate sensor live` finds it; make a missing twin first."""
     from palpate.study import export_twins, run_twins, single_design_study
+    from palpate.surrogate import twin_path
 
+    skin = flags.design.skin_spec()
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
+        why, remedy = "a twin has one press a tilt for all azimuths", "Give a trained network by --model."
+        skin.build().require_revolution(why, remedy, code="twin-needs-revolution")
         _print_result(f"{error.problem} It is made and stored first: about 3 minutes on one core.")
-    skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
     folder = keep_results(RESULTS / study.name)
     with show_progress() as progress:
@@ -116,12 +122,17 @@ def _model(flags: BenchFlags) -> Path:
 def _units(trials: VirtualBench, out: Path, output: Output) -> None:
     from palpate.simulation import bench_summary, describe_bench, run_bench, write_bench
 
-    results = []
+    results, progress, count = [], Progress(), trials.spec.units + 1
+    progress.plan(count)
+    progress.begin("unit")
     for result in run_bench(trials):
         results.append(result)
+        progress.finish("unit")
+        remaining = ", ".join(filter(None, (f"{len(results)}/{count}", progress.remaining_text)))
+        progress.begin("unit")
         angles = " ".join(f"{s.component} {s.errors.rmse:.3f}/{s.errors.max:.2f}°" for s in result.scores[:2])
         name = f"unit {result.number}" if result.number else "nominal unit"
-        _print_result(f"[{len(results)}/{trials.spec.units + 1}] {name}: {result.trial.failure or angles}")
+        _print_result(f"[{remaining}] {name}: {result.trial.failure or angles}")
         write_bench(out, trials, results)
     page = bench_summary(trials, results)
     output.show(describe_bench(trials, results), *plain_page(page), f"Tables: {out}")
@@ -129,6 +140,8 @@ def _units(trials: VirtualBench, out: Path, output: Output) -> None:
 
 def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
     """Write and print the error budget of units with a twin as estimator, computed without simulation."""
+    from palpate.calibration import IMPERFECTIONS, AccuracySpec, predict_budget
+
     spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
     costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
     units = {"all": "", "noise": "px", **{item.name: item.unit for item in IMPERFECTIONS}}
@@ -163,7 +176,15 @@ def _budget(trials: VirtualBench, out: Path, output: Output) -> None:
 
 def read_tolerance(texts: tuple[str, ...]) -> ToleranceSpec:
     """Read tolerances from texts NAME=VALUE."""
-    return ToleranceSpec.model_validate(dict(_read_pair(text) for text in texts))
+    try:
+        return ToleranceSpec.model_validate(dict(_read_pair(text) for text in texts))
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise PalpateError(
+            f"--tolerance: {ToleranceSpec.describe_value(first, str(first['loc'][0]))}.",
+            "See `palpate.calibration.ToleranceSpec` for units and bounds.",
+            code="tolerance-out-of-bounds",
+        ) from None
 
 
 def _read_pair(text: str) -> tuple[str, str]:

@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.camera import (
-    Calibration,
-    CalibrationSpec,
-    calibrate_camera,
-    list_images,
-    read_board,
-    read_image,
-    write_board,
-    write_calibration,
-)
+from palpate.camera import CalibrationSpec, read_board
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_file
 from palpate.core import PalpateError
@@ -26,6 +17,8 @@ from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from palpate.camera import Calibration
 
 _FOLDER = "Folder of images of the board."
 _BOARD = (
@@ -48,6 +41,8 @@ def calibrate(
     output: Output = Output(),
 ) -> None:
     """Fit the focal length, centre and distortion of a camera to images of a board."""
+    from palpate.camera import calibrate_camera, write_board, write_calibration
+
     chosen = read_board(board)
     check_file(print_board, ".pdf")
     check_file(out)
@@ -70,6 +65,8 @@ def calibrate(
 
 
 def _read(folder: Path) -> Iterator[tuple[str, NDArray[Any] | str]]:
+    from palpate.camera import list_images, read_image
+
     for path in list_images(folder):
         try:
             yield path.name, read_image(path)

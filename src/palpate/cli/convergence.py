@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -15,8 +15,11 @@ from palpate.cli.output import Output, check_folder
 from palpate.cli.press import RefinedFlags
 from palpate.cli.unit import MarkerFlags
 from palpate.core.report import Column, Report, write_csv
-from palpate.design import MarkerSpec, place_markers
-from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
+from palpate.design import MarkerSpec
+from palpate.fea import CELLS
+
+if TYPE_CHECKING:
+    from palpate.fea import MeshResult, Press
 
 _CELLS = "Cells from pole to rim, one number per mesh."
 _COLUMNS = (
@@ -41,6 +44,9 @@ def convergence(
     output: Output = Output(),
 ) -> None:
     """Solve one press on successively finer meshes; compare maximum stress, force and markers."""
+    from palpate.design import place_markers
+    from palpate.fea import study_convergence
+
     points = place_markers(flags.shape.skin_spec().build(), markers).positions
     check_folder(out)
     announce_compilation()
@@ -55,6 +61,8 @@ def _print_mesh(cells: int, press: Press) -> None:
 
 
 def _write_results(out: Path, results: Sequence[MeshResult]) -> None:
+    from palpate.fea import MeshResult, plot_convergence
+
     out.mkdir(parents=True, exist_ok=True)
     rows = [[f"{value:.6g}" for value in asdict(result).values()] for result in results]
     write_csv(out / "convergence.csv", rows, [field.name for field in fields(MeshResult)])

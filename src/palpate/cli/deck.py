@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from palpate.cli.output import JsonOutput
 from palpate.cli.press import PressFlags
-from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
+from palpate.fea import DeckElement, DeckSpec, Dialect
 
 _ELEMENT = "Brick elements through the skin thickness, or shells on the mid surface as in the paper (abaqus only)."
 
@@ -23,6 +23,8 @@ def deck(
     json: JsonOutput = JsonOutput(),
 ) -> None:
     """Write the complete input file of a press in mm, N and MPa."""
+    from palpate.fea import write_deck
+
     mesh, material, wall = flags.problem()
     write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
     facts = {

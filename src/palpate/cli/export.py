@@ -8,23 +8,14 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.camera import CameraSpec, build_camera, read_calibration
+from palpate.camera import CameraSpec, read_calibration
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput
 from palpate.cli.unit import MaterialFlags, SkinFlags
-from palpate.fea import WallSpec, solve_press
-from palpate.mesh import MeshSpec, mesh_skin
-from palpate.study import (
-    AssetFormat,
-    AssetSpec,
-    MaterialSpec,
-    build_asset,
-    check_asset,
-    check_force_curve_press,
-    describe_asset,
-    export_asset,
-)
+from palpate.fea import WallSpec
+from palpate.mesh import MeshSpec
+from palpate.study import AssetFormat, AssetSpec, MaterialSpec
 
 _TO = "Format: mjcf (MuJoCo), urdf (with contact parameters of Gazebo), or usd (with UsdPhysics)."
 _OUT = "New folder for the asset."
@@ -52,6 +43,11 @@ def export(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write a sensor as an asset: mesh, mass, camera, frames, and stiffness from a press."""
+    from palpate.camera import build_camera
+    from palpate.fea import solve_press
+    from palpate.mesh import mesh_skin
+    from palpate.study import build_asset, check_asset, check_force_curve_press, describe_asset, export_asset
+
     check_asset(out)
     check_force_curve_press(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -23,28 +23,10 @@ from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_file
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.material import (
-    SECANT_TOLERANCE,
-    Fit,
-    FitSpec,
-    Loading,
-    Material,
-    Mode,
-    PrepareSpec,
-    Sample,
-    TestFileSpec,
-    compare_secants,
-    draw_fit,
-    draw_relaxation,
-    extrapolate_modes,
-    fit_material,
-    list_models,
-    prepare_sample,
-    rank_models,
-    read_test_file,
-    save_figure,
-    write_material,
-)
+from palpate.material import FitSpec, Loading, Mode, PrepareSpec, TestFileSpec, list_models
+
+if TYPE_CHECKING:
+    from palpate.material import Fit, Material, Sample
 
 _FILES = "Test files; the kind of test is read from the file's name or preamble."
 _MODEL = f"Model: {', '.join(list_models())}."
@@ -148,6 +130,8 @@ def fit(
     out: OutputFlags = OutputFlags(),
 ) -> None:
     """Fit a hyperelastic model and a relaxation to test files; report errors, intervals and stability."""
+    from palpate.material import draw_fit, draw_relaxation, fit_material, write_material
+
     check_file(out.output)
     check_file(out.figure, ".png", ".svg", ".pdf")
     held = [*(path for path in files if is_relaxation(path)), *relaxing.relaxation]
@@ -178,12 +162,16 @@ def fit(
 
 
 def _save(path: Path, figure: Any) -> str:
+    from palpate.material import save_figure
+
     save_figure(path, figure)
     return str(path)
 
 
 def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags) -> list[Sample]:
     """Read and prepare the samples of files, each with its test or none."""
+    from palpate.material import prepare_sample, read_test_file
+
     if not files:
         raise PalpateError(
             "No test files were given.",
@@ -206,6 +194,8 @@ def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> M
 
 def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
     """Return a fit as JSON data: constants, quality, stability, and unless `alone` the ranking."""
+    from palpate.material import compare_secants, extrapolate_modes, rank_models
+
     facts: dict[str, Any] = {
         "model": found.model.name,
         "samples": [_describe_sample(sample) for sample in samples],
@@ -263,6 +253,8 @@ def _describe_sample(sample: Sample) -> dict[str, Any]:
 
 def _offer(samples: Sequence[Sample], found: Fit) -> dict[str, Any] | None:
     """Return the fit constrained to stability, or `None` if it fails."""
+    from palpate.material import fit_material
+
     try:
         held = fit_material(samples, found.spec.model_copy(update={"stable": True}))
     except PalpateError:
@@ -295,6 +287,8 @@ def _warnings(found: Fit) -> Iterator[str]:
 
 def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
     """Yield a sentence with a flag if the fit is too stiff or too soft at small strain."""
+    from palpate.material import SECANT_TOLERANCE, compare_secants
+
     secants = [item for item in compare_secants(samples, found) if abs(item.excess) > SECANT_TOLERANCE]
     if not secants:
         return

@@ -7,23 +7,17 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
 
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
-from palpate.material import (
-    Material,
-    Moduli,
-    RelaxationFit,
-    RelaxationTest,
-    TestFileSpec,
-    fit_relaxation,
-    get_material,
-    read_relaxation,
-)
+from palpate.material import Material, Moduli, TestFileSpec
+
+if TYPE_CHECKING:
+    from palpate.material import RelaxationFit, RelaxationTest
 
 _FILES = (
     "Files of relaxation tests: stress over time at constant strain. "
@@ -61,6 +55,8 @@ def fit_tests(
     files: Sequence[Path], bench: TestFileSpec, confidence: float, moduli: Moduli
 ) -> tuple[list[RelaxationTest], RelaxationFit] | None:
     """Read the tests and fit one series to them; `None` without files."""
+    from palpate.material import fit_relaxation, read_relaxation
+
     if not files:
         return None
     tests = [read_relaxation(path, bench) for path in files]
@@ -69,6 +65,8 @@ def fit_tests(
 
 def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Material | None:
     """Return the material that a relaxation `alone` is added to; `None` without an output file."""
+    from palpate.material import get_material
+
     if not alone:
         if flags.onto is not None:
             raise PalpateError(

@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.camera import list_images, read_image
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_file
 from palpate.cli.unit import PrintFlags
 from palpate.core import wrap_write_errors
 from palpate.core.report import Column, Report, write_csv
-from palpate.sensor import Inspection, InspectionSpec, draw_inspection, inspect_unit
+from palpate.sensor import InspectionSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from palpate.sensor import Inspection
 
 OUTSIDE = 1
 """Exit code if a marker is missing or outside the tolerance, as in `palpate verify`."""
@@ -58,6 +59,8 @@ def inspect(
     output: Output = Output(),
 ) -> int:
     """Measure the print error of every marker: its distance from the nominal position."""
+    from palpate.sensor import inspect_unit
+
     check_file(out, ".csv")
     check_file(picture, ".png", ".svg", ".pdf")
     inspection = inspect_unit(_read_images(image), built.unit(), wanted)
@@ -74,6 +77,8 @@ def inspect(
 
 
 def _read_images(place: Path) -> list[NDArray[Any]]:
+    from palpate.camera import list_images, read_image
+
     return [read_image(path) for path in (list_images(place) if place.is_dir() else (place,))]
 
 
@@ -146,5 +151,7 @@ def _rings(inspection: Inspection) -> list[dict[str, Any]]:
 
 
 def _write_picture(path: Path, inspection: Inspection) -> None:
+    from palpate.sensor import draw_inspection
+
     with wrap_write_errors(path):
         draw_inspection(inspection).savefig(path, dpi=150)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -13,11 +13,13 @@ from palpate.cli.flag import flags_of
 from palpate.cli.output import JsonOutput, check_folder
 from palpate.cli.unit import DesignFlags
 from palpate.design import Design, MountSpec
-from palpate.fabrication import FabricationPack, ProcessSpec, write_pack
+from palpate.fabrication import ProcessSpec
 from palpate.study import MaterialSpec
 
+if TYPE_CHECKING:
+    from palpate.fabrication import FabricationPack
+
 _OUT = "New folder for the pack."
-_LENS = "YAML file of `palpate calibration camera`; without it, the nominal camera's lens."
 _LENS = "YAML file of `palpate calibration camera`; by default the lens of the nominal camera."
 _WINDOW = (
     "Window under a gel-filled skin as THICKNESS,INDEX,GEL_INDEX (mm and refractive indices); by default no window."
@@ -52,6 +54,8 @@ def make(
     output: JsonOutput = JsonOutput(),
 ) -> None:
     """Write mold, print pattern, enclosure and instructions of one design."""
+    from palpate.fabrication import write_pack
+
     check_folder(out)
     pack = write_pack(out, flags.designed(), flags.process, flags.mount)
     output.show(

@@ -18,7 +18,7 @@ from palpate.core.report import Column, Report
 from palpate.design import Skin, read_points
 from palpate.fea import PRESS_SOLVERS, Branch, ObstacleSpec, PalpateSolver, PressSolver, WallSpec, read_obstacle
 from palpate.material import Material
-from palpate.mechanics import SolverSpec, make_linear_solver
+from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 
@@ -104,6 +104,8 @@ class SolveFlags:
 
     def chosen(self, wall: ObstacleSpec) -> PressSolver:
         """Return the solver of these flags; reject a press it cannot solve, before the computation."""
+        from palpate.mechanics import make_linear_solver
+
         kind = PRESS_SOLVERS.get(self.solver)
         if kind is PalpateSolver:
             make_linear_solver(self.advanced.backend)

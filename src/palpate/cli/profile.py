@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from palpate.cli.output import Output, check_folder
 from palpate.core import wrap_write_errors
 from palpate.core.report import Report
-from palpate.design import Profile, read_profile
+
+if TYPE_CHECKING:
+    from palpate.design import Profile
 
 _FILE = (
     "Meridian of the inner surface: a table (r_mm, z_mm), a DXF drawing of the section with the axis at x = 0, or a "
@@ -28,6 +30,8 @@ def profile(
     output: Output = Output(),
 ) -> None:
     """Find the skin that follows a drawn meridian, and write a study of it."""
+    from palpate.design import read_profile
+
     check_folder(out)
     found = read_profile(file, thickness)
     values = describe_profile(found)

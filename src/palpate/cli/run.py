@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -16,24 +16,9 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import RESULTS, Output
 from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
-from palpate.study import (
-    Row,
-    StudyResult,
-    available_cores,
-    check_cluster_address,
-    design_label,
-    design_spec,
-    evaluate_grid,
-    grid_column,
-    grid_report,
-    is_grid,
-    ranking_column,
-    read_grid,
-    read_study,
-    run_study,
-    sort_rows,
-    write_grid,
-)
+
+if TYPE_CHECKING:
+    from palpate.study import Row, StudyResult
 
 MOST_WORKERS = 1024
 _PREDICTION_ERROR = 0.02
@@ -58,6 +43,8 @@ class WorkerFlags:
 
     def check(self) -> None:
         """Raise a `PalpateError` if a flag is out of bounds."""
+        from palpate.study import available_cores
+
         if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
             raise PalpateError(
                 f"--workers is {self.workers}.",
@@ -80,6 +67,8 @@ class ClusterFlags(WorkerFlags):
 
     def check(self) -> None:
         """Raise a `PalpateError` if a flag is out of bounds or the flags exclude each other."""
+        from palpate.study import check_cluster_address
+
         super().check()
         if self.cluster is not None:
             check_cluster_address(self.cluster)
@@ -120,6 +109,8 @@ def run(
 
     Results in the result folder are reused: the same command resumes an interrupted study.
     """
+    from palpate.study import evaluate_grid, grid_report, ranking_column, read_study, run_study, sort_rows, write_grid
+
     chosen = read_study(study)
     if device is not None:
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
@@ -150,6 +141,8 @@ def run(
 
 def _describe_replaced(folder: Path, designs: Sequence[Row]) -> tuple[str, ...]:
     """Return a sentence on the earlier tables of a folder that other results replace."""
+    from palpate.study import is_grid, read_grid
+
     try:
         before = read_grid(folder).designs if is_grid(folder) else ()
     except PalpateError:  # a damaged table
@@ -177,6 +170,8 @@ def _sentence(result: StudyResult) -> str:
 
 def _describe_best(rows: Sequence[Row], rank: str, folder: Path) -> Iterator[str]:
     """Sentences on the best design, its uncertainty and the next step; `rows` are sorted by `rank`."""
+    from palpate.study import design_label, design_spec, grid_column
+
     values = [float(value) for row in rows if (value := row.get(rank)) is not None]  # those without one are last
     if not values:
         return

@@ -20,13 +20,13 @@ from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import PalpateError
 from palpate.core.report import EMPTY, Column, Report
 from palpate.design import Design, PoseSpace
-from palpate.learn import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import SensorSpec
-from palpate.vision import DetectSpec, prepare_detector
+from palpate.vision import DetectSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from palpate.learn import RecordedModel
     from palpate.sensor import ReferencePress, Sensor, Unit
 
 _COLUMNS = (
@@ -57,6 +57,8 @@ def find(
     output: Output = Output(),
 ) -> None:
     """Detect the markers of every image; marker size, polarity and mask are estimated from each image."""
+    from palpate.vision import prepare_detector
+
     rows: list[dict[str, Any]] = []
     for path in list_images(folder):
         try:
@@ -93,6 +95,7 @@ def live(
     output: JsonOutput = JsonOutput(),
 ) -> int:
     """Estimate the pose of the obstacle in every image of a camera or a recording."""
+    from palpate.learn import is_recorded_model, read_model
     from palpate.sensor import describe_reading, open_model, run_sensor, write_readings
 
     if flags.count is not None and flags.count < 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -10,7 +10,9 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.output import Output
 from palpate.cli.press import WallPressFlags
 from palpate.core.report import Column, Report
-from palpate.fea import Stability, find_stability
+
+if TYPE_CHECKING:
+    from palpate.fea import Stability
 
 _COLUMNS = (
     Column("depth_mm", form=".2f"),
@@ -29,6 +31,8 @@ def stability(
     output: Output = Output(),
 ) -> None:
     """Follow the flat and the inverted branch of a dome: their ranges of depth, energies and forces."""
+    from palpate.fea import find_stability
+
     walls = [flags.wall.model_validate({**dict(flags.wall), "tilt_deg": tilt}) for tilt in tilts] or [flags.wall]
     mesh, material, _ = flags.problem()
     announce_compilation()

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from palpate.cli.output import Output
-from palpate.verify import CaseOutcome, choose_cases, outcome_report, run_cases
+
+if TYPE_CHECKING:
+    from palpate.verify import CaseOutcome
 
 OUTSIDE = 1
 """Exit code if a row is outside its tolerance."""
@@ -23,6 +25,8 @@ def verify(
     output: Output = Output(),
 ) -> int:
     """Solve problems with known solutions and report the deviations."""
+    from palpate.verify import choose_cases, outcome_report, run_cases
+
     outcomes = []
     for outcome in run_cases(choose_cases(only, quick=quick)):
         outcomes.append(outcome)

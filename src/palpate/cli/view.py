@@ -7,8 +7,6 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.learn import is_recorded_model
-
 _RESULTS = (
     "Result folder of a study, a search or a training on a recording; without it, only the design and press of a "
     "dome are available."
@@ -26,6 +24,7 @@ def view(
     token: Annotated[str, Parameter(help=_TOKEN)] = "",
 ) -> None:
     """Show results in a browser; design and press a dome there."""
+    from palpate.learn import is_recorded_model
     from palpate.viewer import ServeSpec, serve
 
     if results is not None and results.is_file() and is_recorded_model(results):

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
-from palpate.fabrication.artwork import mark_azimuth_deg
 from palpate.fabrication.frame import RODS, BarrelFrame
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import clamping, curing, mixing, sprues, thickness_tolerance
+from palpate.fabrication.process_sheet import clamping, curing, degassing, mixing, sprues, thickness_tolerance
 from palpate.fabrication.spec import ProcessSpec
 
 
@@ -34,7 +33,7 @@ def barrel_casting_steps(made: PackContent) -> list[str]:
         "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "
         "tighten the clamps. Stand it on its floor.",
         mixing(material, made.mixed),
-        "Draw air out under vacuum for 5 min.",
+        degassing(material),
         f"Pour {volume:.0f} mL into the cavity. Lower the core into it within some 5 min, so that the elastomer "
         "rises around it and drives the air before it, until the spigot is in the floor and the three pins enter: it "
         "fits one way only.",
@@ -62,20 +61,16 @@ def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+def barrel_assembly_steps(frame: BarrelFrame) -> list[str]:
     """Write the assembly of skin, rods and far end on the housing."""
     high = frame.module.top
-    turn = 90 - mark_azimuth_deg(frame.module.skin, layout)
-    place = (
-        f"the orientation mark, the single dot before the rim, {turn:.3g}°" if spec.orientation_mark else "a dot 90°"
-    )
     return [
         f"Glue the {RODS} rods into the sockets of the housing, down to their floor. Slide the end cap onto them, so "
         "that they cure parallel; take it off.",
         f"Turn a nut onto each rod until its upper face is {high - frame.module.foot:g} mm above the seat of the "
         "flange, a flat outward.",
-        "Draw the skin over the rods and set its flange on the seat, "
-        f"{place} from the cable slot: the rods then stand between columns of dots.",
+        "Draw the skin over the rods and set its flange on the seat, its notch on the key opposite the cable slot: "
+        "the rods then stand between columns of dots.",
         "Lay both halves of the clamp ring around the flange and screw them on, crosswise.",
         "Set the end cap onto the nuts, the skin's far flange against it, and a second nut onto each rod. Screw both "
         "halves of the end ring to it, crosswise. Turn the nuts until the skin is neither stretched nor compressed.",

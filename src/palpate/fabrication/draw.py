@@ -11,11 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from palpate.core import FloatArray
-from palpate.design import Arc, CadSolid, ContactModule, Outline, SmoothCurve
+from palpate.design import Arc, CadSolid, ContactModule, Outline, SmoothCurve, box, gather
+from palpate.fabrication.enclosure import Enclosure
+from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG, notch_radius
 from palpate.fabrication.window_plate import WindowPlate
 
 _EYE = (300.0, -500.0, 400.0)
 """Viewpoint of bodies, mm."""
+_FAR = 1e4
+"""Half the edge of the box that is cut away, and distance of the viewpoint, mm."""
 _ARC_POINTS = 60
 _ABREAST = 6
 """Maximum number of bodies in a row."""
@@ -43,6 +47,7 @@ def draw_module_section(module: ContactModule, window: WindowPlate | None = None
     draw_dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
     draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", offset=True)
     draw_dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
+    axis.text(0, foot - 13, f"notch R {notch_radius(module):.3g} at {NOTCH_AZIMUTH_DEG:g}°", ha="center", fontsize=9)
     if skin.plan.is_round:
         axis.text(
             0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", va="center", fontsize=9
@@ -75,6 +80,41 @@ def draw_mold_section(module: ContactModule, radius: float, floor: float, plate:
     axis.set_xlim(-side - 9, side + 9)
     axis.set_ylim(-top - 8, -foot + plate + 4)
     return figure
+
+
+def draw_enclosure_section(module: ContactModule, enclosure: Enclosure) -> Figure:
+    """Draw the assembled enclosure, cut open along x, with its dimensions."""
+    figure, axis = blank_sheet((6.4, 5.0))
+    parts = enclosure.parts
+    ring, housing, plate = (parts[name].bounds for name in ("clamp_ring", "housing", "robot_plate"))
+    low, seat, high = float(plate[0, 2]), module.foot, module.skin.outer_height
+    side = float(max(housing[1, 0], plate[1, 0]))
+    lines = cut_open(list(parts.values()), 0.0)
+    up = [
+        0.0,
+        float(ring[1, 2]) - max(float(line[:, 1].max()) for line in lines),
+    ]  # a view is about the middle of its bodies
+    _fill(axis, follow_outline(module.outline()), SILICONE)
+    axis.add_collection(LineCollection([line + up for line in lines], colors="black", linewidths=0.7))
+    for (left, right), z, at in ((ring[:, 0], seat, high + 4), (plate[:, 0], low, low - 6)):
+        draw_dimension(axis, (left, at), (right, at), f"Ø {right - left:.4g}")
+        axis.plot([left, left], [z, at], [right, right], [z, at], color="black", linewidth=0.3)
+    draw_dimension(axis, (side + 5, low), (side + 5, high), f"{high - low:.4g}")
+    draw_dimension(axis, (-side - 5, plate[1, 2]), (-side - 5, seat), f"{seat - plate[1, 2]:.4g}")
+    draw_dimension(axis, (-side - 5, low), (-side - 5, plate[1, 2]), f"{plate[1, 2] - low:.4g}")
+    draw_dimension(
+        axis, (2.0, -enclosure.camera_distance), (2.0, 0.0), f"pinhole to base {enclosure.camera_distance:.4g}"
+    )
+    axis.set_xlim(-side - 16, side + 16)
+    axis.set_ylim(low - 9, high + 8)
+    return figure
+
+
+def cut_open(parts: Sequence[CadSolid], azimuth: float) -> list[FloatArray]:
+    """Return the visible lines (n, 2) mm of parts cut open through the axis at an azimuth (rad)."""
+    away = box((-_FAR, -_FAR, -_FAR), (_FAR, 0.0, _FAR))
+    halves = gather([part.turned("z", float(-np.degrees(azimuth))).cut(away) for part in parts])
+    return halves.look((0.0, -_FAR, 0.0))
 
 
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:

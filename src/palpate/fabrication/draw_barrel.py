@@ -11,13 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from palpate.core import FloatArray
-from palpate.design import CadSolid, ContactModule, box, gather
-from palpate.fabrication.draw import CORE, PLASTIC, SILICONE, blank_sheet, draw_dimension, follow_outline
+from palpate.design import CadSolid, ContactModule
+from palpate.fabrication.draw import CORE, PLASTIC, SILICONE, blank_sheet, cut_open, draw_dimension, follow_outline
 from palpate.fabrication.mold import Mold
 
 _SIZE = (7.4, 3.7)
-_FAR = 1e4
-"""Half the edge of the box that is cut away, and distance of the viewpoint, mm."""
 
 
 def draw_barrel_section(module: ContactModule) -> Figure:
@@ -61,9 +59,7 @@ def draw_barrel_mold(mold: Mold, floor: float, plate: float, spigot: float) -> F
 def draw_cut_open(parts: Sequence[CadSolid], azimuth: float) -> Figure:
     """Draw parts, cut open along the plane through the axis at an azimuth (rad)."""
     figure, axis = blank_sheet((_SIZE[0], 2.9))
-    away = box((-_FAR, -_FAR, -_FAR), (_FAR, 0.0, _FAR))
-    halves = gather([part.turned("z", float(-np.degrees(azimuth))).cut(away) for part in parts])
-    lines = [line[:, ::-1] for line in halves.look((0.0, -_FAR, 0.0))]
+    lines = [line[:, ::-1] for line in cut_open(parts, azimuth)]
     axis.add_collection(LineCollection(lines, colors="black", linewidths=0.7))
     axis.autoscale_view()
     return figure

@@ -26,6 +26,7 @@ import numpy as np
 
 from palpate.core import PalpateError
 from palpate.design import CadSolid, ContactModule, box, cylinder, revolve, rotation_vector, wall_normal
+from palpate.fabrication.flange_key import build_key
 from palpate.fabrication.frame import CAP_THREAD, BarrelFrame
 from palpate.fabrication.spec import CameraBody, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
@@ -52,6 +53,8 @@ ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0,
 ISO_RADIUS = 31.5
 SLOT = (12.0, 8.0)
 """Width and height of the cable slot, mm."""
+FIXING_DEG = (45.0, 135.0, 225.0, 305.0)
+"""Azimuths of the screws between housing and robot plate."""
 M6_SEAT = 4.0
 """Plate under the head of an M6 screw, mm; its recess holds the low head of DIN 7984 (4 mm)."""
 
@@ -162,6 +165,7 @@ def build_enclosure(
     base = max(outer, screws_at + M3.clear / 2 + WALL)
     ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
     housing = _housing(module, body, (bore, outer, shelf, low, base, screws_at), window)
+    housing = housing.join(build_key(module, spec.clearance))
     parts = {
         "housing": housing if frame is None else housing.join(*frame.posts()).cut(*frame.sockets(spec)),
         "clamp_ring": _clamp_ring(module, spec, outer),
@@ -197,6 +201,11 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
     return [(float(radius * np.cos(angle)), float(radius * np.sin(angle))) for angle in angles]
 
 
+def _fixing_places(radius: float) -> list[tuple[float, float]]:
+    """Place the screws of the robot plate, one of them off the square: the housing fits one way only."""
+    return [_circle(1, radius, azimuth)[0] for azimuth in FIXING_DEG]
+
+
 def _housing(
     module: ContactModule, body: BodySizes, sizes: tuple[float, ...], window: WindowPlate | None
 ) -> CadSolid:
@@ -226,7 +235,7 @@ def _housing(
     holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
     core = _screw(module).core / 2
     screws = [cylinder(core, seat - THREAD, seat + 1, at) for at in _screw_places(module, outer)]
-    under = [cylinder(M3_CORE / 2, low - 1, low + THREAD, at) for at in _circle(4, screws_at, 45.0)]
+    under = [cylinder(M3_CORE / 2, low - 1, low + THREAD, at) for at in _fixing_places(screws_at)]
     cable = box((-SLOT[0] / 2, 0.0, low + WALL), (SLOT[0] / 2, base + 1, low + WALL + SLOT[1]))
     return tube.cut(*holes, *screws, *under, cable)
 
@@ -281,5 +290,5 @@ def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:
     screws = [cylinder(M6_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
     heads = [cylinder(5.5, top - ISO_PLATE + M6_SEAT, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
     pin = cylinder(ISO_PIN / 2 + 0.05, top - ISO_PLATE - 1, top + 1, _circle(1, ISO_PITCH / 2, 90.0)[0])
-    fixing = [cylinder(M3_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, screw_radius, 45.0)]
+    fixing = [cylinder(M3_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _fixing_places(screw_radius)]
     return plate.cut(*screws, *heads, *fixing, pin)

@@ -19,8 +19,9 @@ from palpate.design import (
     MarkerLayout,
     Rim,
     Skin,
+    place_orientation_mark,
 )
-from palpate.fabrication.artwork import mark_azimuth_deg
+from palpate.fabrication.artwork import Artwork, mark_azimuth_deg
 from palpate.fabrication.barrel_sheet import (
     barrel_assembly_steps,
     barrel_casting_steps,
@@ -28,13 +29,14 @@ from palpate.fabrication.barrel_sheet import (
     describe_barrel,
 )
 from palpate.fabrication.bill_of_materials import CAMERAS, bill_of_materials
-from palpate.fabrication.enclosure import SCREWS
+from palpate.fabrication.enclosure import BODIES, SCREWS
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
 from palpate.fabrication.process_sheet import (
     ADHESION,
     clamping,
     curing,
+    degassing,
     mixing,
     printing_lines,
     ring_screw,
@@ -51,7 +53,8 @@ _CELLS = (4, 18, 11, 48, 28, 24)
 """Characters of the columns of a table."""
 _A4 = (8.27, 11.69)
 """Width and height of a page, inches."""
-_DRAWING_DPI = 200
+_DRAWING_DPI, _ON_A_PAGE = 200, 3
+"""Resolution and number of the drawings on a page."""
 _MAPPINGS = {
     PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
     PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
@@ -74,7 +77,7 @@ def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[S
     if made.enclosure.frame is None:
         described, measured = _describe(skin, layout, made.design.material.name, mold), _inspect(skin, layout)
         cast = _cast(made)
-        marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
+        marks = [_mark(made, has_template=all(item.code != "no-template" for item in findings))]
     else:
         described = describe_barrel(skin, layout, made.design.material.name, mold, spec)
         cast, measured = barrel_casting_steps(made), barrel_inspection_steps(skin, layout)
@@ -111,7 +114,7 @@ def _cast(made: PackContent) -> list[str]:
         "Wash and dry hollow and core; spray them with mold release.",
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
         mixing(material, made.mixed),
-        "Draw air out under vacuum for 5 min.",
+        degassing(material),
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
         f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. "
@@ -145,9 +148,10 @@ def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
     return Section("Fill with gel", tuple(lines), steps=True)
 
 
-def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> Section:
-    if not skin.pin:
-        lines = _print_markers(skin, layout, spec, has_template=has_template)
+def _mark(made: PackContent, *, has_template: bool) -> Section:
+    skin, layout, spec = made.module.skin, made.design.layout, made.process
+    if made.artwork is not None and not skin.pin:
+        lines = _print_markers(made, made.artwork, has_template=has_template)
         return Section("Print the markers", tuple(lines), steps=True)
     lines = [
         "Wipe the tips of the pins with isopropanol; let them dry.",
@@ -164,15 +168,28 @@ def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: 
     return Section("Paint the tips", tuple(lines), steps=True)
 
 
-def _print_markers(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
+def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -> list[str]:
+    skin, layout, spec, mold = made.module.skin, made.design.layout, made.process, made.mold
+    (across, _), (_, along), *_ = 2 * artwork.crosses
+    wide, long = 2 * mold.radius, 2 * mold.module.place(mold.radius, 90.0)[1]
     return [
         "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
         f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
         "the artwork is drawn for that, and as seen when the pad comes to the dome from its base. Its ellipses "
         f"become round dots of {layout.diameter:g} mm on the dome.",
-        "Center the pad on the alignment crosses; the dome stands on the core, or in the cavity, opening up.",
+        "Lay the skin into the cavity, opening up, its notch on the rib: it fits one way only. Print once on a film "
+        f"that covers the cavity ({wide:.4g} mm by {long:.4g} mm), and shift the cavity until the crosses "
+        f"({across:.4g} mm and {along:.4g} mm apart) are centred on it to 0.1 mm, the one with the longer arm at the "
+        "rib.",
         f"Print {len(layout)} dots in one stroke.",
-        *(["Without a pad printer: set template.stl into the dome and dab every hole."] if has_template else []),
+        *(
+            [
+                "Without a pad printer: set template.stl into the dome, its notch towards that of the "
+                "flange, and dab every hole."
+            ]
+            if has_template
+            else []
+        ),
         *(
             [
                 f"The single dot outside the rings at {mark_azimuth_deg(skin, layout):.3g}° is the orientation mark "
@@ -199,16 +216,21 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
 
 
 def _assemble(made: PackContent) -> list[str]:
-    skin, enclosure, spec, layout = made.module.skin, made.enclosure, made.process, made.design.layout
+    enclosure, spec = made.enclosure, made.process
     view = made.design.camera_spec
     wide = [
         size / focal * view.distance for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))
     ]
-    seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
+    far = view.distance + made.module.skin.height
+    seen = (
+        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm. Focus on the inner surface, "
+        f"{view.distance:.3g} to {far:.3g} mm from the pinhole, which is {BODIES[spec.camera_body].pinhole:g} mm "
+        "behind the front of the camera."
+    )
     flange = (
-        f"Set the module's flange on the seat, the orientation mark {90 - mark_azimuth_deg(skin, layout):.3g}° from "
-        f"the cable slot; screw the clamp ring on with {SCREWS} screws M3 × {ring_screw(made.module)[0]}, "
-        "crosswise. They cut their own threads."
+        "Set the module's flange on the seat, its notch on the key opposite the cable slot: it fits one way only. "
+        f"Screw the clamp ring on with {SCREWS} screws M3 × {ring_screw(made.module)[0]}, crosswise. They cut their "
+        "own threads."
     )
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [
@@ -217,10 +239,23 @@ def _assemble(made: PackContent) -> list[str]:
         *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
         *([window] if made.window else []),
-        *(barrel_assembly_steps(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
+        *(barrel_assembly_steps(enclosure.frame) if enclosure.frame else [flange]),
         torques(made.module),
-        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate from below.",
+        *([_turn_camera(made)] if spec.orientation_mark else []),
+        "Screw the housing to the robot plate from below: the four screws fit one way only, with the hole of the "
+        "dowel under the cable slot. Then screw the plate to the robot (ISO 9409-1-50-4-M6).",
     ]
+
+
+def _turn_camera(made: PackContent) -> str:
+    """Write the check of the camera's orientation, which the holes of a square board leave open."""
+    view, mark = made.design.camera_spec, place_orientation_mark(made.design.skin, made.design.layout)
+    column, row = made.design.camera.project(mark)
+    return (
+        f"Check the orientation of the camera: in its image of {view.width_px} × {view.height_px} px the orientation "
+        f"mark is near column {column:.0f}, row {row:.0f}, counted from the top left. Turn the camera on its screws "
+        "until it is."
+    )
 
 
 def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[str]) -> None:
@@ -245,7 +280,8 @@ def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figu
         for section in sections:
             for page in _table_pages(section.title, section.table) if section.table else []:
                 pages.savefig(page)
-        pages.savefig(_page_of_drawings(drawings))
+        for start in range(0, len(drawings), _ON_A_PAGE):
+            pages.savefig(_page_of_drawings(drawings[start : start + _ON_A_PAGE]))
         for page in more:
             pages.savefig(page)
 

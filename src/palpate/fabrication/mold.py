@@ -12,7 +12,8 @@ Drawn in the position in which it is filled, apex down:
 The flange is the highest part of the hollow, so pour hole and vents end on it. Three pins on the cavity are at 30°,
 150° and 280°: the mold closes in one position only. The plug and the flange's edge are drafted. A dome that bulges
 over its base cannot leave a cavity of one piece: its cavity is split in halves along the axis, held by dowels and a
-band. The mold of a pad has the pad's plan, and walls no thinner than along x; azimuths are angles of the plan.
+band. A rib of the cavity casts the notch of the flange. The mold of a pad has the pad's plan, and walls no thinner
+than along x; azimuths are angles of the plan.
 
 A barrel's mold stands rim up. Its core extends to the far end, where a spigot centres it in the floor, and is one
 piece: segments would leave seams among the dots, and the elastomer bears the stretch of demolding. The dots are
@@ -28,6 +29,7 @@ import numpy as np
 
 from palpate.core import PalpateError
 from palpate.design import CadSolid, ContactModule, Point, box, cylinder
+from palpate.fabrication.flange_key import build_notch
 from palpate.fabrication.spec import ProcessSpec
 
 PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
@@ -54,12 +56,15 @@ class Mold:
         Outer radius, mm; half the width along x of a pad's.
     pins_mm3
         Volume of the holes in the core for pins, or of a barrel's dimples, which are filled with ink.
+    notch_mm3
+        Volume of the notch in the flange.
     """
 
     module: ContactModule
     parts: dict[str, CadSolid]
     radius: float
     pins_mm3: float = 0.0
+    notch_mm3: float = 0.0
 
     @property
     def spigot(self) -> float:
@@ -81,7 +86,7 @@ class Mold:
         """Return the volume between cavity and core, mm³, which the elastomer fills."""
         module = self.module
         wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
-        return wall + (0.0 if module.skin.hole else self.pins_mm3)
+        return wall - self.notch_mm3 + (0.0 if module.skin.hole else self.pins_mm3)
 
 
 def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
@@ -129,7 +134,8 @@ def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid
     if pins:
         core = core.cut(*pins)
     halves = _split(cavity, module, radius, spec) if module.skin.bulges else {"mold_cavity": cavity}
-    return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume)
+    notch = module.solid().overlap(build_notch(module))
+    return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume, notch)
 
 
 def _pins(module: ContactModule, spec: ProcessSpec) -> list[Point]:
@@ -144,7 +150,7 @@ def _build_cavity(module: ContactModule, spec: ProcessSpec, radius: float) -> Ca
         block = block.cut(cylinder(_SPIGOT * module.opening_radius + spec.clearance, module.top - 1, top + 1))
     root = module.foot + spec.mold_floor / 4
     pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
-    return block.join(*pins)
+    return block.join(build_notch(module), *pins)
 
 
 def _build_core(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:

@@ -75,6 +75,12 @@ def mixing(material: str, mixed: float) -> str:
     return f"Mix part A {half} and part B {half} slowly for 3 min. Pot life 45 min at 23 °C."
 
 
+def degassing(material: str) -> str:
+    """Write how the mixed elastomer is degassed, with the pressure of the bulletin of Ecoflex 00-30."""
+    much = " of 98 kPa below ambient (29 inHg)" if _BULLETIN in material else ""
+    return f"Draw air out under a vacuum{much} for 5 min, in a cup with space for the foam."
+
+
 def curing(material: str) -> str:
     """Write how long the elastomer cures."""
     return f"Cure {'for 4 h at 23 °C' if _BULLETIN in material else 'as its maker states'} on a level table."
@@ -96,7 +102,7 @@ def sprues(module: ContactModule, spec: ProcessSpec) -> str:
     return (
         f"Cut the sprues with a blade flat on the foot of the flange: one of {spec.pour_diameter / 2:g} mm radius "
         f"and {spec.vents} of {spec.vent_diameter / 2:g} mm, {middle:.4g} mm from the axis (along x). Leave at most "
-        f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no notch: the foot is the seat."
+        f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no nick: the foot is the seat."
     )
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
 from palpate.fabrication.draw import follow_outline
+from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG
 from palpate.fabrication.mesh_file import drill
 from palpate.fabrication.spec import ProcessSpec
 
@@ -16,6 +17,8 @@ THICKNESS = 1.2
 
 def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
     """Build the shell, with a gap to the inner surface, and a hole along the normal at every marker.
+
+    A notch in its foot is on the side of the flange's notch.
 
     Raises
     ------
@@ -58,4 +61,11 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         )
     shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()
     start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
+    x, y = follow_outline([(0.0, skin.height + top), *outside])[-1, 0] * _datum(skin)
+    start, end = np.vstack([start, [x, y, -THICKNESS]]), np.vstack([end, [x, y, THICKNESS]])
     return drill(shell, start, end, layout.diameter)
+
+
+def _datum(skin: Skin) -> FloatArray:
+    """Return the point (2,) of the plan at the azimuth of the flange's notch."""
+    return skin.plan.edge(np.radians([NOTCH_AZIMUTH_DEG]))[0][0]

@@ -116,10 +116,11 @@ def _angle_deg(axes: FloatArray) -> float:
 
 
 def _strokes(artwork: Artwork) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """Return the lines of the alignment crosses."""
-    arm = CROSS / 2
-    return [
+    """Return the lines of the alignment crosses; that on the side of the flange's notch has a longer arm."""
+    arm, (low, below) = CROSS / 2, artwork.crosses[3].tolist()
+    crosses = [
         ((x - dx, y - dy), (x + dx, y + dy))
         for x, y in artwork.crosses.tolist()
         for dx, dy in ((arm, 0.0), (0.0, arm))
     ]
+    return [*crosses, ((low, below), (low, below - CROSS))]

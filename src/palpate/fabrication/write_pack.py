@@ -37,9 +37,10 @@ from palpate.fabrication.check_parts import (
     check_window,
 )
 from palpate.fabrication.check_process import check_process
-from palpate.fabrication.draw import draw_bodies, draw_module_section, draw_mold_section
+from palpate.fabrication.draw import draw_bodies, draw_enclosure_section, draw_module_section, draw_mold_section
 from palpate.fabrication.draw_barrel import draw_barrel_mold, draw_barrel_section, draw_cut_open
 from palpate.fabrication.enclosure import build_enclosure
+from palpate.fabrication.flange_key import build_notch
 from palpate.fabrication.folder import hash_files
 from palpate.fabrication.frame import plan_frame
 from palpate.fabrication.instructions import write_instructions, write_markdown, write_sheet
@@ -115,7 +116,7 @@ def _make(design: Design, process: ProcessSpec, mount: MountSpec) -> PackContent
     frame = plan_frame(module, layout) if skin.hole else None
     enclosure = build_enclosure(module, design.camera_spec.distance, process, window, frame)
     mold = build_mold(scaled, process, holes)
-    body = module.solid().join(*build_pins(skin, layout, 1.0, mark=marked))
+    body = module.solid().cut(build_notch(module)).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
@@ -230,6 +231,7 @@ def _draw_sections(made: PackContent, process: ProcessSpec) -> dict[str, Figure]
     return {
         "module_section": draw_module_section(made.module, made.window),
         "mold_section": draw_mold_section(mold.module, mold.radius, *sizes),
+        "enclosure_section": draw_enclosure_section(made.module, made.enclosure),
     }
 
 

@@ -3,7 +3,7 @@
 from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.branch import Branch
 from palpate.fea.calculix import CalculixSolver, CalculixSpec, calculix_recipe, solve_press_calculix
-from palpate.fea.convergence import CELLS, MeshResult, study_convergence
+from palpate.fea.convergence import MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.export import check_export, export_press
@@ -18,7 +18,7 @@ from palpate.fea.press import Press
 from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import ObstacleSpec, check_contact
+from palpate.fea.spec import CELLS, ObstacleSpec, check_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
 from palpate.fea.write_deck import deck_text, write_deck

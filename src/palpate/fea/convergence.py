@@ -10,12 +10,9 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.spec import CELLS, ObstacleSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
-
-CELLS = (8, 11, 16, 22, 32)
-"""Cells from pole to rim: each mesh has about twice the elements of the previous one."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@ from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
+CELLS = (8, 11, 16, 22, 32)
+"""Cells from pole to rim of a mesh convergence; each mesh has about twice the elements of the last."""
 GREATEST_FRICTION = 10.0
 """Maximum coefficient of friction; above it, choose `NO_SLIP`."""
 _SAME_TURN_DEG = 1e-9

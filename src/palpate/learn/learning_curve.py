@@ -75,16 +75,21 @@ def train_quickly(samples: TrainingSet, presses: int) -> Iterator[EnsembleMember
 
 
 def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
-    """Predict the effect of twice as many presses from the last two points; empty for fewer than two."""
-    if len(points) < 2:
+    """Predict the effect of twice as many presses from the last two points; empty for fewer than two.
+
+    Fine-tuned points follow that of the pretrained model, of 0 presses; if there are fewer than two, the points of
+    estimators trained from scratch count.
+    """
+    at = next((k for k, point in enumerate(points) if point.presses == 0), len(points))
+    own = points[at + 1 :] if len(points) > at + 2 else points[:at]
+    if len(own) < 2:
         return ""
-    first, last = points[-2:]
+    first, last = own[-2:]
     fell = 1 - np.median(np.array(last.rmse) / first.rmse)
     falls = np.log(np.array(first.rmse) / np.array(last.rmse)) / np.log(last.presses / first.presses)
     gain = float(1.0 - 2.0 ** -max(float(np.median(falls)), 0.0))
     verdict = "more presses would pay" if gain > 0.1 else "it is nearly enough" if gain > 0.04 else "it is enough"
-    word = "fell" if fell >= 0.0 else "rose"
-    return (
-        f"From {first.presses} to {last.presses} presses the error {word} by {abs(fell):.0%}; "
-        f"twice as many would bring about {gain:.0%}: {verdict}."
-    )
+    begin = f"From {first.presses} to {last.presses} presses the error"
+    if fell < 0.0:
+        return f"{begin} rose by {-fell:.0%}; these presses do not determine the effect of more."
+    return f"{begin} fell by {fell:.0%}; twice as many would bring about {gain:.0%}: {verdict}."

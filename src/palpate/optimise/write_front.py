@@ -63,7 +63,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
     with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         names = [column.name for column in FRONT_COLUMNS]
-        write_csv(folder / "front.csv", map(describe_entry, front.pareto), names)
+        write_csv(folder / "front.csv", map(describe_entry, (*front.pareto, *front.coarse_pareto)), names)
         write_csv(folder / "tried.csv", map(describe_entry, _best_of_each(front)), names)
         influences = compute_sobol_indices(
             front.trials, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed

@@ -1,6 +1,6 @@
 """Sensor: a built unit at work: readings of its images, its acceptance, robots that it guides, ROS messages."""
 
-from palpate.sensor.accept import AcceptanceSpec, accept_unit
+from palpate.sensor.accept import accept_unit
 from palpate.sensor.align import Aligner
 from palpate.sensor.alignment import (
     TOUCH_COLUMNS,
@@ -15,7 +15,7 @@ from palpate.sensor.depth_zero import DepthZero, find_depth_zero
 from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
 from palpate.sensor.identify_unit import identify_unit
-from palpate.sensor.inspect_unit import Inspection, InspectionSpec, inspect_unit
+from palpate.sensor.inspect_unit import Inspection, inspect_unit
 from palpate.sensor.open_from_parameters import SensorLaunchSpec, open_from_parameters, parse_launch_spec
 from palpate.sensor.placement import Placement, rotation_from_vector, tilt_from_normal
 from palpate.sensor.pose_estimator import check_model, open_model
@@ -32,7 +32,7 @@ from palpate.sensor.ros_reading import dots_message, pose_message, pose_with_cov
 from palpate.sensor.ros_sensor import TOPICS, RosSensor, RosSpec
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
 from palpate.sensor.sensor import Sensor, open_sensor, run_sensor
-from palpate.sensor.spec import SensorSpec
+from palpate.sensor.spec import AcceptanceSpec, InspectionSpec, SensorSpec
 from palpate.sensor.tool import Tool
 from palpate.sensor.tool_offset import find_tool_offset
 from palpate.sensor.unit import Unit

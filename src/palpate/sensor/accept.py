@@ -7,33 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import PAPER, BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, provenance
 from palpate.sensor.depth_zero import DepthZero, find_depth_zero
 from palpate.sensor.recording import GroundTruth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
-
-TABLE_3 = f"{PAPER}, Table 3"
-
+from palpate.sensor.spec import AcceptanceSpec
 
 _DOUBT = 0.05
 """Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count."""
-
-
-class AcceptanceSpec(Spec):
-    """Tolerances of the acceptance test, and settings of its evaluation."""
-
-    rmse_deg: float = parameter(0.58, unit="deg", meaning="maximum RMSE of roll and of pitch", source=TABLE_3, gt=0)
-    max_deg: float = parameter(
-        1.64, unit="deg", meaning="maximum error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
-    )
-    depth_rmse: float = parameter(0.2, unit="mm", meaning="maximum RMSE of the depth", gt=0)
-    min_depth: float = parameter(2.4, unit="mm", meaning="minimum depth of the evaluated images", ge=0)
-    without_pose: float = parameter(0.0, unit="1", meaning="maximum share of images without a pose", ge=0, le=1)
-    zero: bool = parameter(True, unit="", meaning="whether the zero of the depth is determined from the first press")
-    guard: bool = parameter(
-        False, unit="", meaning="whether the upper ends of the intervals must be within the tolerances as well"
-    )
-    seed: int = parameter(0, unit="1", meaning="seed of the bootstrap", ge=0)
 
 
 @dataclass(frozen=True)
@@ -130,7 +111,14 @@ def accept_unit(
     zero, counts = None, np.ones(len(estimates), bool)
     if spec.zero and known:
         first = truth.press == 0
-        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
+        try:
+            zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
+        except PalpateError as error:
+            raise PalpateError(
+                f"The first press gives the depth zero: {error.problem}",
+                "Use the depths of the table (`--no-zero`), lower `--min-depth`, or record a deeper first press.",
+                code="depth-zero-unknown",
+            ) from error
         counts &= ~first
     offset = zero.offset if zero else 0.0
     # an image without a pose counts if the truth says that it is deep enough

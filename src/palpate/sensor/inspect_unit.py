@@ -16,17 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Camera, flat_marker_outlines, project_markers
-from palpate.core import FloatArray, Spec, parameter
-from palpate.design import PRINT_TOLERANCE, Skin
+from palpate.core import FloatArray
+from palpate.design import Skin
 from palpate.sensor.sensor import analyse_rest
+from palpate.sensor.spec import InspectionSpec
 from palpate.sensor.unit import Unit
 from palpate.vision import DetectSpec, PrintDistortion, Registration
-
-
-class InspectionSpec(Spec):
-    """Tolerance of the print of a unit."""
-
-    tolerance: float = parameter(PRINT_TOLERANCE, unit="mm", meaning="maximum print error of a marker", gt=0, le=5)
 
 
 @dataclass(frozen=True, eq=False)

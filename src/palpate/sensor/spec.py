@@ -1,9 +1,12 @@
-"""Configuration of the readings of a sensor."""
+"""Configuration of the readings, the acceptance test and the inspection of a sensor."""
 
 from __future__ import annotations
 
 from palpate.calibration import NOISE_PX
-from palpate.core import Spec, parameter
+from palpate.core import PAPER, Spec, parameter
+from palpate.design import PRINT_TOLERANCE
+
+TABLE_3 = f"{PAPER}, Table 3"
 
 
 class SensorSpec(Spec):
@@ -40,3 +43,26 @@ class SensorSpec(Spec):
         gt=0,
         le=50,
     )
+
+
+class AcceptanceSpec(Spec):
+    """Tolerances of the acceptance test, and settings of its evaluation."""
+
+    rmse_deg: float = parameter(0.58, unit="deg", meaning="maximum RMSE of roll and of pitch", source=TABLE_3, gt=0)
+    max_deg: float = parameter(
+        1.64, unit="deg", meaning="maximum error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
+    )
+    depth_rmse: float = parameter(0.2, unit="mm", meaning="maximum RMSE of the depth", gt=0)
+    min_depth: float = parameter(2.4, unit="mm", meaning="minimum depth of the evaluated images", ge=0)
+    without_pose: float = parameter(0.0, unit="1", meaning="maximum share of images without a pose", ge=0, le=1)
+    zero: bool = parameter(True, unit="", meaning="whether the zero of the depth is determined from the first press")
+    guard: bool = parameter(
+        False, unit="", meaning="whether the upper ends of the intervals must be within the tolerances as well"
+    )
+    seed: int = parameter(0, unit="1", meaning="seed of the bootstrap", ge=0)
+
+
+class InspectionSpec(Spec):
+    """Tolerance of the print of a unit."""
+
+    tolerance: float = parameter(PRINT_TOLERANCE, unit="mm", meaning="maximum print error of a marker", gt=0, le=5)

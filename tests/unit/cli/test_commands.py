@@ -114,9 +114,7 @@ def test_a_run_reports_how_many_rows_of_earlier_tables_it_replaces(
     made = [FIRST]
     monkeypatch.setattr("palpate.cli.run.announce_compilation", lambda: None)
     leave_out_pictures(monkeypatch)
-    monkeypatch.setattr(
-        "palpate.cli.run.run_study", lambda *_: StudyResult("first", tuple(made[-1]), (), {}, {}, 1.0)
-    )
+    monkeypatch.setattr("palpate.study.run_study", lambda *_: StudyResult("first", tuple(made[-1]), (), {}, {}, 1.0))
     shown = []
     for designs in (FIRST, FIRST, FIRST[2:]):
         made.append(designs)

@@ -134,3 +134,15 @@ def test_a_design_is_a_study_of_its_own() -> None:
 def test_a_study_and_flags_of_a_design_contradict_each_other(capsys) -> None:
     assert run("calibration", "predict", "first", "--height", "10") == 2
     check_refusal(capsys.readouterr().err, "options-exclusive", "first")
+
+
+def test_a_bench_refuses_a_pad_before_it_announces_a_twin(capsys) -> None:
+    assert run("simulation", "bench", "--skin", "pad:", "--markers", "7", "--out", "new") == 2
+    shown = capsys.readouterr().err
+    assert "minutes" not in shown
+    check_values(shown, "twin-needs-revolution", "--model")
+
+
+def test_a_wrong_tolerance_is_named_as_one(capsys) -> None:
+    assert run("calibration", "predict", "--tolerance", "thickness=-1") == 2
+    check_values(capsys.readouterr().err, "--tolerance: thickness is -1", "tolerance-out-of-bounds")

@@ -29,6 +29,7 @@ from palpate.design.barrel import BarrelSpec
 from palpate.fabrication import ProcessSpec, build_enclosure, build_mold, check_process, write_pack
 from palpate.fabrication.check_parts import check_enclosure, check_frame, check_interference
 from palpate.fabrication.enclosure import free_travel
+from palpate.fabrication.flange_key import build_notch
 from palpate.fabrication.frame import ROD, plan_frame
 from palpate.fabrication.pins import build_dimples
 
@@ -110,8 +111,9 @@ def test_core_halves_and_part_fill_the_block_of_a_barrel(module: ContactModule) 
     play += np.pi * ((mold.spigot + spec.clearance) ** 2 - mold.spigot**2) * spec.mold_floor
     dowels = 4 * np.pi * (1.0 + spec.clearance / 2) ** 2 * 12.0
     parts = sum(part.volume for part in mold.parts.values())
-    assert parts + through + play + dowels + body_mm3(module) == pytest.approx(block, rel=1e-8)
-    assert mold.hollow() == pytest.approx(body_mm3(module), rel=1e-9)
+    body = body_mm3(module) - module.solid().overlap(build_notch(module))
+    assert parts + through + play + dowels + body == pytest.approx(block, rel=1e-8)
+    assert mold.hollow() == pytest.approx(body, rel=1e-9)
     assert all(part.pieces == 1 for part in mold.parts.values())
 
 
@@ -159,7 +161,7 @@ def build_rows(pitch: float) -> MarkerLayout:
 def test_rods_carry_the_far_end_between_the_columns_of_dots(module: ContactModule, layout: MarkerLayout) -> None:
     frame = plan_frame(module, layout)
     enclosure = build_enclosure(module, 20.0, PROCESS, frame=frame)
-    parts, body = enclosure.parts, module.solid()
+    parts, body = enclosure.parts, module.solid().cut(build_notch(module))
     clamped = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
     check_interference({**parts, "module": body}, intended=clamped)
     squeezed = np.pi * (module.flange_radius**2 - 37.7**2) * 0.2

@@ -18,11 +18,14 @@ from palpate.design import (
     box,
     build_contact_module,
     build_skin,
+    cylinder,
     place_markers,
 )
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.fabrication import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template, write_mesh
 from palpate.fabrication.draw import draw_mold_section
 from palpate.fabrication.enclosure import free_travel
+from palpate.fabrication.flange_key import build_key, build_notch, notch_radius
 
 needs("build123d")
 SPEC = ProcessSpec()
@@ -35,9 +38,8 @@ def module_of(height: float, thickness: float = 2.0):
 @pytest.mark.parametrize("height", [10, 20, 30])
 def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
     module = module_of(height)
-    mold = build_mold(module, SPEC)
-    assert mold.hollow() == pytest.approx(module.solid().volume, rel=1e-9)
-    body = module.solid()
+    mold, body = build_mold(module, SPEC), module.solid().cut(build_notch(module))
+    assert mold.hollow() == pytest.approx(body.volume, rel=1e-9)
     for part in mold.parts.values():
         assert part.pieces == 1
         assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
@@ -57,7 +59,7 @@ def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
 )
 def test_a_mold_of_any_meridian_leaves_the_module_between_its_parts(spec: SkinSpec) -> None:
     module = build_contact_module(spec.build(), MountSpec())
-    mold, body = build_mold(module, SPEC), module.solid()
+    mold, body = build_mold(module, SPEC), module.solid().cut(build_notch(module))
     assert mold.hollow() == pytest.approx(body.volume, rel=1e-6)
     for part in mold.parts.values():
         assert part.pieces == 1
@@ -73,6 +75,36 @@ def test_pins_fit_with_the_clearance_asked_and_one_way_only() -> None:
     assert core.overlap(cavity.moved(x=1.5 * SPEC.clearance)) > 1e-2
     for turn in (60.0, 110.0, 120.0, 130.0, 180.0, 240.0):
         assert core.overlap(cavity.turned("z", turn)) > 1.0
+
+
+@pytest.mark.parametrize("spec", [DomeSpec(), DomeSpec(height=30), FlatPadSpec()], ids=lambda one: one.build().name)
+def test_the_notch_of_a_flange_fits_rib_and_key_one_way_only(spec: SkinSpec) -> None:
+    module = build_contact_module(spec.build(), MountSpec())
+    body, radius = module.solid().cut(build_notch(module)), notch_radius(module)
+    key = build_key(module, SPEC.clearance)
+    assert body.overlap(key) == pytest.approx(0, abs=1e-6)
+    assert body.distance(key) == pytest.approx(SPEC.clearance, abs=1e-3)
+    half = module.skin.plan.edge(np.radians([270.0]))[0][0][1] * module.flange_foot
+    x, y, z = np.array(key.bounds).T
+    assert x == pytest.approx([SPEC.clearance - radius, radius - SPEC.clearance], abs=1e-3)
+    assert y[1] == pytest.approx(half + radius - SPEC.clearance, abs=1e-3), "opposite the cable slot"
+    assert z[1] < 0
+    cavity = module.prism(module.flange_foot + 8, module.foot, 0.0).cut(module.solid(module.outside()))
+    for part in (key, cavity.join(build_notch(module))):
+        for turn in (20.0, 90.0, 180.0, 270.0) if module.skin.plan.is_round else (180.0,):
+            assert body.turned("z", turn).overlap(part) > 1.0
+        assert body.overlap(part) == pytest.approx(0, abs=1e-3)
+
+
+def test_housing_and_robot_plate_fit_one_way_only() -> None:
+    parts = build_enclosure(module_of(20), 48.0, SPEC).parts
+    housing, plate = parts["housing"], parts["robot_plate"]
+    low, edge = float(housing.bounds[0, 2]), float(plate.bounds[1, 0])
+    holes = cylinder(edge - 1, low - 7, low - 6).cut(cylinder(31.5, low - 7, low - 6), plate)
+    threads = cylinder(edge - 1, low + 1, low + 2).cut(cylinder(31.5, low + 1, low + 2), housing).moved(z=-8.0)
+    assert threads.cut(holes).volume == pytest.approx(0, abs=1e-6)
+    for turn in (80.0, 90.0, 100.0, 180.0, 190.0, 270.0):
+        assert threads.turned("z", turn).cut(holes).volume > 1.0
 
 
 @pytest.mark.parametrize(
@@ -92,7 +124,7 @@ def test_a_mold_that_cannot_be_is_refused_with_the_number(change: dict[str, floa
 def test_build_enclosure_holds_the_module_and_nothing_interferes(camera: CameraBody) -> None:
     module = module_of(20)
     enclosure = build_enclosure(module, 48.0, ProcessSpec(camera_body=camera))
-    parts, body = enclosure.parts, module.solid()
+    parts, body = enclosure.parts, module.solid().cut(build_notch(module))
     assert parts["housing"].overlap(body) < 1e-3
     assert parts["housing"].overlap(parts["clamp_ring"]) < 1e-3
     assert parts["housing"].overlap(parts["robot_plate"]) < 1e-3

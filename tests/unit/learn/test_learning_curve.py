@@ -12,3 +12,18 @@ def test_an_error_that_grows_with_the_presses_is_reported_as_a_rise() -> None:
         "From 10 to 14 presses the error fell by 50%",
         "From 10 to 14 presses the error rose by 50%",
     ]
+
+
+def test_an_error_that_rises_gives_no_verdict() -> None:
+    sentence = extrapolate_learning_curve([CurvePoint(10, "ridge", (0.1,)), CurvePoint(14, "ridge", (0.15,))])
+    assert "enough" not in sentence
+    assert "would" not in sentence
+
+
+def test_points_from_scratch_and_adapted_ones_are_not_mixed() -> None:
+    scratch = [CurvePoint(10, "ridge", (0.4,)), CurvePoint(14, "ridge", (0.2,))]
+    adapted = [CurvePoint(0, "mine as it is", (0.3,)), CurvePoint(14, "adapted", (0.1,))]
+    assert extrapolate_learning_curve([*scratch, *adapted]).startswith("From 10 to 14 presses the error fell by 50%")
+    assert extrapolate_learning_curve(adapted) == ""
+    more = [*scratch, *adapted, CurvePoint(20, "adapted", (0.09,))]
+    assert extrapolate_learning_curve(more).startswith("From 14 to 20 presses the error fell by 10%")

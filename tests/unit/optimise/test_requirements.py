@@ -1,5 +1,6 @@
 """Requirements that contradict themselves or the workshop, and fronts by hand."""
 
+import csv
 import json
 import math
 import re
@@ -150,6 +151,9 @@ def test_designs_by_coarse_presses_stay_on_the_front_and_are_marked(tmp_path: Pa
     (row,) = (line for line in (tmp_path / "report.md").read_text().splitlines() if line.startswith("| 0 |"))
     check_values(row, "0.5")
     assert [row["skin"] for row in json.loads((tmp_path / "front.json").read_text())["coarse_front"]] == [0]
+    with (tmp_path / "front.csv").open() as file:
+        kept = {row["skin"]: row["full_fidelity"] for row in csv.DictReader(file)}
+    assert kept == {"1": "True", "0": "False"}
     assert Front(SPEC, front.trials).coarse_pareto == (), "one objective: the best of the finalists counts"
 
 

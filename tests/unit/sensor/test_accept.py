@@ -67,6 +67,12 @@ def test_without_a_zero_the_robots_touch_point_is_in_the_depth():
     assert [check.what for check in found.checks if not check.passed] == ["depth RMSE"]
 
 
+def test_a_first_press_without_a_zero_is_refused_with_the_flag_that_takes_the_depths_as_they_are():
+    truth, estimates = recorded()
+    with refused("depth-zero-unknown", "--no-zero"):
+        accept_unit(truth, estimates, None, AcceptanceSpec(min_depth=9.0))
+
+
 def test_an_unknown_depth_is_not_judged():
     truth, estimates = recorded()
     poses = truth.poses.copy()
