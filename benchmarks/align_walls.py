@@ -33,7 +33,10 @@ def play(chosen: argparse.Namespace) -> None:
     dome = DomeSpec(height=20, thickness=2)
     twin = read_twin(chosen.twin)
     played = AlignmentScenario(
-        twin, Design(dome, MarkerSpec(count=169)), calibration_presses=chosen.calibration_presses, by_solver=chosen.solved
+        twin,
+        Design(dome, MarkerSpec(count=169)),
+        calibration_presses=chosen.calibration_presses,
+        by_solver=chosen.solved,
     )
     done = {(line["unit"], line.get("wall")) for line in read_lines(chosen.out)}
     for number in range(1, chosen.units + 1):
