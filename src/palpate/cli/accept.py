@@ -89,12 +89,12 @@ def accept(
     if estimator.readings is not None:
         estimates, flagged = read_readings(estimator.readings, known)
     else:
-        model = estimator.reads.find(built)
+        known, model = known.locate(truth.parent), estimator.reads.find(built)
         if is_recorded_model(model):
-            estimates, flagged = _read_recorded(truth.parent, known, read_model(model))
+            estimates, flagged = _read_recorded(known, read_model(model))
         else:
             unit = built.unit()
-            estimates, flagged = _read(truth.parent, known, open_model(model, unit.design.skin), unit)
+            estimates, flagged = _read(known, open_model(model, unit.design.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
     if report.out is not None:
         write_acceptance(report.out, found, report.name)
@@ -104,19 +104,19 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _read(folder: Path, known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
+def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import check_model, run_sensor
 
     check_model(model, unit, TILT_SPACE)
-    sensor = open_printing_scale([read_image(folder / name) for name in known.rest], unit, model)
-    found = list(run_sensor(sensor, _images(folder, known.images)))
+    sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
+    found = list(run_sensor(sensor, _images(known.images)))
     poses = np.array([reading.pose for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 
-def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
+def _read_recorded(known: GroundTruth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import run_sensor
@@ -127,14 +127,14 @@ def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tu
             "Train a model of all three: palpate recording train --targets.",
             code="model-outputs-missing",
         )
-    found = list(run_sensor(model, _images(folder, known.images)))
+    found = list(run_sensor(model, _images(known.images)))
     poses = np.array([[reading[name] for name in TILT_SPACE.names] for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 
-def _images(folder: Path, names: tuple[str, ...]) -> Iterator[NDArray[Any] | PalpateError]:
+def _images(names: tuple[str, ...]) -> Iterator[NDArray[Any] | PalpateError]:
     for name in names:
         try:
-            yield read_image(folder / name)
+            yield read_image(Path(name))
         except PalpateError as error:
             yield error

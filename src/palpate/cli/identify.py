@@ -91,10 +91,11 @@ def identify(
     check_file(files.out, ".json")
     check_folder(files.report)
     robot.check()
-    known, unit = read_ground_truth(truth, robot.columns.mapping()), built.unit(reads.material)
+    known = read_ground_truth(truth, robot.columns.mapping()).locate(truth.parent)
+    unit = built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
-    sensor = open_printing_scale([read_image(truth.parent / name) for name in known.rest], unit, model)
-    presses = list(_presses(truth.parent, known))
+    sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
+    presses = list(_presses(known))
     found = identify_unit(sensor, presses, robot.spec())
     if files.out is not None:
         write_unit(
@@ -126,7 +127,7 @@ def identify(
     )
 
 
-def _presses(folder: Path, known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
+def _presses(known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
     """Yield the presses of a recording: poses, images and forces of the images with a known depth."""
     import numpy as np
 
@@ -138,5 +139,5 @@ def _presses(folder: Path, known: GroundTruth) -> Iterator[tuple[FloatArray, lis
                 "Give the robot's depth of its images; the zero of the depth scale is arbitrary.",
                 code="press-depth-missing",
             )
-        images = [read_image(folder / known.images[k]) for k in which]
+        images = [read_image(Path(known.images[k])) for k in which]
         yield known.poses[which], images, known.forces[which]

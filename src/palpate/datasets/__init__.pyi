@@ -14,7 +14,7 @@ from palpate.datasets.recording_columns import (
     find_image_column,
     find_press_column,
 )
-from palpate.datasets.recording_images import ImageSet
+from palpate.datasets.recording_images import ImageSet, find_files
 from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.spec import DatasetSpec, RandomisationSpec
 from palpate.datasets.split import PressSplit, check_leakage, split_presses
@@ -40,6 +40,7 @@ __all__ = [
     "check_leakage",
     "dataset_version",
     "draw_jitter",
+    "find_files",
     "find_image_column",
     "find_press_column",
     "find_quantities",

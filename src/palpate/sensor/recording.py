@@ -11,7 +11,7 @@ rest images. The depth may be on any scale (see `palpate.sensor.depth_zero`), or
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from palpate.datasets import (
     REST,
     ColumnMapping,
     RecordingTable,
+    find_files,
     find_image_column,
     find_press_column,
     find_quantities,
@@ -57,6 +58,17 @@ class GroundTruth:
     press: IntArray
     poses: FloatArray
     forces: FloatArray
+
+    def locate(self, folder: Path) -> GroundTruth:
+        """Return it with the paths of its images, which are in a folder or below it.
+
+        Raises
+        ------
+        PalpateError
+            If none of them exists, or a name is in several folders.
+        """
+        paths = [str(path) for path in find_files(folder, (*self.rest, *self.images))]
+        return replace(self, rest=tuple(paths[: len(self.rest)]), images=tuple(paths[len(self.rest) :]))
 
 
 def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> GroundTruth:

@@ -163,3 +163,17 @@ def test_rows_without_a_number_of_the_pose_are_left_out_and_counted(images: Path
     )
     assert [one.axis for one in read_recording(path).poses] == ["rx", "ry"]
     path.unlink()
+
+
+def test_images_of_a_truth_are_found_below_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "recording" / "images").mkdir(parents=True)
+    names = ["rest.png", "one.png", "two.png"]
+    for name in names:
+        cv2.imwrite(str(tmp_path / "recording" / "images" / name), np.zeros((4, 4), np.uint8))
+    path = tmp_path / "truth.csv"
+    path.write_text("image;press;rx_deg;ry_deg;depth_mm\nrest.png;rest;;;\none.png;1;1,5;0;2\ntwo.png;1;2,5;0;2\n")
+    found = read_ground_truth(path).locate(tmp_path)
+    assert [Path(name).parent.name for name in (*found.rest, *found.images)] == ["images"] * 3
+    assert [Path(name).name for name in (*found.rest, *found.images)] == names
+    with refused("images-missing", "rest.png"):
+        read_ground_truth(path).locate(tmp_path / "recording" / "none")

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from dataclasses import replace
 
 import cv2
@@ -190,5 +191,6 @@ def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, 
     assert run("calibration", "accept", recording / "truth.csv", *words) == 2
     check_refusal(capsys.readouterr().err, "options-exclusive", "--model", "--readings")
     write_truth(tmp_path / "t.csv", [["1.png", "1", 1, 2, 3]])
+    shutil.copy(next((recording).glob("*.png")), tmp_path / "1.png")
     assert run("calibration", "accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
     check_refusal(capsys.readouterr().err, "rest-image-missing")
