@@ -129,9 +129,15 @@ class ModelFlags:
         Raises
         ------
         PalpateError
-            If no file was named and no twin of the design exists.
+            If the named file does not exist, or no file was named and no twin of the design exists.
         """
         if self.model is not None:
+            if not self.model.exists():
+                raise PalpateError(
+                    f"{self.model} does not exist.",
+                    "Give the file of a model, or a folder of twins.",
+                    code="file-missing",
+                )
             return self.model
         skin = build_skin(design.skin_spec())
         from palpate.surrogate import find_twin

@@ -146,7 +146,8 @@ def read_twin(path: Path) -> Twin:
             if _INVERTED in file:
                 twin = replace(twin, inverted=_read_branch(file[_INVERTED], file.attrs))
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN, code="twin-unreadable") from None
+        reason = "it is not an HDF5 file" if path.is_file() and not h5py.is_hdf5(path) else error
+        raise PalpateError(f"{path} cannot be read as a twin: {reason}.", _AGAIN, code="twin-unreadable") from None
     for branch in (twin,) if twin.inverted is None else (twin, twin.inverted):
         _check(path, branch)
     return twin

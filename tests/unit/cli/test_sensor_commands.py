@@ -315,3 +315,15 @@ def test_a_camera_that_is_unplugged_mid_run_ends_with_a_flagged_reading(
     assert shown[-1]["reason"]
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 5
     assert released
+
+
+def test_a_model_that_is_missing_or_no_twin_is_refused(tmp_path, capsys):
+    truth = tmp_path / "truth.csv"
+    truth.write_text("image,press,rx_deg,ry_deg,depth_mm\n0.png,rest,,,\n1.png,1,1,0,3\n")
+    (tmp_path / "0.png").write_bytes(b"")
+    (tmp_path / "bad.h5").write_text("no twin")
+    for name, code in (("none.h5", "file-missing"), ("bad.h5", "twin-unreadable")):
+        assert run("calibration", "accept", str(truth), "--model", str(tmp_path / name)) == 2
+        said = capsys.readouterr().err
+        check_refusal(said, code, name)
+        assert "synchronously" not in said
