@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, generator
+from palpate.core.run import Progress
 from palpate.datasets import PressSplit
 from palpate.learn.member import EnsembleMember
 from palpate.learn.prepare_recording import PreparedRecording
@@ -32,6 +33,7 @@ def cross_validate(
     seen: PreparedRecording,
     spec: RecordingSpec,
     train: Callable[[PreparedRecording], Mapping[str, EnsembleMember]],
+    progress: Progress,
 ) -> tuple[dict[str, EnsembleMember], dict[str, FloatArray]]:
     """Train on all presses; return the estimators, and held-out estimates (n, k) by name.
 
@@ -41,6 +43,8 @@ def cross_validate(
         The recording, and the settings.
     train
         Trains estimators on the training presses of a split, and makes choices on its validation presses.
+    progress
+        Receives the folds, and the training on all presses.
     """
     presses, folds = np.unique(seen.press), count_folds(seen, spec)
     fold = generator(spec.seed, "folds").permutation(np.arange(len(presses)) % folds)[
@@ -48,13 +52,18 @@ def cross_validate(
     ]
     found: dict[str, FloatArray] = {}
     trained: Counter[str] = Counter()
+    progress.plan(folds + 1)
     for number in range(folds):
+        progress.begin(piece := f"fold {number + 1} of {folds}")
         test, validation = fold == number, fold == (number + 1) % folds
         parts = train(replace(seen, split=PressSplit(~test & ~validation, validation, test)))
         trained.update(list(parts))
         for name, estimates in predict_parts(seen, parts, test).items():
             found.setdefault(name, np.full(estimates.shape, np.nan))[test] = estimates[test]
+        progress.finish(piece)
+    progress.begin("all presses")
     whole = train(replace(seen, split=PressSplit(fold > 0, fold == 0, fold < 0)))
+    progress.finish("all presses")
     # a kind that some folds were too small for has no estimates of their presses
     kept = {name: part for name, part in whole.items() if trained[name] == folds}
     return kept, {name: found[name] for name in kept}

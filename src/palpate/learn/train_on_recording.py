@@ -101,7 +101,7 @@ def train_on_recording(
     def train(own: PreparedRecording) -> dict[str, EnsembleMember]:
         nonlocal early
         jobs, parts = list(plan_jobs(own, spec, few)), {}
-        for part, spent in train_members(jobs, spec.threads, store, progress):
+        for part, spent in train_members(jobs, spec.threads, store, Progress() if few else progress):
             name, parts[part.name] = part.name, part
             seconds[name] = max(seconds.get(name, 0.0), spent)
             if name not in known and not few:
@@ -113,7 +113,7 @@ def train_on_recording(
 
     every = np.ones(len(seen.targets), bool)
     if few:
-        parts, held_out = cross_validate(seen, spec, train)
+        parts, held_out = cross_validate(seen, spec, train, progress)
         scored = replace(seen, split=PressSplit(every, every, every))
     else:
         parts, scored = train(seen), seen

@@ -11,7 +11,7 @@ from palpate.core import ArtefactStore
 from palpate.core.run import Progress
 from palpate.datasets import Recording, read_recording
 from palpate.learn import RecordingSpec, prepare_recording, train_on_recording
-from palpate.learn.cross_validate import cross_validate, predict_parts
+from palpate.learn.cross_validate import count_folds, cross_validate, predict_parts
 from palpate.learn.member import ImageRidge, TrainingRun
 
 SPEC = RecordingSpec(estimators="ridge", threads=1)
@@ -52,7 +52,7 @@ def test_no_press_is_estimated_by_a_model_that_it_trained(folder: Path) -> None:
         samples, _ = own.samples(markers=False)
         return {"ridge": ImageRidge.train("ridge", samples, TrainingRun())}
 
-    parts, held_out = cross_validate(seen, SPEC, train)
+    parts, held_out = cross_validate(seen, SPEC, train, Progress())
     assert not any((split.train & split.test).any() or (split.validation & split.test).any() for split in trained)
     assert np.all(np.sum([split.test for split in trained], axis=0) == 1)
     own = predict_parts(seen, parts, np.ones(24, bool))["ridge"]
@@ -72,7 +72,21 @@ def test_a_press_without_assigned_markers_is_left_to_the_image(folder: Path) -> 
         jobs = list(plan_jobs(own, SPEC, few=True))
         return {part.name: part for part, _ in train_members(jobs, 1, ArtefactStore(folder / "store10"), Progress())}
 
-    _, held_out = cross_validate(seen, SPEC, train)
+    _, held_out = cross_validate(seen, SPEC, train, Progress())
     assert np.isnan(held_out["dots-process"][3]).all()
     assert np.isfinite(held_out["picture-ridge"]).all()
     assert np.isfinite(np.delete(held_out["dots-process"], 3, axis=0)).all()
+
+
+def test_the_share_done_grows_with_each_fold(folder: Path) -> None:
+    shares: list[float] = []
+
+    class Kept(Progress):
+        def finish(self, what: str, reason: str = "") -> None:
+            super().finish(what, reason)
+            shares.append(self.share)
+
+    seen = prepare_recording(first(folder, 24, "24.csv"), SPEC, ArtefactStore(folder / "store24"), Progress())
+    cross_validate(seen, SPEC, lambda own: {}, Kept())
+    folds = count_folds(seen, SPEC)
+    assert shares == pytest.approx([(k + 1) / (folds + 1) for k in range(folds + 1)])
