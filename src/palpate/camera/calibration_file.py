@@ -143,6 +143,12 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
             "ROS writes zeros for a camera that is not calibrated: calibrate it.",
             code="calibration-file-unreadable",
         )
+    if not (0.0 < matrix[0, 2] < width and 0.0 < matrix[1, 2] < height):
+        raise PalpateError(
+            f"{name} has its centre at {matrix[0, 2]:g}, {matrix[1, 2]:g} px, outside of {width:g} × {height:g} px.",
+            "Check that centre and size are those of one camera.",
+            code="calibration-file-unreadable",
+        )
     size = 4 + len(lens.coefficients)
     covariance = _numbers(content["covariance"], size**2).reshape(size, size) if "covariance" in content else None
     coverage = _numbers(content["coverage"], 48).reshape(6, 8).astype(int) if "coverage" in content else None

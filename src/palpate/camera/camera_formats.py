@@ -32,7 +32,7 @@ _NAMES = {
     "image_width": ("image_width", "width", "w"),
     "image_height": ("image_height", "height", "h"),
     "image_size": ("image_size", "imagesize", "resolution"),
-    "distortion_model": ("distortion_model", "model", "lens_model", "camera_model"),
+    "distortion_model": ("distortion_model", "model", "lens_model"),
 }
 """Names of each key in files, in lower case, by the key of ROS."""
 
@@ -49,8 +49,9 @@ def read_camera_file(path: Path) -> dict[str, Any]:
     """
     name = path.name
     if path.suffix.lower() == ".npz":
-        with np.load(path) as arrays:
-            return _by_ros_keys(name, {key: arrays[key].tolist() for key in arrays.files})
+        with np.load(path) as file:
+            arrays = {key: file[key] for key in file.files}
+        return _by_ros_keys(name, {key: one.item() if one.size == 1 else one.tolist() for key, one in arrays.items()})
     start = path.read_text(encoding="utf-8").lstrip("\ufeff \r\n\t")
     if start.startswith("<"):
         content = _read_xml(start)
@@ -141,27 +142,45 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _from_numbers(low: dict[str, Any]) -> dict[str, Any]:
-    """Keys, with those of inner groups, and the matrices of numbers that have keys of their own."""
-    groups = [value for value in low.values() if isinstance(value, Mapping) and "data" not in value]
-    low = {key: value for key, value in low.items() if value not in groups}
-    for group in groups:
-        low = {str(key).lower(): value for key, value in group.items()} | low
-    values = low.get("intrinsics", [next((low[key] for key in keys if key in low), None) for keys in _INTRINSICS])
-    if isinstance(values, list) and len(values) == 4 and None not in values:
-        fx, fy, cx, cy = (float(value) for value in values)
-        low.setdefault("camera_matrix", [fx, 0, cx, 0, fy, cy, 0, 0, 1])
-        bent = [low.get(key, 0.0) for key in ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")]
-        if "k4" in low and "p1" not in low:
-            bent = [low.get(key, 0.0) for key in ("k1", "k2", "k3", "k4")]
-            low.setdefault("distortion_model", "equidistant")
-        if "k1" in low:
-            low.setdefault("distortion_coefficients", bent if len(bent) == 4 or any(bent[5:]) else bent[:5])
+def _from_numbers(name: str, low: dict[str, Any]) -> dict[str, Any]:
+    """Keys with those of the groups of the lens, and the matrices of numbers that have keys of their own."""
+    groups = {key: value for key, value in low.items() if isinstance(value, Mapping) and "data" not in value}
+    low = {key: value for key, value in low.items() if key not in groups}
+    if not any(key in low for key in _NAMES["camera_matrix"]):
+        inner = {key: {str(own).lower(): value for own, value in group.items()} for key, group in groups.items()}
+        lenses = [key for key, group in inner.items() if any(own in group for own in _INTRINSICS[0])]
+        if len(lenses) > 1:
+            raise _several(", ".join(lenses), name, len(lenses))
+        for key in [*lenses, *(key for key in inner if key in (*_NAMES["image_size"], "distortion", "lens"))]:
+            low = inner[key] | low
+        values = low.get("intrinsics", [next((low[key] for key in keys if key in low), None) for keys in _INTRINSICS])
+        if isinstance(values, list) and len(values) == 4 and None not in values:
+            fx, fy, cx, cy = (float(value) for value in values)
+            low["camera_matrix"] = [fx, 0, cx, 0, fy, cy, 0, 0, 1]
+            low |= _coefficients(low)
     return low
 
 
+def _coefficients(low: dict[str, Any]) -> dict[str, Any]:
+    """Coefficients k1, p1 … with keys of their own, and their lens model; nothing if the file has a list of them."""
+    if "k1" not in low or any(key in low for key in _NAMES["distortion_coefficients"]):
+        return {}
+    model = next((str(low[key]).lower() for key in (*_NAMES["distortion_model"], "camera_model") if key in low), "")
+    four = [float(low.get(key, 0.0)) for key in ("k1", "k2", "k3", "k4")]
+    straight = [float(low.get(key, 0.0)) for key in ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")]
+    more = any(straight[6:]) or any(straight[2:4])
+    if any(word in model for word in ("fisheye", "equi", "kannala")) or (not model and four[3] and not more):
+        return {"distortion_coefficients": four, "distortion_model": "equidistant"}
+    named = (
+        {}
+        if any(key in low for key in _NAMES["distortion_model"]) and model != "opencv"
+        else {"distortion_model": ""}
+    )
+    return {"distortion_coefficients": straight if any(straight[5:]) else straight[:5], **named}
+
+
 def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    low = _from_numbers({str(key).lower().removeprefix("camera."): value for key, value in content.items()})
+    low = _from_numbers(name, {str(key).lower().removeprefix("camera."): value for key, value in content.items()})
     found = {
         key: next(low[own] for own in names if low.get(own) is not None)
         for key, names in _NAMES.items()

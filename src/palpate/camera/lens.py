@@ -89,8 +89,7 @@ LENSES: Registry[type[Lens]] = Registry(
 """Lenses by name."""
 
 _ALIASES = {
-    **dict.fromkeys(("radtan", "radial_tangential", "opencv", "pinhole"), "plumb_bob"),
-    "opencv_fisheye": "equidistant",
+    **dict.fromkeys(("radtan", "radial_tangential"), "plumb_bob"),
     "brown": "plumb_bob",
     "brown_conrady": "plumb_bob",
     "fisheye": "equidistant",

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from palpate.core.errors import PalpateError
 from palpate.core.text_lines import HEAD, Line
-from palpate.core.units import is_unit
+from palpate.core.units import is_unit, split_unit
 
 COMMENTS = ("#", "//")
 _DELIMITERS = ("\t", ";", ",", "|", " ")
@@ -22,14 +22,11 @@ _MIN_ROWS = 5
 """Fewer rows after the table may be a footer."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
 _THOUSANDS = {
-    decimal: re.compile(
-        rf"[-+]?\d{{1,3}}(?:(?:{mark}\d{{3}})+{point}\d+|(?:{mark}\d{{3}}){{2,}}"
-        rf"|(?:[ \xa0\u202f'’]\d{{3}})+(?:{point}\d+)?)"
-    )
+    decimal: re.compile(rf"[-+]?\d{{1,3}}(?:(?:{mark}\d{{3}})+{point}\d+|(?:[\xa0\u202f'’]\d{{3}})+(?:{point}\d+)?)")
     for decimal, mark, point in ((".", ",", r"\."), (",", r"\.", ","))
 }
 """Decimal mark → numbers with marks between the thousands that cannot be decimal marks."""
-_FORTRAN = re.compile(r"[-+]?[\d.]+[dD][-+]?\d+")
+_FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)[dD](?:[-+]\d+|\d\d)")
 _QUANTITY = re.compile(r"([-+\u2212]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?)\s?([^\d\s.,].*)")
 _TOKEN = re.compile(r"\S+(?:\s+[\[(][^\[\]()]*[\])])?")
 """Name of a column between spaces, with a unit in brackets behind it."""
@@ -52,9 +49,15 @@ def parse_number(cell: str, decimal: str = ".") -> float:
 
 
 def split_quantity(cell: str) -> tuple[str, str]:
-    """Number and unit of a cell such as ``12.5 N`` or ``3%``; an empty unit without one."""
+    """Number and unit of a cell such as ``12.5 N`` or ``3%``; an empty unit without one.
+
+    A letter directly behind a number, as in ``1A``, is no unit, but part of a name.
+    """
     found = _QUANTITY.fullmatch(cell)
-    return (found[1], found[2]) if found and is_unit(found[2]) else (cell, "")
+    if not found or not is_unit(found[2]) or found[2] in ("-", "–", "1"):
+        return cell, ""
+    named = len(found[2]) == 1 and found[2].isascii() and found[2].isalpha() and not cell[-2].isspace()
+    return (cell, "") if named else (found[1], found[2])
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class Dialect:
             except (csv.Error, StopIteration):
                 text = text.replace('"', "")
         if self.delimiter == " ":
-            return text.split() if "(" not in text and "[" not in text else _TOKEN.findall(text)
+            return _TOKEN.findall(text) if re.search(r"[\[(]", text) and text[:1].isalpha() else text.split()
         return [cell.strip() for cell in text.split(self.delimiter)]
 
     def is_number(self, cell: str) -> bool:
@@ -84,15 +87,19 @@ class Dialect:
 
     def count_numbers(self, cells: list[str]) -> int:
         """Numbers of a row: plain ones, or else numbers with their units if all cells are such."""
-        count = sum(self.is_number(cell) for cell in cells if cell)
-        bare = [] if count else [split_quantity(cell)[0] for cell in cells if cell]
-        return len(bare) if all(map(self.is_number, bare)) and bare else count
+        return sum(self.is_number(cell) for cell in cells if cell) or self.count_quantities(cells)
+
+    def count_quantities(self, cells: list[str]) -> int:
+        """Cells of a row if all are numbers with units, otherwise 0."""
+        bare = [split_quantity(cell)[0] for cell in cells if cell]
+        return len(bare) if all(map(self.is_number, bare)) else 0
 
     def fit(self, text: str) -> int:
         """Numbers of a line, less the cells that are numbers only by another dialect; 0 if it is no row."""
         cells = self.split(text)
         numbers = self.count_numbers(cells)
-        bad = sum(not self.is_number(c) and bool(_NUMBERS_WITHIN.search(split_quantity(c)[0])) for c in cells if c)
+        texts = (c for c in cells if c and not self.is_number(c) and not self.is_number(split_quantity(c)[0]))
+        bad = sum(bool(_NUMBERS_WITHIN.search(c)) for c in texts)
         return numbers - 3 * bad if len(cells) >= 2 and numbers else -3 * bad
 
 
@@ -163,13 +170,17 @@ def find_dialect(path: Path, lines: list[Line], delimiter: str | None, decimal: 
 
 def find_blocks(lines: list[Line], dialect: Dialect) -> list[Block]:
     """Divide the lines of a file into headings and rows."""
-    kinds: list[int] = []  # 0 blank, 1 row, 2 text
+    kinds: list[int] = []  # 0 blank, 1 row, 2 text, 3 quantities alone
     widths: list[int] = []
     for _, text in lines:
         cells = dialect.split(text) if text.strip() else []
-        filled = sum(map(bool, cells))
-        kinds.append(0 if not filled else 1 if len(cells) >= 2 and dialect.count_numbers(cells) else 2)
-        widths.append(filled)
+        filled = list(filter(None, cells))
+        number = len(cells) >= 2 and any(map(dialect.is_number, filled))
+        quantities = len(cells) >= 2 and not number and dialect.count_quantities(cells)
+        kinds.append(0 if not filled else 1 if number else 3 if quantities else 2)
+        widths.append(len(filled))
+    apart = 1 if kinds.count(3) > kinds.count(1) else 2  # a few lines of quantities are headings
+    kinds = [apart if kind == 3 else kind for kind in kinds]
     blocks, at, blank = [Block([], [])], 0, False
     while at < len(lines):
         if kinds[at] == 0:
@@ -245,7 +256,7 @@ def _name(lines: list[Line], dialect: Dialect, block: Block, widths: list[int]) 
     heading = list(block.heading)
     below = dialect.split(lines[block.rows[0]][1]) if block.rows else []
     while len(heading) > 1 and (
-        (2 <= widths[heading[-1]] < widths[heading[-2]] and not _are_units(lines, dialect, heading[-1]))
+        (widths[heading[-1]] < widths[heading[-2]] and _is_divided(lines, dialect, heading[-1]))
         or _looks_alike(dialect.split(lines[heading[-1]][1]), below)
     ):
         heading.pop()
@@ -269,6 +280,11 @@ def _looks_alike(cells: list[str], row: list[str]) -> bool:
     """Whether a cell of text has the pattern of the same cell in a row: ``000.png`` and ``001.png``."""
     shapes = ((re.sub(r"\d+", "0", a), re.sub(r"\d+", "0", b)) for a, b in zip(cells, row, strict=False))
     return any(a == b and "0" in a and re.search(r"[^\W\d]", a) for a, b in shapes)
+
+
+def _is_divided(lines: list[Line], dialect: Dialect, at: int) -> bool:
+    """Whether a line has two cells or more, full or empty, that are not all units."""
+    return len(dialect.split(lines[at][1])) >= 2 and not _are_units(lines, dialect, at)
 
 
 def _are_units(lines: list[Line], dialect: Dialect, at: int) -> bool:
@@ -298,14 +314,11 @@ def read_head(
     above = [text.strip() for _, text in lines[:first] if text.strip()]
     widths = [len(trimmed(dialect.split(lines[at][1]))) for at in block.rows[:HEAD]]
     if not block.header:
-        split = (
-            trimmed(one.split(text.lstrip("#/ ")))
-            for text in reversed(comments)
-            for one in (dialect, Dialect(" ", "."))
-        )
-        heads = [
-            tuple(cells) for cells in split if len(cells) == block.width and not any(map(dialect.is_number, cells))
-        ]
+        heads: list[tuple[str, ...]] = []
+        for one in dict.fromkeys((dialect, Dialect(" ", dialect.decimal))):
+            split = [tuple(trimmed(one.split(text.lstrip("#/ ")))) for text in reversed(comments)]
+            fits = [cells for cells in split if len(cells) == block.width and not any(map(dialect.is_number, cells))]
+            heads += [cells for cells in fits if one == dialect or any(split_unit(cell)[1] for cell in cells)]
         named = [cells for cells in heads if not all(map(is_unit, cells))]
         units = heads[0] if named and heads[0] != named[0] else ()
         return Head(named[0] if named else ("",) * block.width, units, tuple(above))

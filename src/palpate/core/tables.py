@@ -153,12 +153,13 @@ def read_table(
     lines, skipped = split_lines(data, max_rows)
     mark, lines = _named_delimiter(lines)
     kept = [line for line in lines if not line[1].lstrip().startswith(COMMENTS)]
-    comments = tuple(text.strip() for _, text in lines[:HEAD] if text.lstrip().startswith(COMMENTS))
+    comments = [(number, text.strip()) for number, text in lines[:HEAD] if text.lstrip().startswith(COMMENTS)]
     if not any(text.strip() for _, text in kept):
         raise PalpateError(f"{path} is empty.", "Export the table again.", code="table-empty")
     dialect = find_dialect(path, kept, delimiter or mark, decimal)
     blocks, notes = _choose(path, find_blocks(kept, dialect))
-    head = read_head(path, kept, blocks, dialect, comments)
+    first = kept[blocks[0].rows[0]][0] if blocks[0].rows else 0
+    head = read_head(path, kept, blocks, dialect, tuple(text for number, text in comments if number < first))
     columns = _Columns(len(head.names), dialect.decimal, words)
     numbers = [kept[at][0] for block in blocks for at in block.rows]
     rows = (dialect.split(kept[at][1]) for block in blocks for at in block.rows)
@@ -169,7 +170,7 @@ def read_table(
         path=path,
         header=names,
         units=units,
-        preamble=(*head.above, *comments),
+        preamble=(*head.above, *(text for _, text in comments)),
         columns=found,
         faults=columns.faults,
         lines=np.array(numbers, np.int64),
@@ -237,12 +238,14 @@ class _Columns:
             return np.array(texts)
         values = np.array([parse_number(text, self._decimal) for text in texts], float)
         bad = filled & ~np.isfinite(values)
-        if bad.all():
+        if column in self._units or (column not in self._numeric and bad.any() and (bad == filled).all()):
             quantities = [split_quantity(text) for text in texts]
-            if len(units := {unit for _, unit in quantities}) == 1 and (unit := units.pop()):
-                values = np.array([parse_number(number, self._decimal) for number, _ in quantities], float)
-                bad = filled & ~np.isfinite(values)
+            units = {unit for (_, unit), there in zip(quantities, filled, strict=True) if there}
+            if unit := self._units.get(column) or (units.pop() if len(units) == 1 else ""):
                 self._units[column] = unit
+                numbers = [number if own == unit else "nan" for number, own in quantities]
+                values = np.array([parse_number(number, self._decimal) for number in numbers], float)
+                bad = filled & ~np.isfinite(values)
         wrong = int(sum(texts[at].casefold() not in ("nan", "inf", "-inf") for at in np.flatnonzero(bad)))
         if column not in self._numeric and filled.any():
             names = self._words & {texts[at].casefold() for at in np.flatnonzero(bad)}
@@ -283,7 +286,7 @@ def _expand(
         if column.dtype.kind == "U" and len(column) and all(cell[:1] + cell[-1:] == "[]" for cell in column.tolist()):
             cells = [re.split(r"[\s,;]+", cell[1:-1].strip()) for cell in column.tolist()]
             values = np.array([[parse_number(text) for text in row] for row in cells if len(row) == len(cells[0])])
-            if len(values) == len(column) and np.isfinite(values).all():
+            if len(values) == len(column) and np.isfinite(values).all() and f"{name}_0" not in names:
                 names = (*names, *(f"{name}_{at}" for at in range(values.shape[1])))
                 units = (*units, *("",) * values.shape[1]) if units else ()
                 columns = (*columns, *values.T)
@@ -342,14 +345,17 @@ def _load_whole(data: bytes) -> list[Any] | None:
     if not isinstance(value, dict):
         return value if isinstance(value, list) else None
     inner = list(value.values())
-    tables = [one for one in inner if isinstance(one, list) and one and all(isinstance(row, dict) for row in one)]
-    if len(tables) == 1:
-        return tables[0]
+    if len(inner) > 1 and all(isinstance(one, dict) for one in inner):
+        if all(list(one) == [str(at) for at in range(len(inner[0]))] for one in inner):  # columns of pandas
+            inner = [list(one.values()) for one in inner]
+        else:
+            return [{"image": name, **row} for name, row in value.items()]
     if inner and all(isinstance(one, list) and len(one) == len(inner[0]) for one in inner):
         return [dict(zip(value, row, strict=True)) for row in zip(*inner, strict=True)]
-    if len(inner) > 1 and all(isinstance(one, dict) for one in inner):
-        return [{"image": name, **row} for name, row in value.items()]
-    return [value]
+    tables = [one for one in inner if isinstance(one, list) and one and all(isinstance(row, dict) for row in one)]
+    lists = [one for one in inner if isinstance(one, list)]
+    alone = len(tables) == len(lists) == 1 and not any("unit" in str(key).lower() for key in value)
+    return tables[0] if alone else [value]
 
 
 def _read_parquet(path: Path, words: Sequence[str]) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 _ONE = (
     r"(?:%|‰|°|[kMGmµμuc]?(?:Pa|N|m|g|s|V|A|Hz|rad|J|W)|in(?:ch(?:es)?)?|ft|psi|ksi|bar|kgf|gf|kp|lbf?|ozf?|[sS]ec|[sS]ek|SEC"
@@ -16,6 +17,7 @@ _SHORT_TEST = re.compile(r"[ _-](?:ut|uc|et|ps)\d*$", re.I)
 """Short name of a material test after the unit in a column's name."""
 
 
+@lru_cache(maxsize=4096)
 def is_unit(text: str) -> bool:
     """Whether a text is a unit, without brackets or in them."""
     return bool(_WHOLE.fullmatch(text.strip("()[]{}<>（）【】 ")))

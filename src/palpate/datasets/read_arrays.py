@@ -17,8 +17,8 @@ import numpy as np
 from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, Item
 from palpate.datasets.recording_reader import RecordingReader
-from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, name_columns, read_row
-from palpate.datasets.table import Column, RecordingTable
+from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns, read_row
+from palpate.datasets.table import RecordingTable
 
 _REMEDY = "Give images as one array (n, h, w) or (n, h, w, 3), and poses as arrays of n rows."
 _ENDS = "episode_ends"
@@ -45,17 +45,18 @@ class ArraysReader(RecordingReader):
             ) from error
 
     def _read(self, place: Path, arrays: Mapping[str, Any]) -> tuple[RecordingTable, ImageSet]:
-        cameras = [name for name, array in arrays.items() if holds_images(array)]
+        held = [name for name, array in arrays.items() if holds_images(array)]
+        cameras = [name for name in held if arrays[name].dtype.kind != "b"] or held  # masks lie beside images
         if not cameras:
             raise PalpateError(
                 f"{place.name} holds no images{list_arrays(arrays)}.", _REMEDY, code="recording-no-images"
             )
         images = arrays[self.choose(place.name, cameras)]
-        columns: dict[str, Column] = {}
-        for name, array in arrays.items():
-            if name in cameras or array.ndim not in (1, 2) or array.shape[0] != images.shape[0]:
-                continue
-            columns |= name_columns(name, array, {})
+        columns = merge_columns(
+            ([name], array, {})
+            for name, array in arrays.items()
+            if name not in held and array.ndim in (1, 2) and array.shape[0] == images.shape[0]
+        )
         if _ENDS in arrays:
             press = np.searchsorted(np.asarray(arrays[_ENDS][:]), np.arange(images.shape[0]), side="right")
             columns.setdefault("press", press.astype(float))

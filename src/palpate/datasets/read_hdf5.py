@@ -19,7 +19,7 @@ from palpate.core import PalpateError, reject_external_links
 from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
 from palpate.datasets.recording_reader import RecordingReader
-from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, name_columns
+from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns
 from palpate.datasets.table import Column, RecordingTable
 
 _REMEDY = "Give images as one dataset (n, h, w), (n, h, w, 3) or of n JPEG files, and poses as others of n rows."
@@ -45,9 +45,9 @@ class HDF5Reader(RecordingReader):
             try:
                 with h5py.File(path, "r") as file:
                     reject_external_links(file, path)
+                    held = held or list_arrays(_arrays(file))
                     for images, group in self._groups(path, file):
                         parts.append(_columns(group, images, images.shape[0]))
-                        held = list_arrays(_arrays(file))
                         places += [(path, images.name, row) for row in range(images.shape[0])]
             except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
                 raise PalpateError(
@@ -59,7 +59,8 @@ class HDF5Reader(RecordingReader):
 
     def _groups(self, path: Path, file: h5py.File) -> list[tuple[h5py.Dataset, h5py.Group]]:
         """Datasets of images and the groups that hold their columns, in the order of their names."""
-        found = [item for item in _arrays(file).values() if holds_images(item)]
+        held = [item for item in _arrays(file).values() if holds_images(item)]
+        found = [item for item in held if item.dtype.kind != "b"] or held  # masks lie beside images
         owners: dict[str, tuple[h5py.Group, dict[str, h5py.Dataset]]] = {}
         for item in sorted(found, key=lambda one: natural_key(one.name)):
             owner = item.parent
@@ -105,8 +106,9 @@ def _fits(item: Any, count: int) -> bool:
 
 
 def _columns(group: h5py.Group, images: h5py.Dataset, count: int) -> dict[str, Column]:
-    columns: dict[str, Column] = {}
-    near = [pair for owner in (group, images.parent) for pair in owner.items() if _fits(pair[1], count)]
-    for key, item in near or [pair for pair in _arrays(group).items() if _fits(pair[1], count)]:
-        columns |= name_columns(key.split("/")[-1], item, item.attrs)
-    return columns
+    owners = {owner.name: owner for owner in (group, images.parent)}
+    near = [pair for owner in owners.values() for pair in owner.items() if _fits(pair[1], count)]
+    return merge_columns(
+        (key.split("/"), item, item.attrs)
+        for key, item in near or [pair for pair in _arrays(group).items() if _fits(pair[1], count)]
+    )

@@ -13,6 +13,7 @@ from palpate.core.files import natural_key
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
+    INDEX,
     PoseColumn,
     find_gaps,
     find_image_column,
@@ -171,7 +172,15 @@ def _name_images(
         return find_image_column(table, choice), None
     except PalpateError as error:
         files = [path for path in list_below(folder) if path.stem.lower() != REST]
-        if error.code != "image-column-missing" or len(files) != len(table):
+        stems = {path.stem.casefold() for path in files}
+        texts = [name for name in table.columns if not table.is_numeric(name)]
+        called = [name for name in texts if {str(text).casefold() for text in table.columns[name]} - {REST} <= stems]
+        if called and error.code == "image-column-missing":
+            return called[0], None
+        counts = (table.columns[name] for name in table.columns if name.strip().lower() in INDEX)
+        ordered = all(values.dtype.kind == "U" or bool((np.diff(values) > 0).all()) for values in counts)
+        together = len({path.parent for path in files}) == 1
+        if error.code != "image-column-missing" or len(files) != len(table) or not (ordered and together):
             raise
         notes.append(f"No column names images: rows are taken as {files[0].name} to {files[-1].name}, in order.")
         return "", ImageFiles(files)
@@ -199,9 +208,9 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
             code="file-ending-unknown",
         )
     files = sorted(place.iterdir())
-    for reader in readers:
-        tables = [path for path in files if reader.accepts(path)]
-        tables = [path for path in tables if path.suffix.lower() != ".json"] or tables  # often about the recording
+    others = [path for path in files if path.suffix.lower() != ".json"]  # often about the recording
+    for reader, held in ((reader, held) for held in (others, files) for reader in readers):
+        tables = [path for path in held if reader.accepts(path)]
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):
             return reader, tables[0]
         if tables:
@@ -257,6 +266,13 @@ def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
                 "Check the column of image names.",
                 code="images-missing",
             ) from error
+    numbers = table.columns[column]
+    if not np.array_equal(numbers, np.round(numbers)):
+        raise PalpateError(
+            f"Column {column} holds {numbers[numbers != np.round(numbers)][0]:g}, which numbers no image.",
+            "Name the column of image files or numbers by --image.",
+            code="image-number-wrong",
+        )
     found = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
     videos = [path for path in found if path.suffix.lower() in recording_suffixes()]
     which = [0] * len(table) if len(videos) == 1 else _videos_of_rows(table, videos)

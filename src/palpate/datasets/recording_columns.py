@@ -41,7 +41,7 @@ _PRESS = (
     *("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run"),
     *("kontakt", "appui", "接触"),
 )
-_INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
+INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
 _ANGLE = re.compile(
     r"(^|[_ ])(r[xyz]|rot\w*|euler\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)"
     r"([_ \d]|$)|angle"
@@ -126,8 +126,9 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
             code="column-ambiguous",
         )
     called = [name for name in table.columns if name.strip().lower() in _IMAGE]
-    if len(called) == 1:  # numbers, or names without their ending
-        return called[0]
+    for kind in (True, False):  # numbers, or names without their ending
+        if len(alike := [name for name in called if table.is_numeric(name) is kind]) == 1:
+            return alike[0]
     raise PalpateError(
         f"No column of {table.name} names images; it has {list_columns(table)}.",
         "Name the column of image files by --image.",
@@ -217,14 +218,16 @@ def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[RecordingTa
     gaps, names = np.zeros(len(table), bool), []
     asked = {text.partition("=")[0].strip().casefold() for text in choice.targets}
     for name, values in table.columns.items():
-        posed = _ANGLE.search(name.lower()) or _LENGTH.search(name.lower())
-        if table.is_numeric(name) and (name.casefold() in asked if asked else posed):
+        short = short_name(split_unit(name.strip().lower())[0])
+        wanted = name.casefold() in asked if asked else AXES.get(short, short) in ("rx", "ry", "depth")
+        typed = name in table.faults and "'nan'" not in table.faults[name].lower()
+        if wanted and table.is_numeric(name) and not typed:
             missing = ~np.isfinite(as_numbers(values))
             if 0 < missing.sum() <= _FEW_MISSING * len(values):
                 gaps |= missing
                 names.append(name)
-    if not names:
-        return table, gaps, ""
+    if not 0 < gaps.sum() <= _FEW_MISSING * len(gaps):
+        return table, np.zeros(len(table), bool), ""
     faults = {name: fault for name, fault in table.faults.items() if name not in names}
     said = f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
     return replace(table, faults=faults), gaps, said
@@ -303,7 +306,7 @@ def _why_not(table: RecordingTable, name: str) -> str:
         return f"{len(values) - len(known)} of its {len(values)} cells are empty or not finite"
     if float(np.ptp(known)) <= _STILL * max(1.0, float(np.abs(known).max())):
         return f"it is {known[0]:g} throughout"
-    if name.strip().lower() in _INDEX:
+    if name.strip().lower() in INDEX:
         return "it numbers the rows"
     step = np.diff(known)
     if len(known) > 10 and np.all(step == 1.0):
@@ -325,7 +328,12 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
     if unit not in FACTORS or not bare:
         bare = low
-        if is_unit(unit) and unit not in ("-", "1") and not choice.angles + choice.lengths:
+        if (
+            is_unit(unit)
+            and unit not in ("-", "1")
+            and re.search(r"[(\[]", low)
+            and not choice.angles + choice.lengths
+        ):
             return PoseColumn(name, short_name(low), "1", values, f"Column {name} is in {unit}; it is kept.")
         if _ANGLE.search(low):
             unit = choice.angles or ("deg" if most > _TURN and not _fits_circle(values) else "")

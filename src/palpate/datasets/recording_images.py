@@ -20,6 +20,7 @@ from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
 from palpate.core import PalpateError
 from palpate.core.files import natural_key
 from palpate.datasets.stored_images import read_row
+from palpate.datasets.table import REST
 
 Item = NDArray[Any] | PalpateError
 
@@ -174,7 +175,7 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
                 code="images-in-several-folders",
             )
         found = [path if path.is_file() else below.get(key(path), [path])[0] for path in direct]
-        if any(path.is_file() for path in found):
+        if any(path.is_file() for path in found if path.stem.lower() != REST or len(found) == 1):
             return found
     raise PalpateError(
         f"None of the {len(names)} images of the table exists; the first is {names[0]}.",

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import decode_image
 from palpate.core import PalpateError
+from palpate.core.units import is_unit, split_unit
 from palpate.datasets.table import Column
 
 _FILES = (b"\xff\xd8\xff", b"\x89PNG")
@@ -73,6 +76,17 @@ def list_arrays(arrays: Mapping[str, Any]) -> str:
     return f", but {', '.join(found)}" if found else ""
 
 
+def merge_columns(arrays: Iterable[tuple[list[str], Any, Mapping[str, Any]]]) -> dict[str, Column]:
+    """Columns of arrays, each with the parts of its path and its attributes; a name of two columns gets its path."""
+    found = [(path, name_columns(path[-1], array, attributes)) for path, array, attributes in arrays]
+    counts = Counter(name for _, columns in found for name in columns)
+    return {
+        name if counts[name] == 1 else "_".join([*(path if name != path[-1] else path[:-1]), name]): column
+        for path, columns in found
+        for name, column in columns.items()
+    }
+
+
 def name_columns(key: str, array: Any, attributes: Mapping[str, Any]) -> dict[str, Column]:
     """Columns of an array of n rows: its fields, texts, or numbers (n, k) by their names.
 
@@ -95,12 +109,15 @@ def name_columns(key: str, array: Any, attributes: Mapping[str, Any]) -> dict[st
     units = units * len(names) if len(units) == 1 else units
     if len(units) == len(names):
         names = [
-            f"{name} [{unit}]" if unit and unit not in name else name for name, unit in zip(names, units, strict=True)
+            f"{name} [{unit}]" if is_unit(unit) and not split_unit(name)[1] else name
+            for name, unit in zip(names, units, strict=True)
         ]
     return {name: values[:, number] for number, name in enumerate(names)}
 
 
 def _texts(value: Any) -> list[str]:
+    if isinstance(value, h5py.Empty):
+        return []
     texts = [one.decode() if isinstance(one, bytes) else str(one) for one in np.atleast_1d(value).tolist()]
     return [text.strip() for text in texts[0].split(",")] if len(texts) == 1 else texts
 

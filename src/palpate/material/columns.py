@@ -19,10 +19,14 @@ _STRAIN = re.compile(
     re.I,
 )
 _TRAVEL = re.compile(
-    r"extension|displacement|crosshead|travel|stroke|deflection|weg\b|traverse|position|\bhub\b|l[äa]ngen[äa]nderung"
-    r"|verl[äa]ngerung|verformung|d[ée]placement|\bcourse\b|位移|行程|变形|変位|ストローク",
-    re.I,
+    r"extension|displacement|crosshead|travel|weg\b|traverse|position|d[ée]placement|位移|变形|変位|ストローク", re.I
 )
+_SELDOM = re.compile(
+    r"stroke|separation|deflection|\bhub\b|l[äa]ngen[äa]nderung|verl[äa]ngerung|verformung|\bcourse\b|行程", re.I
+)
+"""Names of travel that other columns of the same file may have too."""
+_UNNAMED = re.compile(r"(?:ch|channel|col|column|value|signal|d?[a-z])?[ _-]?\d*", re.I)
+"""Names that state no quantity: the unit alone tells it."""
 _STRESS = re.compile(r"stress|spannung|contrainte|应力|応力|σ", re.I)
 _FORCE = re.compile(r"force|load|kraft|\blast\b|\bcharge\b|载荷|荷重|力", re.I)
 _NOT_STRAIN = re.compile(
@@ -147,7 +151,7 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     PalpateError
         If a column is missing or ambiguous, or its unit is not stated; the message lists the columns.
     """
-    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL))
+    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL, _SELDOM))
     stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE))
     if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
@@ -208,7 +212,7 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
     known = _STRESS_UNITS.keys() if kind == "stress" else _STRAIN_UNITS.keys() - {"-", "–", "1"}
     found = [at for at in range(len(table.columns)) if known & {text.lower() for text in _written(table, [at])}]
     found = [at for at in found if table.is_numeric(at)]
-    if len(found) == 1:
+    if len(found) == 1 and _UNNAMED.fullmatch(table.bare_names()[found[0]]):
         return found
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
