@@ -62,7 +62,7 @@ def assign(folder: Path) -> dict[str, object]:
     seen = prepare_recording(read_recording(folder, most=100_000), spec, store, progress)
     assert seen.assigned is not None
     found: dict[str, object] = {"seconds": time.monotonic() - begin}
-    naive = assign_images(seen.sight.dots, seen.assigned.reference, seen.eye.shape, False, progress)
+    naive = assign_images(seen.sight.blobs, seen.assigned.reference, seen.eye.shape, False, progress)
     for name, one in (("smooth field", seen.assigned), ("identity", naive)):
         rest, count = one.layout.rest_px, len(truth["heads"])
         start = truth["rest"] if one.reference >= count else truth["heads"][one.reference]

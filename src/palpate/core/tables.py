@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from palpate.core.arrays import FloatArray, IntArray
 from palpate.core.errors import PalpateError
 from palpate.core.extra import load_extra
+from palpate.core.json_rows import flatten, load_rows
 from palpate.core.table_text import (
     COMMENTS,
     Block,
@@ -293,22 +294,9 @@ def _expand(
     return names, units, columns
 
 
-def flatten(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Flatten a nested row: ``{"pose": [1, 2]}`` gives ``pose_0`` and ``pose_1``."""
-    flat: dict[str, Any] = {}
-    for key, value in row.items():
-        if isinstance(value, Mapping):
-            flat |= {f"{key}_{inner}": cell for inner, cell in flatten(value).items()}
-        elif isinstance(value, list):
-            flat |= flatten({f"{key}_{number}": cell for number, cell in enumerate(value)})
-        else:
-            flat[key] = value
-    return flat
-
-
 def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
     def objects() -> Iterator[tuple[int, Any]]:
-        if path.suffix.lower() == ".json" and (whole := _load_whole(data)) is not None:
+        if path.suffix.lower() == ".json" and (whole := load_rows(data)) is not None:
             yield from enumerate(whole, start=1)
             return
         for number, line in enumerate(data.splitlines(), start=1):
@@ -334,28 +322,6 @@ def _read_json(path: Path, data: bytes, words: Sequence[str]) -> Table:
             code="table-unreadable",
         ) from error
     return _of_records(path, rows, numbers, words)
-
-
-def _load_whole(data: bytes) -> list[Any] | None:
-    """Rows of one JSON value: a list, alone or in an object, lists as columns, or an object an image."""
-    try:
-        value = json.loads(data)
-    except ValueError:
-        return None  # one object on each line
-    if not isinstance(value, dict):
-        return value if isinstance(value, list) else None
-    inner = list(value.values())
-    if len(inner) > 1 and all(isinstance(one, dict) for one in inner):
-        if all(list(one) == [str(at) for at in range(len(inner[0]))] for one in inner):  # columns of pandas
-            inner = [list(one.values()) for one in inner]
-        else:
-            return [{"image": name, **row} for name, row in value.items()]
-    if inner and all(isinstance(one, list) and len(one) == len(inner[0]) for one in inner):
-        return [dict(zip(value, row, strict=True)) for row in zip(*inner, strict=True)]
-    tables = [one for one in inner if isinstance(one, list) and one and all(isinstance(row, dict) for row in one)]
-    lists = [one for one in inner if isinstance(one, list)]
-    alone = len(tables) == len(lists) == 1 and not any("unit" in str(key).lower() for key in value)
-    return tables[0] if alone else [value]
 
 
 def _read_parquet(path: Path, words: Sequence[str]) -> Table:

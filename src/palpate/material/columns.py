@@ -26,7 +26,7 @@ _SELDOM = re.compile(
 )
 """Names of travel that other columns of the same file may have too."""
 _UNNAMED = re.compile(r"(?:ch|channel|col|column|value|signal|d?[a-z])?[ _-]?\d*", re.I)
-"""Names that state no quantity: the unit alone tells it."""
+"""Names that state no quantity."""
 _STRESS = re.compile(r"stress|spannung|contrainte|应力|応力|σ", re.I)
 _FORCE = re.compile(r"force|load|kraft|\blast\b|\bcharge\b|载荷|荷重|力", re.I)
 _NOT_STRAIN = re.compile(
