@@ -143,7 +143,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _from_numbers(name: str, low: dict[str, Any]) -> dict[str, Any]:
-    """Keys with those of the groups of the lens, and the matrices of numbers that have keys of their own."""
+    """Keys, those of the groups of the lens too, and the matrices of numbers with own keys."""
     groups = {key: value for key, value in low.items() if isinstance(value, Mapping) and "data" not in value}
     low = {key: value for key, value in low.items() if key not in groups}
     if not any(key in low for key in _NAMES["camera_matrix"]):
@@ -162,7 +162,7 @@ def _from_numbers(name: str, low: dict[str, Any]) -> dict[str, Any]:
 
 
 def _coefficients(low: dict[str, Any]) -> dict[str, Any]:
-    """Coefficients k1, p1 … with keys of their own, and their lens model; nothing if the file has a list of them."""
+    """Coefficients k1, p1 … with own keys, and their lens model; nothing if the file lists them."""
     if "k1" not in low or any(key in low for key in _NAMES["distortion_coefficients"]):
         return {}
     model = next((str(low[key]).lower() for key in (*_NAMES["distortion_model"], "camera_model") if key in low), "")

@@ -167,7 +167,7 @@ def read_recording(
 def _name_images(
     table: RecordingTable, choice: ColumnMapping, folder: Path, notes: list[str]
 ) -> tuple[str, ImageSet | None]:
-    """Column that names the images; without one, the images themselves if the folder has one for each row."""
+    """Column that names the images; without one, the images if the folder has one for each row."""
     try:
         return find_image_column(table, choice), None
     except PalpateError as error:

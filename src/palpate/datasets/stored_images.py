@@ -77,7 +77,7 @@ def list_arrays(arrays: Mapping[str, Any]) -> str:
 
 
 def merge_columns(arrays: Iterable[tuple[list[str], Any, Mapping[str, Any]]]) -> dict[str, Column]:
-    """Columns of arrays, each with the parts of its path and its attributes; a name of two columns gets its path."""
+    """Columns of arrays, given with their paths and attributes; a name of two columns gets its path."""
     found = [(path, name_columns(path[-1], array, attributes)) for path, array, attributes in arrays]
     counts = Counter(name for _, columns in found for name in columns)
     return {
