@@ -49,7 +49,7 @@ def read_camera_file(path: Path) -> dict[str, Any]:
     """
     name = path.name
     if path.suffix.lower() == ".npz":
-        with np.load(path) as file:
+        with np.load(path, allow_pickle=False) as file:
             arrays = {key: file[key] for key in file.files}
         return _by_ros_keys(name, {key: one.item() if one.size == 1 else one.tolist() for key, one in arrays.items()})
     start = path.read_text(encoding="utf-8").lstrip("\ufeff \r\n\t")

@@ -115,7 +115,7 @@ def accept_unit(
             zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
         except PalpateError as error:
             raise PalpateError(
-                f"The first press gives the depth zero: {error.problem}",
+                f"Too few images of the first press are deeper than {spec.min_depth:g} mm to give the depth zero.",
                 "Use the depths of the table (`--no-zero`), lower `--min-depth`, or record a deeper first press.",
                 code="depth-zero-unknown",
             ) from error
