@@ -180,7 +180,8 @@ def find_blocks(lines: list[Line], dialect: Dialect) -> list[Block]:
         kinds.append(0 if not filled else 1 if number else 3 if quantities else 2)
         widths.append(len(filled))
     apart = 1 if kinds.count(3) > kinds.count(1) else 2  # a few lines of quantities are headings
-    kinds = [apart if kind == 3 else kind for kind in kinds]
+    if 3 in kinds:
+        kinds = [apart if kind == 3 else kind for kind in kinds]
     blocks, at, blank = [Block([], [])], 0, False
     while at < len(lines):
         if kinds[at] == 0:

@@ -284,7 +284,9 @@ def _expand(
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[Column, ...]]:
     """Add a column for each number of lists that are the cells of a column: ``[1, 2]``."""
     for name, column in zip(names, columns, strict=True):
-        if column.dtype.kind == "U" and len(column) and all(cell[:1] + cell[-1:] == "[]" for cell in column.tolist()):
+        if column.dtype.kind != "U" or not len(column) or str(column[0])[:1] != "[":
+            continue
+        if all(cell[:1] + cell[-1:] == "[]" for cell in column.tolist()):
             cells = [re.split(r"[\s,;]+", cell[1:-1].strip()) for cell in column.tolist()]
             values = np.array([[parse_number(text) for text in row] for row in cells if len(row) == len(cells[0])])
             if len(values) == len(column) and np.isfinite(values).all() and f"{name}_0" not in names:
