@@ -171,12 +171,8 @@ def _coefficients(low: dict[str, Any]) -> dict[str, Any]:
     more = any(straight[6:]) or any(straight[2:4])
     if any(word in model for word in ("fisheye", "equi", "kannala")) or (not model and four[3] and not more):
         return {"distortion_coefficients": four, "distortion_model": "equidistant"}
-    named = (
-        {}
-        if any(key in low for key in _NAMES["distortion_model"]) and model != "opencv"
-        else {"distortion_model": ""}
-    )
-    return {"distortion_coefficients": straight if any(straight[5:]) else straight[:5], **named}
+    found: dict[str, Any] = {"distortion_coefficients": straight if any(straight[5:]) else straight[:5]}
+    return found | ({"distortion_model": ""} if model == "opencv" else {})
 
 
 def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:

@@ -24,6 +24,8 @@ DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
 _POSTPONE_S = 0.02
 """Time until an interruption is tried again, s; imports of a whole package last some tenths."""
+_SWALLOWING = ("__del__", "_on_type_disposal")
+"""Functions that Python calls while it frees an object; the second is a callback of numba's types."""
 _RESULTS_FOLDER: ContextVar[Path | None] = ContextVar("folder of finished results", default=None)
 
 
@@ -54,10 +56,10 @@ def guarded(command: Callable[[], Any]) -> int:
 
 
 def _loses_interruption(frame: FrameType | None) -> bool:
-    """Return whether an import, destructor or weak reference runs, which may swallow an interruption."""
+    """Return whether an import, a destructor or a weak reference's callback may swallow an interruption."""
     while frame is not None:
         code = frame.f_code
-        if "importlib" in code.co_filename or code.co_filename.endswith("weakref.py") or code.co_name == "__del__":
+        if "importlib" in code.co_filename or code.co_filename.endswith("weakref.py") or code.co_name in _SWALLOWING:
             return True
         frame = frame.f_back
     return False

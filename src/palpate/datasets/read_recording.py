@@ -30,7 +30,7 @@ from palpate.datasets.recording_images import (
     find_numbered_files,
     list_below,
 )
-from palpate.datasets.recording_reader import READERS, RecordingReader, TableReader
+from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
@@ -123,9 +123,10 @@ def read_recording(
         folder, choice = folder / choice.image, replace(choice, image="")
     notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
     by = find_press_column(table, choice)
-    column, images = ("", images) if images is not None else _name_images(table, choice, folder, notes)
-    if not column and reader is TableReader:
-        rest = rest or _find_rest(folder)
+    column = ""
+    if images is None:
+        column, images = _name_images(table, choice, folder, notes)
+        rest = rest if column else rest or _find_rest(folder)
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
@@ -167,7 +168,10 @@ def read_recording(
 def _name_images(
     table: RecordingTable, choice: ColumnMapping, folder: Path, notes: list[str]
 ) -> tuple[str, ImageSet | None]:
-    """Column that names the images; without one, the images if the folder has one for each row."""
+    """Column that names the images; without one, the images if the folder has one for each row.
+
+    Then rows are taken in the natural order of the file names, unless a column of numbers contradicts it.
+    """
     try:
         return find_image_column(table, choice), None
     except PalpateError as error:

@@ -42,6 +42,7 @@ _PRESS = (
     *("kontakt", "appui", "接触"),
 )
 INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
+"""Names of columns that number the rows."""
 _ANGLE = re.compile(
     r"(^|[_ ])(r[xyz]|rot\w*|euler\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|winkel|a|b|c)"
     r"([_ \d]|$)|angle"

@@ -4,6 +4,7 @@ import os
 import shlex
 import signal
 import time
+import weakref
 from pathlib import Path
 
 import pytest
@@ -164,6 +165,36 @@ def test_an_interruption_in_a_destructor_which_would_swallow_it_still_ends_the_c
         Swallowing()
         for _ in range(100):
             time.sleep(0.05)
+
+    start = time.monotonic()
+    try:
+        assert guarded(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - start < 3.0
+
+
+def test_an_interruption_while_numba_frees_a_type_still_ends_the_command() -> None:
+    from numba.core.types import abstract
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    class Type:
+        pass
+
+    def _on_type_disposal(reference: object) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.1)
+
+    assert _on_type_disposal.__name__ == abstract._on_type_disposal.__name__
+
+    def command() -> None:
+        freed = Type()
+        kept = weakref.ref(freed, _on_type_disposal)
+        del freed
+        for _ in range(100):
+            time.sleep(0.05)
+        assert kept() is None
 
     start = time.monotonic()
     try:
