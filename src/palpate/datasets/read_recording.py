@@ -123,10 +123,9 @@ def read_recording(
         folder, choice = folder / choice.image, replace(choice, image="")
     notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
     by = find_press_column(table, choice)
-    column = ""
-    if images is None:
-        column, images = _name_images(table, choice, folder, notes)
-        rest = rest if column else rest or _find_rest(folder)
+    column, files = ("", None) if images is not None else _name_images(table, choice, folder, notes)
+    if files is not None:
+        images, rest = files, rest or _find_rest(folder)
     chosen, at_rest = _split_rest(table, by, column)
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
