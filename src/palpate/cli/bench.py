@@ -102,6 +102,8 @@ def _model(flags: BenchFlags) -> Path:
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
+        if flags.reads.model is not None:
+            raise
         why, remedy = "a twin has one press a tilt for all azimuths", "Give a trained network by --model."
         skin.build().require_revolution(why, remedy, code="twin-needs-revolution")
         _print_result(f"{error.problem} It is made and stored first: about 3 minutes on one core.")

@@ -239,13 +239,16 @@ def find_corruption(path: Path) -> str:
         return "Its manifest has no checksum."
     if (manifest.get("kind"), manifest.get("key")) != (path.parents[1].name, path.stem):
         return "Its manifest is that of another artefact."
-    size, recorded = path.stat().st_size, manifest.get("bytes")
-    if size == 0:
-        return "It is empty."
-    if isinstance(recorded, int) and recorded != size:
-        return f"It has {size} bytes instead of {recorded}."
-    if _checksum(path) != manifest["sha256"]:
-        return "Its content has changed: the checksum differs."
+    try:
+        size, recorded = path.stat().st_size, manifest.get("bytes")
+        if size == 0:
+            return "It is empty."
+        if isinstance(recorded, int) and recorded != size:
+            return f"It has {size} bytes instead of {recorded}."
+        if _checksum(path) != manifest["sha256"]:
+            return "Its content has changed: the checksum differs."
+    except OSError:  # another process quarantined it in the meantime, or the disk fails
+        return "It cannot be read."
     return ""
 
 

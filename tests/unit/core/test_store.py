@@ -5,6 +5,7 @@ import pytest
 
 from errors import refused
 from palpate.core import ArtefactStore, Recipe
+from palpate.core import store as core_store
 
 RECIPE = Recipe(kind="press", spec={"tilt_deg": 5.0, "depth": 8.0}, inputs=("abc",), version="1")
 
@@ -54,6 +55,15 @@ def test_a_broken_artefact_is_set_aside_and_can_be_made_again(store: ArtefactSto
     assert path.with_name(path.name + ".broken").read_text() == "forge"
     write_text(store)
     assert store.find(RECIPE) == path
+
+
+def test_an_artefact_that_another_process_sets_aside_in_the_meantime_is_missing(
+    store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checksum = core_store._checksum
+    write_text(store)
+    monkeypatch.setattr(core_store, "_checksum", lambda path: path.unlink() or checksum(path))
+    assert store.find(RECIPE) is None
 
 
 def test_an_artefact_without_manifest_counts_as_missing(store: ArtefactStore) -> None:
