@@ -12,7 +12,7 @@ import torch
 from palpate.core import FloatArray, child_seed
 from palpate.learn.components import PrincipalComponents
 from palpate.learn.spec import TrainingSpec
-from palpate.learn.trainer import WARM_UP, TrainedState, Trainer, TrainerSpec, TrainingTask, fall
+from palpate.learn.trainer import TrainedState, Trainer, TrainerSpec, TrainingTask, fall_from_warm_up
 from palpate.learn.training_set import TrainingSet
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ class _JitterTask(PerceptronTask):
             drawn = [torch.randn(inward, outward, generator=one, device=device) for one in self.random]
             self.parameters.append((spread * torch.stack(drawn)).requires_grad_())
             self.parameters.append(torch.zeros(len(drawn), 1, outward, device=device, requires_grad=True))
+        self.matrices = range(0, 2 * spec.layers, 2)
 
     def draw(self, rows: Tensor, done: float, random: Sequence[Generator]) -> tuple[Tensor, Tensor]:
         inputs = self.inputs[rows]
@@ -118,8 +119,9 @@ def train_network(
         epochs=spec.epochs,
         batch=spec.batch,
         learning_rate=spec.learning_rate,
+        matrix_rate=spec.matrix_rate,
         weight_decay=0.0,
-        schedule=lambda step, steps: min(1.0, step / WARM_UP) * fall(step / steps) if cosine else 1.0,
+        schedule=fall_from_warm_up if cosine else lambda step, steps: 1.0,
         keep_best=not cosine,
         stopping_patience=spec.stopping_patience,
         plateau_patience=spec.plateau_patience,

@@ -20,7 +20,7 @@ class TrainingSpec(Spec):
     components: int = parameter(
         48, unit="1", meaning="number of principal components at the input; 0: marker coordinates", ge=0, le=4096
     )
-    clean_share: float = parameter(0.25, unit="1", meaning="share of each batch without jitter", ge=0, le=1)
+    clean_share: float = parameter(0.5, unit="1", meaning="share of each batch without jitter", ge=0, le=1)
     repeats: int = parameter(
         3, unit="1", meaning="number of trainings, each with its own seed", ge=1, le=64, source=PAPER
     )
@@ -34,9 +34,12 @@ class TrainingSpec(Spec):
         "drops and training stops by the validation error with jitter, and the best weights are kept",
     )
     learning_rate: float = parameter(2e-3, unit="1", meaning="initial learning rate of Adam", gt=0, le=1)
-    batch: int = parameter(256, unit="1", meaning="images per batch", ge=1, le=65536)
+    matrix_rate: float = parameter(
+        0.05, unit="1", meaning="initial learning rate of hidden weights by Muon; 0: all by Adam", ge=0, le=1
+    )
+    batch: int = parameter(512, unit="1", meaning="images per batch", ge=1, le=65536)
     epochs: int = parameter(
-        160, unit="1", meaning="maximum number of passes over the training images", ge=1, le=100_000
+        60, unit="1", meaning="maximum number of passes over the training images", ge=1, le=100_000
     )
     plateau_patience: int = parameter(
         100, unit="1", meaning="epochs without progress before the learning rate drops", ge=1, source=PAPER
@@ -89,6 +92,7 @@ def paper_training(layers: int, width: int, dropout: float) -> TrainingSpec:
         members="best",
         schedule="plateau",
         learning_rate=1e-4,
+        matrix_rate=0.0,
         batch=64,
         epochs=2000,
     )

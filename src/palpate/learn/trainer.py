@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 """Constants of AdamW (Kingma & Ba 2015; Loshchilov & Hutter 2019)."""
+MATRIX_BETA, POLYNOMIAL, POLYNOMIAL_STEPS = 0.95, (3.4445, -4.7750, 2.0315), 3
+"""Constants of Muon (Jordan et al. 2024); three steps train as well as their five."""
 WARM_UP = 200
-"""Steps over which the learning rate of the cosine schedule rises from near zero."""
+"""Steps over which the learning rate of the cosine schedule rises from near zero, at most a fifth of all."""
 _BETWEEN_S = 5.0
 """Time between two checkpoints, s."""
 
@@ -34,6 +36,11 @@ _BETWEEN_S = 5.0
 def fall(done: float) -> float:
     """Cosine from 1 to 0, for the share of the training that is done."""
     return 0.5 * (1.0 + math.cos(math.pi * done))
+
+
+def fall_from_warm_up(step: int, steps: int) -> float:
+    """Share of the learning rate in a step from 1: a short rise, then a cosine."""
+    return fall(step / steps) * min(1.0, step / min(WARM_UP, 0.2 * steps + 1))
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,8 @@ class TrainerSpec:
     ----------
     epochs, batch, learning_rate, weight_decay
         Passes over the samples at most, samples of a batch, learning rate at the start, weight decay of AdamW.
+    matrix_rate
+        Learning rate of Muon for hidden weights at the start; 0: AdamW for all weights.
     schedule
         Learning rate over that at the start, by step from 1 and number of steps; the default rises in at most a fifth
         of the training.
@@ -60,10 +69,9 @@ class TrainerSpec:
     epochs: int
     batch: int = 32
     learning_rate: float = 2e-3
+    matrix_rate: float = 0.0
     weight_decay: float = 2e-2
-    schedule: Callable[[int, int], float] = lambda step, steps: (
-        fall(step / steps) * min(1.0, step / min(WARM_UP, 0.2 * steps + 1))
-    )
+    schedule: Callable[[int, int], float] = fall_from_warm_up
     keep_best: bool = True
     stopping_patience: float = math.inf
     plateau_patience: float = math.inf
@@ -83,9 +91,12 @@ class TrainingTask(ABC):
         Other tensors of the state of the network, such as running means.
     rows
         (n,) numbers of the training samples.
+    matrices
+        Numbers of the parameters that are weights (r, in, out) of hidden layers.
     """
 
     parameters: list[Tensor]
+    matrices: Sequence[int] = ()
     buffers: Sequence[Tensor] = ()
     rows: Tensor
 
@@ -205,12 +216,19 @@ class Trainer:
 
     @torch.no_grad()
     def _step(self, gradients: Sequence[Tensor], step: int, steps: int) -> None:
-        """One step of AdamW with a learning rate for each member."""
+        """One step of AdamW, or of Muon for hidden weights, with a learning rate for each member."""
         factor = self.spec.learning_rate * self.spec.schedule(step, steps)
         rates = torch.tensor([factor * member.rate for member in self.active], device=self.parameters[0].device)
         corrected = rates / (1.0 - BETA_1**step)
-        for parameter, gradient, (mean, square) in zip(self.parameters, gradients, self.moments, strict=True):
+        for number, (parameter, gradient) in enumerate(zip(self.parameters, gradients, strict=True)):
+            mean, square = self.moments[number]
             shape = (-1, *(1,) * (parameter.dim() - 1))
+            if self.spec.matrix_rate and number in self.task.matrices:
+                mean.lerp_(gradient, 1.0 - MATRIX_BETA)
+                scale = self.spec.matrix_rate / self.spec.learning_rate
+                scale *= math.sqrt(max(1.0, parameter.shape[2] / parameter.shape[1]))
+                parameter.sub_(scale * rates.view(shape) * orthogonalise(gradient.lerp(mean, MATRIX_BETA)))
+                continue
             mean.lerp_(gradient, 1.0 - BETA_1)
             square.mul_(BETA_2).addcmul_(gradient, gradient, value=1.0 - BETA_2)
             size = (square / (1.0 - BETA_2**step)).sqrt_().add_(EPSILON)
@@ -274,6 +292,23 @@ class Trainer:
         self.start = [one[found["active"]] for one in self.start]
         for own, value in zip(self.task.buffers, found["buffers"], strict=True):
             own.copy_(value)
+
+
+def orthogonalise(matrices: Tensor) -> Tensor:
+    """Matrices (r, m, n) with singular values near 1 and the same singular vectors.
+
+    Steps of an odd polynomial of fifth degree, as in the optimiser Muon (Jordan et al. 2024, "Muon: An optimizer for
+    hidden layers in neural networks").
+    """
+    tall = matrices.shape[1] > matrices.shape[2]
+    found = matrices.transpose(1, 2) if tall else matrices
+    found = found / (found.norm(dim=(1, 2), keepdim=True) + EPSILON)
+    first, third, fifth = POLYNOMIAL
+    for _ in range(POLYNOMIAL_STEPS):
+        square = found @ found.transpose(1, 2)
+        square = torch.baddbmm(square, square, square, beta=third, alpha=fifth)
+        found = torch.baddbmm(found, square, found, beta=first)
+    return found.transpose(1, 2) if tall else found
 
 
 def add_noise(inputs: Tensor, deviation: float, random: Sequence[Generator]) -> Tensor:

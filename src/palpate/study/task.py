@@ -21,7 +21,7 @@ from palpate.datasets import (
 )
 from palpate.design import Design, Symmetry
 from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_press, write_press
-from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec
+from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec, TrainingSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.surrogate import build_field
@@ -226,6 +226,8 @@ class EstimatorTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         spec = self.spec.model_dump(mode="json")
+        if self.spec.preset != "paper":
+            spec["training"] = TrainingSpec().model_dump(mode="json")
         return Recipe(
             kind="estimator", spec=spec, inputs=(self.dataset.recipe.key,), version=stage_version("estimator")
         )
@@ -237,7 +239,7 @@ class EstimatorTask(Task):
     @property
     def cost(self) -> float:
         trials = self.spec.trials or PAPER_SPACE.trials
-        return {"quick": 20.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
+        return {"quick": 9.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import (  # here, so that a study already learned needs no torch

@@ -4,11 +4,16 @@ import numpy as np
 import pytest
 
 from needs import needs
+from palpate.learn import TrainingSpec
+from palpate.learn.components import PrincipalComponents
+from palpate.learn.training_set import TrainingSet
 
 torch = needs("torch")
-from palpate.learn.trainer import Trainer, TrainerSpec, TrainingTask  # noqa: E402
+from palpate.learn.network import train_network  # noqa: E402
+from palpate.learn.trainer import Trainer, TrainerSpec, TrainingTask, orthogonalise  # noqa: E402
 
 SPEC = TrainerSpec(epochs=12, batch=4, learning_rate=0.1, weight_decay=0.0, anchor_weight=0.01, stopping_patience=2)
+TRAINED = np.arange(64) < 48
 
 
 class Line(TrainingTask):
@@ -54,3 +59,33 @@ def test_members_that_have_stopped_do_not_disturb_the_others_after_a_break(tmp_p
     for one, other in zip(whole, resumed, strict=True):
         assert one.errors == other.errors
         assert np.array_equal(one.state[0].numpy(), other.state[0].numpy())
+
+
+@pytest.mark.parametrize("shape", [(12, 30), (30, 12)])
+def test_an_orthogonalised_matrix_keeps_its_singular_vectors_and_evens_its_singular_values(shape):
+    rng = np.random.default_rng(3)
+    left, right = (np.linalg.qr(rng.normal(size=(n, 12)))[0] for n in shape)
+    values = np.geomspace(1.0, 0.2, 12)
+    given = np.stack([left * values @ right.T, 1e-3 * left * values @ right.T])
+    found = orthogonalise(torch.as_tensor(given)).numpy()
+    inside = left.T @ found @ right
+    for one in inside:
+        assert np.abs(one - np.diag(np.diag(one))).max() < 1e-6
+        assert np.diag(one).min() > 0.5
+        assert np.diag(one).max() < 1.25
+    assert inside[0] == pytest.approx(inside[1], abs=1e-4), "the scale of a gradient does not matter"
+
+
+def test_members_train_alike_alone_and_together_by_muon():
+    samples = TrainingSet(
+        np.random.default_rng(0).normal(size=(64, 6)), np.eye(3)[np.arange(64) % 3], TRAINED, ~TRAINED
+    )
+    whole = PrincipalComponents(np.zeros(6), np.eye(6))
+    spec = TrainingSpec(epochs=3, batch=16, width=8, layers=2, repeats=2)
+    both, alone = (
+        train_network(samples, np.zeros(6), whole, spec.model_copy(update={"repeats": repeats})) for repeats in (2, 1)
+    )
+    for one, other in zip(both[0].state, alone[0].state, strict=True):
+        assert one.numpy() == pytest.approx(other.numpy(), abs=1e-5)
+    adam = train_network(samples, np.zeros(6), whole, spec.model_copy(update={"matrix_rate": 0.0}))
+    assert not np.allclose(adam[0].state[0], both[0].state[0], atol=1e-3)

@@ -3,12 +3,13 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from errors import refused
 from palpate.core import ArtefactStore
 from palpate.core.run import Progress, run_call
 from palpate.datasets import Dataset, DatasetSpec, sample_poses, write_dataset
-from palpate.learn import ErrorBound, calibrate_interval, fit_ridge, write_estimator
+from palpate.learn import ErrorBound, TrainingSpec, calibrate_interval, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs
 from palpate.study.plan import Plan, plan_study
@@ -52,6 +53,15 @@ def prepare(store: ArtefactStore, floor_deg: float) -> EvaluationTask:
 
 def _write(path: Path, content: object) -> None:
     path.write_text(json.dumps(content))
+
+
+def test_a_network_of_other_training_is_another_artefact(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = Study.model_validate({"name": "a", "tilts_deg": [0], "designs": {"markers": [7]}})
+    (first,) = plan_study(study).designs
+    before, other = first.estimator.recipe.key, TrainingSpec(epochs=61)
+    monkeypatch.setattr("palpate.study.task.TrainingSpec", lambda: other)
+    (after,) = plan_study(study).designs
+    assert after.estimator.recipe.key != before
 
 
 def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
