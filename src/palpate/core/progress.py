@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 _MOST_PIECES = 1000
@@ -13,7 +13,10 @@ _MOST_PIECES = 1000
 
 @dataclass
 class _Piece:
-    """A running piece: cost done before the time `begun`, s, and at its last advance `seen`, s."""
+    """A running piece: cost done before the time `begun`, s, and at its last advance `seen`, s.
+
+    A worker's `first` piece includes its start: imports, compilation, opening of files.
+    """
 
     what: str
     cost: float
@@ -21,6 +24,12 @@ class _Piece:
     seen: float
     before: float
     done: float
+    first: bool
+
+    @property
+    def measured(self) -> tuple[float, float]:
+        """Cost done since it began, and the time that it took, s."""
+        return self.done - self.before, self.seen - self.begun
 
 
 class Progress:
@@ -37,7 +46,7 @@ class Progress:
         self.total, self.done = cost, 0.0
         self._running: list[_Piece] = []
         self._workers = 1
-        self._measured: list[tuple[float, float]] = []
+        self._ended: list[_Piece] = []
 
     def plan(self, cost: float, text: str = "") -> None:
         """Begin a part of the work with this cost in all; `text` describes it."""
@@ -46,7 +55,8 @@ class Progress:
     def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
         """Begin a piece of the work, or resume one of which the cost `done` is done."""
         now = self._clock()
-        self._running.append(_Piece(what, cost, now, now, done, done))
+        first = len(self._running) == self._workers or not (self._running or self._ended)
+        self._running.append(_Piece(what, cost, now, now, done, done, first))
         self._workers = max(self._workers, len(self._running))
 
     def advance(self, what: str, done: float, text: str = "") -> None:
@@ -59,8 +69,9 @@ class Progress:
         piece = self._find(what)
         self._running.remove(piece)
         self.done += piece.cost
+        piece.done, piece.seen = piece.cost, self._clock()
         if not reason:
-            self._measured.append((piece.cost - piece.before, self._clock() - piece.begun))
+            self._ended.append(piece)
 
     def note(self, text: str) -> None:
         """Show a sentence on the work."""
@@ -76,18 +87,20 @@ class Progress:
         """Expected remaining time, s; `None` until the speed is known.
 
         The running pieces end as the speed so far predicts; each worker that is free takes a pending piece, whose
-        cost is the mean so far.
+        cost is the mean so far. The first piece of a worker counts until further ones have as much cost.
         """
-        now, running, measured = self._clock(), tuple(self._running), tuple(self._measured)
-        known = [*measured, *((one.done - one.before, one.seen - one.begun) for one in running)]
-        cost, seconds = (sum(column) for column in zip(*known, strict=True)) if known else (0.0, 0.0)
+        now, running, ended = self._clock(), tuple(self._running), tuple(self._ended)
+        cost, seconds = _sum_measured(one for one in (*ended, *running) if not one.first)
+        first_cost, first_seconds = _sum_measured(one for one in (*ended, *running) if one.first)
+        if cost < first_cost:
+            cost, seconds = cost + first_cost, seconds + first_seconds
         if cost <= 0:
             return None
         ends = [max((one.cost - one.done) * seconds / cost - (now - one.seen), 0.0) for one in running]
         ends += [0.0] * (self._workers - len(running))
         heapq.heapify(ends)
         pending = max(self.total - self.done - sum(one.cost for one in running), 0.0)
-        costs = [each for each, _ in measured if each > 0] or [one.cost for one in running]
+        costs = [one.cost - one.before for one in ended if one.cost > one.before] or [one.cost for one in running]
         pieces = min(max(round(pending * len(costs) / sum(costs)), 1), _MOST_PIECES)
         for _ in range(pieces if pending > 0 else 0):
             heapq.heapreplace(ends, ends[0] + pending / pieces * seconds / cost)
@@ -101,6 +114,12 @@ class Progress:
 
     def _find(self, what: str) -> _Piece:
         return next(piece for piece in self._running if piece.what == what)
+
+
+def _sum_measured(pieces: Iterable[_Piece]) -> tuple[float, float]:
+    """Cost of pieces so far, and the time that it took, s."""
+    known = [one.measured for one in pieces]
+    return sum(cost for cost, _ in known), sum(seconds for _, seconds in known)
 
 
 def _duration_text(seconds: float) -> str:

@@ -239,7 +239,7 @@ class EstimatorTask(Task):
     @property
     def cost(self) -> float:
         trials = self.spec.trials or PAPER_SPACE.trials
-        return {"quick": 9.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
+        return {"quick": 18.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import (  # here, so that a study already learned needs no torch

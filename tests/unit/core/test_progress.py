@@ -96,3 +96,17 @@ def test_the_remaining_time_is_in_minutes_or_hours(cost: float, text: str) -> No
     clock.now = 30.0
     progress.finish("piece")
     assert progress.remaining_text == f"about {text} remaining"
+
+
+def test_the_start_of_workers_is_forgotten_when_as_much_other_work_is_done() -> None:
+    clock = Clock()
+    progress = Progress(clock)
+    progress.plan(100.0)
+    for number in range(10):
+        for name in ("a", "b"):
+            progress.begin(f"{name}{number}", 5.0)
+        clock.now += 45.0 if number == 0 else 5.0  # the first pieces of both workers compile for 40 s
+        for name in ("a", "b"):
+            progress.finish(f"{name}{number}")
+        if number in (1, 4):
+            assert progress.remaining_s == pytest.approx(5.0 * (9 - number))
