@@ -1,6 +1,6 @@
 """The command `palpate`: its subcommands, loaded only when called, and its exit codes.
 
-0 done · 1 a fault of the program, with a log · 2 bad input, with a remedy · 130 interrupted
+0 done · 1 a negative result, or a fault of the program, with a log · 2 bad input, with a remedy · 130 interrupted
 """
 
 from __future__ import annotations
