@@ -49,7 +49,7 @@ from palpate.learn.train_on_recording import plan_jobs
 from presses import copy_learnt_sensor
 
 SENSOR = DrawnSensor(rings=4)
-COUNT = 90
+COUNT = 64
 FAST = RecordingSpec(estimators="ridge", threads=1)
 
 
@@ -136,7 +136,7 @@ def test_the_model_file_reads_images_as_in_the_training(learnt: RecordingResult,
     poses, _ = learnt.model.combine(
         learnt.model.estimate_parts(seen.moved, seen.pictures, seen.accepted), seen.accepted
     )
-    for row in (3, 40, 80):
+    for row in (3, 40, 60):
         image = next(iter(seen.recording.images.read([int(seen.rows[row])])))
         assert not isinstance(image, PalpateError)
         np.testing.assert_allclose(model.read(image).pose, poses[row], atol=0.05)
