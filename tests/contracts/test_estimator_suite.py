@@ -1,5 +1,7 @@
 """Every kind of estimator of the package."""
 
+from functools import partial
+
 import pytest
 
 from needs import needs
@@ -9,9 +11,14 @@ from palpate.testing import EstimatorSuite
 
 class TestEstimator(EstimatorSuite):
     @pytest.fixture(params=ESTIMATORS.names)
-    def kind(self, request: pytest.FixtureRequest) -> type[EnsembleMember]:
+    def kind(self, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> type[EnsembleMember]:
         found = ESTIMATORS.get(request.param)
         if found.effort != "ridge":
             needs("torch")
             needs("onnxruntime")
+            from palpate.learn import train_member
+
+            # a network on markers has 300 epochs of its own, whatever is asked for
+            brief = partial(train_member.train_marker_network, epochs=40)
+            monkeypatch.setattr(train_member, "train_marker_network", brief)
         return found

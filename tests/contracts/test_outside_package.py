@@ -73,9 +73,11 @@ from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.cli import main
+from palpate.learn.member import ImageRidge
+ImageRidge.sides = (16,)
 folder = Path("drawn")
 folder.mkdir()
-draw_recording(folder, draw_motions(40, 1, shear=2.0), DrawnSensor(rings=3))
+draw_recording(folder, draw_motions(20, 1, shear=2.0), DrawnSensor(rings=3))
 main(["learn", str(folder), "--out", "learnt", "--estimators", "ridge", "--json"])
 """
 

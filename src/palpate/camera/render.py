@@ -129,6 +129,10 @@ def _add_rim(image: FloatArray, camera: Camera, edges: FloatArray, rng: np.rando
     result = np.where(outside & (radius < 1.14 * reach), 250.0, result)
     for _ in range(8):
         way, far, size = rng.uniform(0, 2 * np.pi), rng.uniform(1.2, 1.7) * reach, rng.uniform(2, 8)
-        near = np.hypot(x - middle[0] - far * np.cos(way), y - middle[1] - far * np.sin(way)) < size
-        result = np.where(near & outside, rng.uniform(0, 255), result)
+        place = middle + far * np.array([np.cos(way), np.sin(way)])
+        low = np.clip(place - size - 1.0, 0, x.shape[::-1]).astype(int)
+        high = np.clip(place + size + 2.0, 0, x.shape[::-1]).astype(int)
+        box = slice(low[1], high[1]), slice(low[0], high[0])  # pixels that a shape can reach
+        near = np.hypot(x[box] - middle[0] - far * np.cos(way), y[box] - middle[1] - far * np.sin(way)) < size
+        result[box][near & outside[box]] = rng.uniform(0, 255)
     return np.asarray(result)

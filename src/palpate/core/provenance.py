@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib import metadata
 
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "pydantic", "py-mkl-pardiso", "rslab", "torch", "optuna")
 """Distributions whose version can change a result."""
 
 
+@cache  # a search of every folder of distributions
 def installed_version(distribution: str) -> str | None:
     """Return the version of an installed distribution, or `None`, without importing it."""
     try:

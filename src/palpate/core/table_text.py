@@ -7,6 +7,7 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +21,8 @@ _NUMBERS_WITHIN = re.compile(r"[-+\d.,][;,|\t ]+[-+\d.,]|[\d.][;,|\t]$|^\d+[.,]\
 """Cells that a wrong delimiter or decimal mark leaves behind."""
 _MIN_ROWS = 5
 """Fewer rows after the table may be a footer."""
+_CELLS = 4096
+"""Number of cells whose kind is remembered: every dialect looks at the first lines several times."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
 _THOUSANDS = {
     decimal: re.compile(rf"[-+]?\d{{1,3}}(?:(?:{mark}\d{{3}})+{point}\d+|(?:[\xa0\u202f'’]\d{{3}})+(?:{point}\d+)?)")
@@ -48,6 +51,7 @@ def parse_number(cell: str, decimal: str = ".") -> float:
     return _TRUTH_VALUES.get(cell.lower(), float("nan"))
 
 
+@lru_cache(_CELLS)
 def split_quantity(cell: str) -> tuple[str, str]:
     """Number and unit of a cell such as ``12.5 N`` or ``3%``; an empty unit without one.
 
@@ -58,6 +62,11 @@ def split_quantity(cell: str) -> tuple[str, str]:
         return cell, ""
     named = len(found[2]) == 1 and found[2].isascii() and found[2].isalpha() and not cell[-2].isspace()
     return (cell, "") if named else (found[1], found[2])
+
+
+@lru_cache(_CELLS)
+def _is_number(cell: str, decimal: str) -> bool:
+    return math.isfinite(parse_number(cell, decimal)) or cell.lower() in ("nan", "inf", "-inf")
 
 
 @dataclass(frozen=True)
@@ -83,7 +92,7 @@ class Dialect:
 
     def is_number(self, cell: str) -> bool:
         """Whether a cell is a number."""
-        return math.isfinite(parse_number(cell, self.decimal)) or cell.lower() in ("nan", "inf", "-inf")
+        return _is_number(cell, self.decimal)
 
     def count_numbers(self, cells: list[str]) -> int:
         """Numbers of a row: plain ones, or else numbers with their units if all cells are such."""

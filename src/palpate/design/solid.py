@@ -12,6 +12,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -52,9 +53,9 @@ class SurfaceMesh:
     @property
     def is_watertight(self) -> bool:
         """Whether every edge belongs to exactly two triangles, with opposite directions."""
-        edges = np.concatenate([self.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
-        forward = {tuple(edge) for edge in edges.tolist()}
-        return len(forward) == len(edges) and all((b, a) in forward for a, b in forward)
+        edges = np.concatenate([self.triangles[:, [k, (k + 1) % 3]] for k in range(3)]).astype(np.int64)
+        forward, back = (np.sort(one * len(self.points) + other) for one, other in (edges.T, edges.T[::-1]))
+        return bool((np.diff(forward) > 0).all() and np.array_equal(forward, back))
 
     def welded(self, tolerance: float = _MERGE_MM) -> SurfaceMesh:
         """Merge points closer than `tolerance` mm, and remove degenerate triangles and unused points.
@@ -80,12 +81,12 @@ class CadSolid:
 
     shape: Any
 
-    @property
+    @cached_property
     def volume(self) -> float:
         """Volume, mm³."""
         return _volume(self.shape)
 
-    @property
+    @cached_property
     def bounds(self) -> FloatArray:
         """Minimum and maximum coordinates (2, 3), mm."""
         box = self.shape.bounding_box()

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -84,6 +85,10 @@ class Mold:
 
     def hollow(self) -> float:
         """Return the volume between cavity and core, mm³, which the elastomer fills."""
+        return self._hollow
+
+    @cached_property
+    def _hollow(self) -> float:
         module = self.module
         wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
         return wall - self.notch_mm3 + (0.0 if module.skin.hole else self.pins_mm3)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.mesh.hexahedron import shape_quadrilateral
 from palpate.mesh.mesh import Mesh
 
@@ -16,6 +16,11 @@ _CANDIDATES = 24
 """Number of candidate faces by distance of their centres; faces may be ten times as long as wide."""
 _INSIDE = 1.0 + 1e-9
 """Maximum of local coordinate plus residual of a point inside a face."""
+_MARGIN = 0.3
+"""Distance from the box of a face's nodes, over its longer side, beyond which nothing is inside.
+
+A biquadratic map leaves the box of its nodes by at most 9/32 of its side: its Lebesgue constant is 25/16.
+"""
 
 
 @dataclass(frozen=True)
@@ -79,14 +84,34 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
         cells, place = _unroll(cells, place)
     best, local = np.zeros(len(place), int), np.zeros((len(place), 2))
     left = np.arange(len(place))
-    for candidates in (slice(0, 1), slice(None)):  # most points lie in the face with the closest centre
-        found, miss = _invert(cells[left, candidates], place[left])
-        outside = np.abs(found).max(axis=-1) + miss
+    for choose in (_first, _near_boxes, _all):  # most points lie in the face with the closest centre
+        tried = choose(cells[left], place[left])
+        found = np.zeros((*tried.shape, 2))
+        outside = np.full(tried.shape, np.inf)
+        found[tried], miss = _invert(cells[left][tried], np.repeat(place[left], tried.sum(axis=1), axis=0))
+        outside[tried] = np.abs(found[tried]).max(axis=-1) + miss
         best[left] = np.argmin(outside, axis=1)
         local[left] = found[np.arange(len(left)), best[left]]
         left = left[outside.min(axis=1) > _INSIDE]
+        if not len(left):
+            break
     weights, _ = shape_quadrilateral(np.clip(local, -1, 1))
     return SurfacePoints(nodes=faces[near[np.arange(len(place)), best]], weights=weights)
+
+
+def _first(cells: FloatArray, place: FloatArray) -> BoolArray:
+    return np.arange(cells.shape[1]) == np.zeros((len(place), 1))
+
+
+def _near_boxes(cells: FloatArray, place: FloatArray) -> BoolArray:
+    """Whether places (m, 2) are near the boxes of the nodes of faces (m, k, 9, 2)."""
+    low, high = cells.min(axis=2), cells.max(axis=2)
+    margin = _MARGIN * (high - low).max(axis=-1, keepdims=True)
+    return np.asarray(((low - margin < place[:, None]) & (place[:, None] < high + margin)).all(axis=-1))
+
+
+def _all(cells: FloatArray, place: FloatArray) -> BoolArray:
+    return np.ones(cells.shape[:2], bool)
 
 
 def _unroll(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -123,15 +148,12 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
     return np.asarray(place / beyond[:, None])
 
 
-def _invert(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return local coordinates (m, k, 2) of places (m, 2) in faces (m, k, 9, 2), by Newton's method.
+def _invert(flat: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return local coordinates (n, 2) of places (n, 2) in faces (n, 9, 2), by Newton's method.
 
-    Return also the residual distance over the size of the face (m, k).
+    Return also the residual distance over the size of the face (n,).
     """
-    m, k = corners.shape[:2]
-    local = np.zeros((m * k, 2))
-    flat = corners.reshape(m * k, 9, 2)
-    target = np.repeat(place, k, axis=0)
+    local = np.zeros((len(flat), 2))
     for _ in range(12):
         value, gradient = shape_quadrilateral(local)
         gap = target - np.einsum("na,nai->ni", value, flat)
@@ -144,4 +166,4 @@ def _invert(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatAr
     value, _ = shape_quadrilateral(local)
     miss = np.linalg.norm(target - np.einsum("na,nai->ni", value, flat), axis=1)
     size = np.linalg.norm(np.ptp(flat, axis=1), axis=1)
-    return local.reshape(m, k, 2), (miss / size).reshape(m, k)
+    return local, miss / size

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 from scipy.integrate import quad
 from step_files import read_parts
+from stored_pack import stored_pack
 
 from errors import check_values, refused
 from needs import needs
@@ -220,8 +221,8 @@ def test_a_wall_at_the_side_is_stopped_by_the_rings_where_geometry_says(
 
 
 @pytest.mark.slow
-def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet(tmp_path: Path) -> None:
-    pack = write_pack(tmp_path / "pack", *pack_of())
+def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet() -> None:
+    pack = stored_pack(*pack_of())
     for name, volume in pack.volumes.items():
         mesh = trimesh.load(pack.folder / f"{name}.stl")
         assert mesh.is_watertight, name

@@ -7,23 +7,14 @@ import numpy as np
 import pytest
 
 from needs import needs
-from palpate.camera import CameraSpec
-from palpate.design import CadSolid, Design, DomeSpec, MarkerSpec, MountSpec, build_contact_module, cylinder
-from palpate.fabrication import FabricationPack, ProcessSpec, build_enclosure, write_pack
+from palpate.design import CadSolid, DomeSpec, MountSpec, build_contact_module, cylinder
+from palpate.fabrication import FabricationPack, ProcessSpec, build_enclosure
 from palpate.fabrication.enclosure import BODIES, ISO_RADIUS, M3_CLEAR, SQUEEZE, Enclosure
 from palpate.fabrication.process_sheet import curing, mixing, screw_length, thread_torque
 from palpate.fabrication.spec import CameraBody
-from palpate.material import get_material
 
 needs("build123d")
-MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 MODULE = build_contact_module(DomeSpec().build(), MountSpec())
-
-
-@pytest.fixture(scope="module")
-def pack(tmp_path_factory) -> FabricationPack:
-    design = Design(DomeSpec(), MarkerSpec(count=37), CameraSpec(), MATERIAL)
-    return write_pack(tmp_path_factory.mktemp("packs") / "pack", design, ProcessSpec())
 
 
 @pytest.fixture(scope="module")

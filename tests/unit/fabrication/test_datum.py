@@ -10,17 +10,12 @@ import pytest
 from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, MarkerSpec, place_orientation_mark
-from palpate.fabrication import FabricationPack, ProcessSpec, write_pack
+from palpate.fabrication import FabricationPack
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG
 from palpate.material import get_material
 
 needs("build123d")
 DESIGN = Design(DomeSpec(), MarkerSpec(count=37), CameraSpec(), get_material("zaid_2024_ecoflex_00_30"))
-
-
-@pytest.fixture(scope="module")
-def pack(tmp_path_factory) -> FabricationPack:
-    return write_pack(tmp_path_factory.mktemp("packs") / "pack", DESIGN, ProcessSpec())
 
 
 def vertices(folder: Path, name: str) -> np.ndarray:

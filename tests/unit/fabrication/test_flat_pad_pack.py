@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import gamma
 from step_files import read_parts
+from stored_pack import stored_pack
 
 from errors import check_values, refused
 from needs import needs
@@ -144,8 +145,8 @@ def design_of(camera: CameraSpec) -> Design:
 
 
 @pytest.mark.slow
-def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel(tmp_path: Path) -> None:
-    pack = write_pack(tmp_path / "pack", design_of(CameraSpec(distance=30, window=WindowSpec())), PROCESS)
+def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel() -> None:
+    pack = stored_pack(design_of(CameraSpec(distance=30, window=WindowSpec())), PROCESS, MountSpec())
     for name, volume in pack.volumes.items():
         mesh = meshio.read(pack.folder / f"{name}.stl")
         points, number = np.unique(mesh.points, axis=0, return_inverse=True)

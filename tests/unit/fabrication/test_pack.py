@@ -28,11 +28,6 @@ def pack_of(dome: DomeSpec | None = None, markers: MarkerSpec | None = None, **p
     return Design(dome or DomeSpec(), markers, CameraSpec(), MATERIAL), ProcessSpec(**process)
 
 
-@pytest.fixture(scope="module")
-def pack(tmp_path_factory) -> FabricationPack:
-    return write_pack(tmp_path_factory.mktemp("packs") / "pack", *pack_of())
-
-
 def test_write_pack_leaves_all_that_the_manifest_says(pack: FabricationPack) -> None:
     manifest = json.loads((pack.folder / "manifest.json").read_text())
     for name, digest in manifest["sha256"].items():

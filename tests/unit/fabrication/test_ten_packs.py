@@ -10,13 +10,14 @@ import meshio
 import numpy as np
 import pytest
 from step_files import read_parts
+from stored_pack import stored_pack
 
 from needs import needs
 from palpate.camera import CameraSpec, WindowSpec
 from palpate.design import ConeSpec, Design, DomeSpec, EllipsoidSpec, MarkerSpec, MountSpec, place_orientation_mark
 from palpate.design.barrel import BarrelSpec
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fabrication import FabricationPack, ProcessSpec, write_pack
+from palpate.fabrication import FabricationPack, ProcessSpec
 from palpate.material import get_material
 
 needs("build123d")
@@ -50,7 +51,7 @@ def build(name: str) -> tuple[Design, ProcessSpec, MountSpec]:
         camera, material = CameraSpec(distance=30), SOFT
     process = {key: value for key, value in given.items() if key != "gel"}
     if "gel" in given:
-        camera = CameraSpec(distance=30, window=WindowSpec(thickness=2, index=1.49, gel_index=1.41))
+        camera = CameraSpec(distance=30, window=WindowSpec())
         material = replace(SOFT, gel=get_material("neo-hooke:0.03"))
     return Design(skin, markers, camera, material), ProcessSpec(**process), mount
 
@@ -137,9 +138,9 @@ def find_wrong_numbers(pack: FabricationPack, text: str, design: Design) -> Iter
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
-def test_a_pack_has_no_overlap_no_impossible_step_and_no_wrong_number(name: str, tmp_path) -> None:
+def test_a_pack_has_no_overlap_no_impossible_step_and_no_wrong_number(name: str) -> None:
     design, process, mount = build(name)
-    pack = write_pack(tmp_path / "pack", design, process, mount)
+    pack = stored_pack(design, process, mount)
     text = (pack.folder / "instructions.md").read_text()
     with (pack.folder / "bill_of_materials.csv").open() as file:
         bill = {row["part"]: row["quantity"] for row in csv.DictReader(file)}

@@ -17,6 +17,12 @@ from palpate.learn.member import ImageRidge, TrainingRun
 SPEC = RecordingSpec(estimators="ridge", threads=1)
 
 
+@pytest.fixture(autouse=True)
+def small_images(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Images of 16 px only: the choice of their size is tested elsewhere, and takes time in every fold."""
+    monkeypatch.setattr(ImageRidge, "sides", (16,))
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("few")

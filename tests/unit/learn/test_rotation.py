@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
 from palpate.learn.gaussian_process import choose_symmetry
-from palpate.learn.member import MarkerNetwork, TrainingRun
+from palpate.learn.member import MarkerNetwork
 from palpate.learn.rotation import (
     ANGLES,
     RotationAugmentation,
@@ -25,6 +25,8 @@ from palpate.learn.training_set import TrainingSet
 
 SENSOR = DrawnSensor(rings=5)
 STILL = np.zeros((4, 2))
+EPOCHS = 80
+"""Enough for the differences between trainings that are compared here."""
 
 
 def drawn(count: int, seed: int, shear: float = 3.0, tilt: float = 18.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -103,10 +105,10 @@ def test_a_sensor_that_twists_as_it_is_pressed_has_no_reflections():
     assert chosen(twisted).sense == chosen(moved).sense
 
 
-def train_rotated(samples):
+def train_briefly(samples):
     from palpate.learn.train_member import train_marker_network
 
-    return MarkerNetwork("turned", train_marker_network("turned", samples, epochs=120))
+    return MarkerNetwork("turned", train_marker_network("turned", samples, epochs=EPOCHS))
 
 
 def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_not():
@@ -121,9 +123,9 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
     def error(part):
         return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
 
-    plain = error(MarkerNetwork.train("plain", lesson, TrainingRun()))
+    plain = error(train_briefly(lesson))
     turned, wrong = (
-        error(train_rotated(replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one))))
+        error(train_briefly(replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one))))
         for one in (sense, -sense)
     )
     assert turned < 0.75 * plain
@@ -162,8 +164,8 @@ def test_a_layout_that_leans_is_told_from_the_mean():
     places = rest + lean + base
     assert pattern_order(places) == 6 > pattern_order(rest + lean)
     turning = RotationAugmentation(places, base, find_frame(places, moved[:80] - lean - base, poses[:80, :2])[0])
-    part = train_rotated(replace(lesson, rotation=turning))
-    plain = MarkerNetwork.train("plain", lesson, TrainingRun())
+    part = train_briefly(replace(lesson, rotation=turning))
+    plain = train_briefly(lesson)
 
     def error(one):
         return float(np.sqrt(np.mean((one.predict(lesson.inputs[140:]) - poses[140:])[:, :2] ** 2)))

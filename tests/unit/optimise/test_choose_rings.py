@@ -221,6 +221,7 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
         return predict_accuracy(twin, layout, *others)
 
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
+    monkeypatch.setattr("palpate.optimise.evaluate_skin.open_sensor", lambda *_: None)  # each could be opened
     monkeypatch.setattr("palpate.optimise.evaluate_skin.predict_accuracy", contradicted)
     left = evaluate_skin(twin, known, spec)
     assert ([option.markers.count for option in left.options], left.problem) == ([19], "")

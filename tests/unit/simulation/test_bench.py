@@ -116,6 +116,7 @@ def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
         tmp_path,
         write_small_twin(tmp_path / "twin.h5"),
         calibration_presses=4,
+        tilts=1,
         azimuths=1,
         tolerance=tolerance,
         depth=TWIN_DEPTH,
