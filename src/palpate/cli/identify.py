@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 _COLUMNS = (
     Column("name", "parameter"),
     Column("unit"),
-    Column("mean", form=".4g", meaning="mean of the posterior"),
+    Column("mean", form=".6g", meaning="mean of the posterior, to the second digit of its standard deviation"),
     Column("sd", "standard deviation", form=".2g", meaning="standard deviation of the posterior"),
     Column("before", "prior standard deviation", form=".2g"),
 )
@@ -116,7 +117,7 @@ def identify(
             "presses": len(presses),
             "out": written,
         },
-        Report(f"{unit.design.skin.name}, {len(presses)} presses", _COLUMNS, rows),
+        Report(f"{unit.design.skin.name}, {len(presses)} presses", _COLUMNS, [_rounded(row) for row in rows]),
         f"RMS marker residual: {found.misfit**0.5:.2f} times the noise."
         + (
             f" Not estimated, as the twin has no derivative by it: {', '.join(found.left_out)}."
@@ -125,6 +126,11 @@ def identify(
         )
         + (f" Unit: {written}" if written else ""),
     )
+
+
+def _rounded(row: dict[str, Any]) -> dict[str, Any]:
+    digits = 1 - math.floor(math.log10(row["sd"])) if row["sd"] > 0 else 6
+    return row | {"mean": round(row["mean"], digits)}
 
 
 def _presses(known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
