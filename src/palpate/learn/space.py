@@ -62,7 +62,7 @@ BEST_SPACE = HyperparameterSpace(
     final=lambda setting: TrainingSpec(batch=256, matrix_rate=0.0, epochs=135, repeats=3, **setting),
     score=lambda clean_deg, jittered_deg: (clean_deg * jittered_deg) ** 0.5,
 )
-"""Smaller space: short trainings by Adam with successive halving; the winner trains longer, three times.
+"""Smaller space: short trainings by Adam, successive halving; the winner trains longer, three times.
 
 Long trainings of wide networks by Muon cost twice as much for the same errors.
 """
