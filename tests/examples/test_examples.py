@@ -26,14 +26,14 @@ EXPECTED = {
     "ex07_material": pytest.approx(0.02803, rel=0.01),
     "ex08_dots": pytest.approx(0.076, abs=0.05),
     "ex09_friction": pytest.approx(3.0, rel=0.05),
-    "ex10_train": pytest.approx(0.82, rel=0.1),
+    "ex10_train": pytest.approx(0.73, rel=0.1),
     "ex11_ball": pytest.approx(0.0670, rel=0.01),
     "ex12_ellipsoid": pytest.approx(0.18, rel=0.2),
-    "ex13_ball_sensor": pytest.approx(0.096, rel=0.2),
+    "ex13_ball_sensor": pytest.approx(0.021, rel=0.2),
     "ex14_mujoco": pytest.approx(2.99, abs=0.02),
     "ex15_gel_filled": pytest.approx(12.0, rel=0.02),
     "ex16_slide": pytest.approx(0.6, rel=0.02),
-    "ex17_edge_sensor": pytest.approx((0.091, 1.17), rel=0.3),
+    "ex17_edge_sensor": pytest.approx((0.029, 0.47), rel=0.3),
 }
 NEEDS = {
     "ex05_mold": ["build123d"],
