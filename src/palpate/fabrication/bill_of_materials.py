@@ -7,11 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from palpate.core.report import Column, Report
+from palpate.design import place_orientation_mark
 from palpate.fabrication.enclosure import BODIES, ISO_PLATE, LED_HEIGHT, M6_SEAT, SCREWS, SHELF, SLOT, THREAD
 from palpate.fabrication.frame import RODS
 from palpate.fabrication.mold import DOWEL_DEPTH, DOWEL_DIAMETER, PIN_AZIMUTHS_DEG
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import LENGTHS, mixing, ring_screw, screw_length
+from palpate.fabrication.process_sheet import LENGTHS, mixing, product_name, ring_screw, screw_length
 from palpate.fabrication.spec import ECOFLEX, CameraBody
 
 PLA_DENSITY = 1.24
@@ -39,7 +40,13 @@ def _cast(made: PackContent) -> Iterator[_Row]:
     mold, barrel, material = made.mold, made.module.skin.hole, made.design.material.name
     other = "another silicone whose law was measured (palpate material fit)"
     source = f"mold and {made.process.excess_percent:g} % excess; {ECOFLEX}"
-    yield "elastomer", f"{made.mixed:.1f} mL", f"{material}. {mixing(material, made.mixed)}", other, source
+    yield (
+        "elastomer",
+        f"{made.mixed:.1f} mL",
+        f"{product_name(material)}. {mixing(material, made.mixed)}",
+        other,
+        source,
+    )
     yield "release agent", "1 can", "for silicone, e.g. Mann Ease Release 200", "soapy water, dried", "process"
     if mold.is_split:
         size = f"{DOWEL_DIAMETER:g} × {2 * DOWEL_DEPTH:g}"
@@ -68,7 +75,20 @@ def _markers(made: PackContent) -> Iterator[_Row]:
     yield "primer", "1 set", "for cured silicone, named by the ink's maker", "corona treatment", "process"
     yield "adhesive tape", "1 roll", "6 to 10 N per 25 mm of width", "–", "ISO 2409"
     if made.artwork is not None and not made.module.skin.pin:
-        yield "cliché", "1", "from artwork.dxf", "template.stl, if the pack has it", _PACK
+        skin, across = made.design.skin, 2 * made.module.opening_foot
+        points = layout.positions[layout.on_dome]
+        if made.process.orientation_mark:
+            points = np.vstack([points, place_orientation_mark(skin, layout)])
+        steep = np.degrees(np.arccos(skin.normal(points)[:, 2].min()))
+        size = f"enters {across:.4g} mm, prints on slopes to {steep:.0f}° at {skin.height:g} mm; the printer's maker"
+        yield (
+            "pad",
+            "1",
+            f"{size} chooses its shape and hardness",
+            "template.stl (if the pack has it), printed like the mold",
+            _PACK,
+        )
+        yield "cliché", "1", "artwork.dxf: layers DOTS, MARK and ALIGNMENT, etched as drawn", "–", _PACK
 
 
 def _filling(made: PackContent) -> Iterator[_Row]:
@@ -93,11 +113,12 @@ def _printed(made: PackContent) -> Iterator[_Row]:
 def _optics(made: PackContent) -> Iterator[_Row]:
     view, kind, body = made.design.camera_spec, made.process.camera_body, BODIES[made.process.camera_body]
     inner, outer = made.led_radii
-    size = f"white, 5 V, at most 0.5 A; diameters {2 * inner:.1f} to {2 * outer:.1f} mm, height {LED_HEIGHT:g} mm"
-    other = f"strip, {LED_HEIGHT:g} mm wide at most, {2 * np.pi * outer:.0f} mm long"
-    yield "LED ring", "1", size, other, "geometry; USB 2.0"
-    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm, {view.width_px} × {view.height_px} px"
-    yield "camera", "1", f"{CAMERAS[kind]}, {size}", "another --camera", "camera of the design"
+    size = f"white, 5 V, at most 0.5 A; flexible, {LED_HEIGHT:g} mm wide at most, {2 * np.pi * outer:.0f} mm long"
+    other = f"ring in two halves, {2 * inner:.1f} to {2 * outer:.1f} mm in diameter, {LED_HEIGHT:g} mm high"
+    yield "LED strip", "1", size, other, "geometry; USB 2.0"
+    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm without lens"
+    pixels = f"{view.width_px} × {view.height_px} px" + ", or more, scaled to it" * (kind is CameraBody.BOARD28)
+    yield "camera", "1", f"{CAMERAS[kind]}, {size}, {pixels}", "–", "camera of the design"
     ratio, fisheye = view.fx_px / view.width_px, view.lens == "kannala-brandt"
     lengths = ", ".join(f"{ratio * wide:.2f} mm ({name}, {wide:g} mm wide)" for name, wide in _SENSORS[kind])
     angle = np.degrees(1 / ratio if fisheye else 2 * np.arctan(0.5 / ratio))

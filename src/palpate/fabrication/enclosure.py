@@ -3,7 +3,7 @@
           .-''-.
       ___|______|___      clamp ring over the flange, M3 screws
      |_|__________|_|
-     | |___    ___| |     seat of an LED ring
+     | |___    ___| |     strip of LEDs on the wall
      |     \\  /     |
      |      \\/      |     camera's pinhole, `distance` below the base
      |    [camera]  |     shelf that the camera is screwed to
@@ -36,7 +36,9 @@ WALL, SHELF = 3.0, 4.0
 RING_TOP, RING_EDGE = 1.5, -1.5
 """Height of the clamp ring over the base plane at its opening and its outer edge, mm."""
 LED_WIDTH, LED_HEIGHT = 6.0, 4.0
-"""Width and height of the recess for a ring of LEDs around the opening, mm."""
+"""Width and height of the space for a strip of LEDs under the flange, around the opening, mm."""
+LED_CABLE = 6.0
+"""Diameter of the hole in the shelf for the cable of the LEDs, on the side of the cable slot, mm."""
 SQUEEZE = 0.2
 """Compression of the flange by the clamp ring, mm."""
 M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
@@ -68,7 +70,7 @@ class BodySizes:
     across, depth
         Size along x and y, and from front to back.
     lens, pinhole
-        Diameter of the hole for the lens, and distance from the front of the body to its pinhole.
+        Diameter of the hole for the lens, and distance of the pinhole in front of the body.
     screws, screw
         (x, y) of its screws, and diameter of their holes.
     """
@@ -233,6 +235,7 @@ def _housing(
     plate = cylinder(bore + WALL / 2, shelf, shelf + SHELF)
     tube = tube.join(plate).cut(cylinder(body.lens / 2, shelf - 1, shelf + SHELF + 1))
     holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
+    holes.append(cylinder(LED_CABLE / 2, shelf - 1, shelf + SHELF + 1, (0.0, bore - 1 - LED_CABLE / 2)))
     core = _screw(module).core / 2
     screws = [cylinder(core, seat - THREAD, seat + 1, at) for at in _screw_places(module, outer)]
     under = [cylinder(M3_CORE / 2, low - 1, low + THREAD, at) for at in _fixing_places(screws_at)]

@@ -75,7 +75,8 @@ def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[S
     """Write the sheet of a module."""
     skin, layout, mold, spec = made.module.skin, made.design.layout, made.mold, made.process
     if made.enclosure.frame is None:
-        described, measured = _describe(skin, layout, made.design.material.name, mold), _inspect(skin, layout)
+        described = _describe(skin, layout, made.design.material.name, mold)
+        measured = _inspect(skin, layout, marked=spec.orientation_mark)
         cast = _cast(made)
         marks = [_mark(made, has_template=all(item.code != "no-template" for item in findings))]
     else:
@@ -117,8 +118,7 @@ def _cast(made: PackContent) -> list[str]:
         degassing(material),
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
-        f"Pour the remaining {volume - first:.1f} mL through the hole until elastomer stands in every vent. "
-        + clamping(mold),
+        f"Pour {volume - first:.1f} mL more through the hole until elastomer stands in every vent. " + clamping(mold),
         curing(material),
         "Lift the core straight out with the part on it, then peel the part off from the flange.",
         sprues(mold.module, made.process),
@@ -175,13 +175,14 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
     return [
         "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
         f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
-        "the artwork is drawn for that, and as seen when the pad comes to the dome from its base. Its ellipses "
+        "the artwork is drawn for that, as seen from the base of the dome. Its ellipses "
         f"become round dots of {layout.diameter:g} mm on the dome.",
         "Lay the skin into the cavity, opening up, its notch on the rib: it fits one way only. Print once on a film "
-        f"that covers the cavity ({wide:.4g} mm by {long:.4g} mm), and shift the cavity until the crosses "
-        f"({across:.4g} mm and {along:.4g} mm apart) are centred on it to 0.1 mm, the one with the longer arm at the "
-        "rib.",
-        f"Print {len(layout)} dots in one stroke.",
+        f"that covers the cavity ({wide:.4g} mm by {long:.4g} mm), with holes for its three pins. Shift the cavity "
+        f"until opposite crosses ({across:.4g} mm and {along:.4g} mm apart) are equally far from the rim of the "
+        "hollow to 0.1 mm, the one with the longer arm at the rib.",
+        "Remove the film, and cover the crosses of the cliché with tape: they would print on the foot of the flange. "
+        f"Print {len(layout)} dots{' and the orientation mark' if spec.orientation_mark else ''} in one stroke.",
         *(
             [
                 "Without a pad printer: set template.stl into the dome, its notch towards that of the "
@@ -203,14 +204,15 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
     ]
 
 
-def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
+def _inspect(skin: Skin, layout: MarkerLayout, *, marked: bool) -> list[str]:
     half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0]) - skin.pin
     return [
         f"Thickness at the apex {skin.thickness:g} mm, at four places half way down {half_way:.3g} mm, "
         f"± {thickness_tolerance(skin):.2g} mm.",
         f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
-        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
-        f"{PRINT_TOLERANCE:g} mm of markers.csv: measure them from an image by `palpate calibration inspect`.",
+        f"All {len(layout)} dots{' and the orientation mark' if marked else ''} present, round to 0.2 mm, separate. "
+        f"Places within {PRINT_TOLERANCE:g} mm of markers.csv: measure them under a microscope, or from an image by "
+        "`palpate calibration inspect`.",
         "No bubble above 0.5 mm; inner surface matt and even.",
     ]
 
@@ -224,8 +226,8 @@ def _assemble(made: PackContent) -> list[str]:
     far = view.distance + made.module.skin.height
     seen = (
         f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm. Focus on the inner surface, "
-        f"{view.distance:.3g} to {far:.3g} mm from the pinhole, which is {BODIES[spec.camera_body].pinhole:g} mm "
-        "behind the front of the camera."
+        f"{view.distance:.3g} to {far:.3g} mm from the pinhole, which is inside the lens, "
+        f"{BODIES[spec.camera_body].pinhole:g} mm in front of the camera's body."
     )
     flange = (
         "Set the module's flange on the seat, its notch on the key opposite the cable slot: it fits one way only. "
@@ -237,13 +239,15 @@ def _assemble(made: PackContent) -> list[str]:
         f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf; its pinhole is "
         f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
         *([] if enclosure.frame else [seen]),
-        "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
+        "Glue the strip of LEDs to the wall of the housing directly under the flange, LEDs inward. Lead its cable "
+        "through the hole at the edge of the shelf, and both cables through the slot.",
         *([window] if made.window else []),
         *(barrel_assembly_steps(enclosure.frame) if enclosure.frame else [flange]),
         torques(made.module),
         *([_turn_camera(made)] if spec.orientation_mark else []),
-        "Screw the housing to the robot plate from below: the four screws fit one way only, with the hole of the "
-        "dowel under the cable slot. Then screw the plate to the robot (ISO 9409-1-50-4-M6).",
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6, 63 mm in diameter): the housing covers these heads "
+        "later. Then screw the housing to the plate from the robot's side, outside its flange: the four screws fit "
+        "one way only, with the hole of the dowel under the cable slot.",
     ]
 
 

@@ -51,7 +51,7 @@ class PackContent:
 
     @property
     def led_radii(self) -> tuple[float, float]:
-        """Inner and outer radius of the seat of the LED ring, mm."""
+        """Inner and outer radius of the space for the LEDs, mm."""
         opening = self.module.farthest * self.module.opening_foot
         return opening, opening + LED_WIDTH
 

@@ -67,6 +67,11 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
     ]
 
 
+def product_name(material: str) -> str:
+    """Return the name under which an elastomer is sold, and that of its law."""
+    return f"Smooth-On Ecoflex 00-30 (law {material})" if _BULLETIN in material else material
+
+
 def mixing(material: str, mixed: float) -> str:
     """Write how a volume (mL) of an elastomer is mixed; figures are those of Ecoflex 00-30."""
     if _BULLETIN not in material:
@@ -99,9 +104,10 @@ def clamping(mold: Mold) -> str:
 def sprues(module: ContactModule, spec: ProcessSpec) -> str:
     """Write how the sprues are cut."""
     middle = (module.opening_foot + module.flange_foot) / 2
+    along = "" if module.skin.plan.is_round else " along x"
     return (
         f"Cut the sprues with a blade flat on the foot of the flange: one of {spec.pour_diameter / 2:g} mm radius "
-        f"and {spec.vents} of {spec.vent_diameter / 2:g} mm, {middle:.4g} mm from the axis (along x). Leave at most "
+        f"and {spec.vents} of {spec.vent_diameter / 2:g} mm, {middle:.4g} mm from the axis{along}. Leave at most "
         f"{SQUEEZE / 2:g} mm, half the squeeze of the flange, and no nick: the foot is the seat."
     )
 

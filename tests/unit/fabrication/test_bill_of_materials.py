@@ -9,7 +9,7 @@ import pytest
 from needs import needs
 from palpate.design import CadSolid, DomeSpec, MountSpec, build_contact_module, cylinder
 from palpate.fabrication import FabricationPack, ProcessSpec, build_enclosure
-from palpate.fabrication.enclosure import BODIES, ISO_RADIUS, M3_CLEAR, SQUEEZE, Enclosure
+from palpate.fabrication.enclosure import BODIES, ISO_RADIUS, LED_CABLE, M3_CLEAR, SQUEEZE, Enclosure
 from palpate.fabrication.process_sheet import curing, mixing, screw_length, thread_torque
 from palpate.fabrication.spec import CameraBody
 
@@ -87,7 +87,16 @@ def test_screws_of_the_plate_are_outside_the_robots_flange_and_beside_the_slot(b
 
 def test_seats_of_light_cable_and_camera_are_as_the_bill_says(enclosure: Enclosure, rows: dict) -> None:
     housing, seat = enclosure.parts["housing"], MODULE.foot - 3.0
-    inner, outer, height = (numbers(rows["LED ring"]["specification"])[k] for k in (2, 3, 4))
+    inner, outer, height = numbers(rows["LED strip"]["alternative"])
+    wide, long = numbers(rows["LED strip"]["specification"])[2:]
+    assert (wide, long) == (height, pytest.approx(np.pi * outer, abs=0.6))
+    opening = float(housing.bounds[0, 2]) + 0.1  # the cable of the LEDs passes the shelf beside the camera
+    shelf = -48.0 - BODIES[CameraBody.BOARD28].pinhole
+    cable = cylinder(LED_CABLE / 2 - 0.1, opening, seat - height, (0.0, outer / 2 - 1 - LED_CABLE / 2))
+    assert housing.overlap(cable) == pytest.approx(0, abs=1e-6)
+    assert housing.overlap(cylinder(1.0, shelf, shelf + 4.0, (outer / 2 - 4, 0.0))) > 10, (
+        "the shelf is closed elsewhere"
+    )
     ring = cylinder(outer / 2 - 0.05, seat - height, seat).cut(cylinder(inner / 2, seat - height, seat))
     assert housing.overlap(ring) == pytest.approx(0, abs=1e-6)
     assert housing.overlap(cylinder(outer / 2 + 1, seat - height, seat).cut(cylinder(outer / 2, seat - 4, seat))) > 1
