@@ -66,7 +66,9 @@ def draw_camera(axes: Axes, press: Press, markers: MarkerLayout) -> None:
     start, motion = pixels[0], pixels[-1] - pixels[0]
     axes.quiver(*start.T, *motion.T, angles="xy", scale_units="xy", scale=1, width=0.006, color=SHADE(0.3))
     axes.plot(*start.T, ".", color="black", markersize=2)
-    axes.set(xlim=(0, 346), ylim=(260, 0), aspect="equal", title="camera: motion of the markers", xticks=[], yticks=[])
+    axes.set(
+        xlim=(0, 346), ylim=(260, 0), aspect="equal", title="camera: motion of the markers", xticks=[], yticks=[]
+    )
 
 
 def draw_grid(axes: Axes, path: Path) -> None:

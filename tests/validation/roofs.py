@@ -2,8 +2,8 @@
 
 R = 2540, half its span 0.1 rad, half its length 254, thickness 12.7 or 6.35, E = 3102.75, nu = 0.3 (consistent
 units). The straight edges are hinged, the curved ones free (Sabir & Lock 1972). Reference: load against the
-deflection under it by Abaqus, printed by Sze, Liu & Lo (*Finite Elements in Analysis and Design* 40, 1551, 2004,
-table 9). A quarter is solved, hinged on the line in the middle of its wall.
+deflection under it by Abaqus, printed by Sze, Liu & Lo (*Finite Elements in Analysis and Design* 40, 1551, 2004).
+A quarter is solved, hinged on the line in the middle of its wall.
 """
 
 from __future__ import annotations

@@ -187,7 +187,7 @@ def _describe_best(rows: Sequence[Row], rank: str, folder: Path) -> Iterator[str
     yield (
         f"Uncertainty of this figure: {100 * known:.0f} %{others}."
         if known
-        else "Its uncertainty is unknown, since each design is trained once: the preset `best` repeats trainings."
+        else "Its uncertainty is unknown, since the spread over repeated trainings is missing."
     )
     if "skin" in design_spec(best):
         yield f"Next: `palpate view {folder}` shows its presses."

@@ -1,4 +1,4 @@
-"""Find an estimator for a design: train one network, or choose among many by Bayesian optimisation."""
+"""Find an estimator for a design: default settings, or those chosen by Bayesian optimisation."""
 
 from __future__ import annotations
 

@@ -55,9 +55,9 @@ class TrainingSpec(Spec):
 class LearningSpec(Spec):
     """Method, device and seed of the training of a design's estimator.
 
-    ``"quick"`` trains one network with default settings, in seconds. ``"best"`` selects among a few such networks by
-    Bayesian optimisation with pruning and trains the winner longer. ``"paper"`` searches the paper's Table 1 by
-    Bayesian optimisation with the training protocol printed in the paper.
+    ``"quick"`` trains three networks with default settings, in seconds; their mean is the estimate. ``"best"``
+    selects settings by Bayesian optimisation with pruning, and trains the winner longer. ``"paper"`` searches the
+    paper's Table 1 by Bayesian optimisation with the training protocol printed in the paper.
     """
 
     preset: Literal["quick", "best", "paper"] = parameter(

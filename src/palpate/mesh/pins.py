@@ -2,8 +2,9 @@
 
 A tip at the distance p inside the root x along the outward normal n moves by ``u(x) - p (n' - n)``, with n' the
 normal of the deformed surface. At every node n' is the mean over the adjacent faces, each ``∝ a × b`` with the
-derivatives a, b of the deformed position by the face's local coordinates; between nodes it is interpolated. The mean
-is smooth, and one order more accurate than the normal of a single face.
+derivatives a, b of the deformed position by the face's local coordinates; between nodes it is interpolated. So
+it is continuous. Like that of the normal of one face, its error decreases with the square of the cell size; it is
+about a fifth smaller.
 """
 
 from __future__ import annotations
