@@ -119,6 +119,7 @@ def _cast(made: PackContent) -> list[str]:
         f"Pour {first:.1f} mL into the cavity, apex down, and set the core in so that the three pins enter: it fits "
         "one way only.",
         f"Pour {volume - first:.1f} mL more through the hole until elastomer stands in every vent. " + clamping(mold),
+        "Pour the rest of the cup flat, 2 mm thick: the ink is checked on it.",
         curing(material),
         "Lift the core straight out with the part on it, then peel the part off from the flange.",
         sprues(mold.module, made.process),
@@ -172,13 +173,14 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
     skin, layout, spec, mold = made.module.skin, made.design.layout, made.process, made.mold
     (across, _), (_, along), *_ = 2 * artwork.crosses
     wide, long = 2 * mold.radius, 2 * mold.module.place(mold.radius, 90.0)[1]
+    size = f"{wide:.4g} mm across" if skin.plan.is_round else f"{wide:.4g} mm by {long:.4g} mm"
     return [
         "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
         f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
         "the artwork is drawn for that, as seen from the base of the dome. Its ellipses "
         f"become round dots of {layout.diameter:g} mm on the dome.",
         "Lay the skin into the cavity, opening up, its notch on the rib: it fits one way only. Print once on a film "
-        f"that covers the cavity ({wide:.4g} mm by {long:.4g} mm), with holes for its three pins. Shift the cavity "
+        f"that covers the cavity ({size}), with holes for its three pins. Shift the cavity "
         f"until opposite crosses ({across:.4g} mm and {along:.4g} mm apart) are equally far from the rim of the "
         "hollow to 0.1 mm, the one with the longer arm at the rib.",
         "Remove the film, and cover the crosses of the cliché with tape: they would print on the foot of the flange. "

@@ -119,9 +119,9 @@ def find_wrong_numbers(pack: FabricationPack, text: str, design: Design) -> Iter
     if markers != len(design.layout) or f"All {markers} dots" not in text:
         yield "number of markers"
     mold = [meshio.read(pack.folder / f"{one}.stl").points for one in pack.volumes if one.startswith("mold_cavity")]
-    if found := re.search(r"covers the cavity \(([\d.]+) mm by ([\d.]+) mm\)", text):
+    if found := re.search(r"covers the cavity \(([\d.]+) mm (?:by ([\d.]+) mm|across)\)", text):
         size = np.ptp(np.concatenate(mold), axis=0)[:2]
-        if np.abs(size - [float(one) for one in found.groups()]).max() > 0.1:
+        if np.abs(size - [float(one or found[1]) for one in found.groups()]).max() > 0.1:
             yield f"cavity {found[0]}, {size}"
     opens = float(re.search(r"opens by ([\d.]+) mm", rows["mold clamp"]["specification"])[1])
     tall = np.ptp(meshio.read(pack.folder / "mold_core.stl").points[:, 2])
