@@ -47,6 +47,7 @@ def _cast(made: PackContent) -> Iterator[_Row]:
         other,
         source,
     )
+    yield "filler, lacquer", "1 can each", "sandable filler for plastic; clear acrylic lacquer", "–", "process"
     yield "release agent", "1 can", "for silicone, e.g. Mann Ease Release 200", "soapy water, dried", "process"
     if mold.is_split:
         size = f"{DOWEL_DIAMETER:g} × {2 * DOWEL_DEPTH:g}"
@@ -113,10 +114,12 @@ def _printed(made: PackContent) -> Iterator[_Row]:
 def _optics(made: PackContent) -> Iterator[_Row]:
     view, kind, body = made.design.camera_spec, made.process.camera_body, BODIES[made.process.camera_body]
     inner, outer = made.led_radii
-    size = f"white, 5 V, at most 0.5 A; flexible, {LED_HEIGHT:g} mm wide at most, {2 * np.pi * outer:.0f} mm long"
+    size = "white, 5 V, at most 0.5 A, with its own USB cable; flexible, "
+    size += f"{LED_HEIGHT:g} mm wide at most, {2 * np.pi * outer:.0f} mm long"
     other = f"ring in two halves, {2 * inner:.1f} to {2 * outer:.1f} mm in diameter, {LED_HEIGHT:g} mm high"
     yield "LED strip", "1", size, other, "geometry; USB 2.0"
-    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm without lens"
+    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm behind the shelf, lens and mount at most "
+    size += f"{body.lens:g} mm across"
     pixels = f"{view.width_px} × {view.height_px} px" + ", or more, scaled to it" * (kind is CameraBody.BOARD28)
     yield "camera", "1", f"{CAMERAS[kind]}, {size}, {pixels}", "–", "camera of the design"
     ratio, fisheye = view.fx_px / view.width_px, view.lens == "kannala-brandt"

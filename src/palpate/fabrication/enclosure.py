@@ -70,7 +70,7 @@ class BodySizes:
     across, depth
         Size along x and y, and from front to back.
     lens, pinhole
-        Diameter of the hole for the lens, and distance of the pinhole in front of the body.
+        Diameter of the hole for the lens and its mount, and distance of the pinhole in front of the body.
     screws, screw
         (x, y) of its screws, and diameter of their holes.
     """
@@ -106,7 +106,7 @@ def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
 
 BODIES = {
     CameraBody.DAVIS346: BodySizes((60.0, 40.0), 25.0, 30.0, 14.0, _corners(24.0, 14.0), 2.5),
-    CameraBody.BOARD28: BodySizes((32.0, 32.0), 12.0, 15.0, 8.0, _corners(14.0, 14.0), 2.2),
+    CameraBody.BOARD28: BodySizes((32.0, 32.0), 12.0, 22.0, 8.0, _corners(14.0, 14.0), 2.2),
 }
 
 

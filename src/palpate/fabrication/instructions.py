@@ -227,29 +227,33 @@ def _assemble(made: PackContent) -> list[str]:
     ]
     far = view.distance + made.module.skin.height
     seen = (
-        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm. Focus on the inner surface, "
-        f"{view.distance:.3g} to {far:.3g} mm from the pinhole, which is inside the lens, "
-        f"{BODIES[spec.camera_body].pinhole:g} mm in front of the camera's body."
+        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm. Focus on a target in the place of "
+        f"the inner surface, {view.distance:.3g} to {far:.3g} mm from the pinhole, before the module is set on."
     )
     flange = (
-        "Set the module's flange on the seat, its notch on the key opposite the cable slot: it fits one way only. "
+        "Set the module's flange on the seat, its notch on the key opposite the cable slot: it fits one way only."
+    )
+    ring = (
         f"Screw the clamp ring on with {SCREWS} screws M3 × {ring_screw(made.module)[0]}, crosswise. They cut their "
         "own threads."
     )
+    check = [_turn_camera(made)] if spec.orientation_mark else []
     window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [
-        f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf; its pinhole is "
-        f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
+        f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf, the screws from below. Its pinhole, inside "
+        f"the lens and {BODIES[spec.camera_body].pinhole:g} mm above the lower face of the shelf, is "
+        f"{enclosure.camera_distance:g} ± 0.5 mm below the base of the {'barrel' if enclosure.frame else 'dome'}; "
+        "the calibration of the sensor measures the rest.",
         *([] if enclosure.frame else [seen]),
-        "Glue the strip of LEDs to the wall of the housing directly under the flange, LEDs inward. Lead its cable "
-        "through the hole at the edge of the shelf, and both cables through the slot.",
+        "Pass the strip of LEDs from below through the hole at the edge of the shelf. Glue it to the wall of the "
+        "housing directly under the flange, LEDs inward. Lead both cables through the slot.",
         *([window] if made.window else []),
-        *(barrel_assembly_steps(enclosure.frame) if enclosure.frame else [flange]),
+        *([*barrel_assembly_steps(enclosure.frame), *check] if enclosure.frame else [flange, *check, ring]),
         torques(made.module),
-        *([_turn_camera(made)] if spec.orientation_mark else []),
-        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6, 63 mm in diameter): the housing covers these heads "
-        "later. Then screw the housing to the plate from the robot's side, outside its flange: the four screws fit "
-        "one way only, with the hole of the dowel under the cable slot.",
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6, dowel glued into the plate): the housing covers "
+        "these heads later. Then screw the housing to the plate from the robot's side, outside its flange of 63 mm: "
+        "the four screws fit one way only, with the hole of the dowel under the cable slot. For a wrist that is "
+        "wider than its flange, use a spacer between robot and plate, as thick as screws and key need.",
     ]
 
 
@@ -259,8 +263,8 @@ def _turn_camera(made: PackContent) -> str:
     column, row = made.design.camera.project(mark)
     return (
         f"Check the orientation of the camera: in its image of {view.width_px} × {view.height_px} px the orientation "
-        f"mark is near column {column:.0f}, row {row:.0f}, counted from the top left. Turn the camera on its screws "
-        "until it is."
+        f"mark is near column {column:.0f}, row {row:.0f}, counted from the top left. Otherwise take the module off "
+        "and screw the camera on again, turned by a quarter or half turn."
     )
 
 

@@ -60,12 +60,11 @@ def test_sizes_and_places_of_the_sheets_datums_are_those_of_the_parts(pack: Fabr
     mark = place_orientation_mark(DESIGN.skin, DESIGN.layout)
     assert place == pytest.approx(DESIGN.camera.project(mark), abs=0.5)
     assert "key opposite the cable slot" in text
-    low, high, ahead = map(
-        float, re.search(r"surface, ([\d.]+) to ([\d.]+) mm .* lens, ([\d.]+) mm in front of", text).groups()
-    )
+    low, high = map(float, re.search(r"surface, ([\d.]+) to ([\d.]+) mm from the pinhole", text).groups())
+    ahead = float(re.search(r"lens and ([\d.]+) mm above the lower face of the shelf", text)[1])
     points = DESIGN.layout.positions - DESIGN.camera.origin
     assert low <= points[:, 2].min() < points[:, 2].max() == pytest.approx(high, abs=0.1)
     housing = vertices(pack.folder, "housing")
     housing[:, 2] += -1.0 - housing[:, 2].max()  # the key ends 1 mm below the base
-    shelf = np.unique(housing[np.hypot(*housing[:, :2].T) < 7.6, 2].round(2))
+    shelf = np.unique(housing[np.hypot(*housing[:, :2].T) < 11.1, 2].round(2))
     assert shelf.min() == pytest.approx(-low - ahead, abs=0.1)
