@@ -62,8 +62,8 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
         f"Roughness of core and hollow: Rz {100 * thickness_tolerance(skin):.2g} µm or less (ISO 21920-2), a tenth "
         f"of the tolerance of the thickness. Layers leave steps of up to {1000 * LAYER:g} µm, or "
         f"{1000 * RESIN_LAYER:g} µm of resin. Sand off half a layer ({LAYER / 2:g} mm, resin {RESIN_LAYER / 2:g} "
-        "mm), fill the grooves with sandable filler, and sand wet with P240, P400 and P600 (ISO 6344). Then seal core "
-        "and hollow with clear acrylic lacquer: filler may inhibit platinum silicone.",
+        "mm), fill the grooves with sandable filler, and sand wet with P240, P400 and P600 (ISO 6344). Then seal "
+        "core and hollow with clear acrylic lacquer: filler may inhibit platinum silicone.",
         "Measure Rz on the plate of the core, finished alike, with a tester or a comparison specimen.",
     ]
 
