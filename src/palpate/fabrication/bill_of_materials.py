@@ -53,7 +53,7 @@ def _cast(made: PackContent) -> Iterator[_Row]:
         size = f"{DOWEL_DIAMETER:g} × {2 * DOWEL_DEPTH:g}"
         yield "dowel", "4" if barrel else "3", f"ISO 2338 - {size}, steel", f"steel rod of {size} mm", _PACK
         yield "hose clamp", "3" if barrel else "1", f"DIN 3017, for {2 * mold.radius:.0f} mm", "cable ties", _PACK
-    tall = f"opens by {mold.closed_height:.0f} mm or more"
+    tall = f"opens by {np.ceil(mold.closed_height):.0f} mm or more"
     yield "mold clamp", str(len(PIN_AZIMUTHS_DEG)), tall, "rubber bands", _PACK
 
 

@@ -27,7 +27,7 @@ def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
         Severity.NOTE,
         "elastomer",
         f"The mold takes {volume:.2f} mL.",
-        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in cup and sprues.",
+        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in the cup.",
     )
     yield Finding(
         Severity.NOTE,

@@ -77,7 +77,7 @@ def mixing(material: str, mixed: float) -> str:
     """Write how a volume (mL) of an elastomer is mixed; figures are those of Ecoflex 00-30."""
     if _BULLETIN not in material:
         return f"Mix {mixed:.1f} mL of {material} as its maker states, and observe its pot life."
-    half = f"{mixed / 2:.1f} mL"
+    half = f"{mixed / 2:.2f} mL"
     return f"Mix part A {half} and part B {half} slowly for 3 min. Pot life 45 min at 23 °C."
 
 

@@ -83,7 +83,7 @@ def test_dots_of_dxf_and_svg_lie_where_the_table_says(pack: FabricationPack) -> 
 def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
     text = (pack.folder / "instructions.md").read_text()
     half = pack.volumes["module"] / 1000 / (1 - 0.001) ** 3 * 1.3 / 2
-    assert f"part A {half:.1f} mL" in text
+    assert f"part A {half:.2f} mL" in text
     pours = [float(amount) for amount in re.findall(r"Pour (?:the remaining )?([\d.]+) mL", text)]
     assert len(pours) == 2
     assert sum(pours) == pytest.approx(2 * half / 1.3, abs=0.1), "the mold holds what is poured"
