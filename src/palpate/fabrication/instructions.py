@@ -173,6 +173,7 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
     skin, layout, spec, mold = made.module.skin, made.design.layout, made.process, made.mold
     (across, _), (_, along), *_ = 2 * artwork.crosses
     wide, long = 2 * mold.radius, 2 * mold.module.place(mold.radius, 90.0)[1]
+    turn = mark_azimuth_deg(skin, layout)
     size = f"{wide:.4g} mm across" if skin.plan.is_round else f"{wide:.4g} mm by {long:.4g} mm"
     return [
         "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
@@ -195,8 +196,8 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
         ),
         *(
             [
-                f"The single dot outside the rings at {mark_azimuth_deg(skin, layout):.3g}° is the orientation mark "
-                "(orientation_mark.csv): do not leave it out."
+                f"The single dot outside the rings, at {turn:.3g}° in orientation_mark.csv and {180 - turn:.3g}° on "
+                "the artwork, is the orientation mark: do not leave it out."
             ]
             if spec.orientation_mark
             else []
