@@ -247,8 +247,8 @@ def find_corruption(path: Path) -> str:
             return f"It has {size} bytes instead of {recorded}."
         if _checksum(path) != manifest["sha256"]:
             return "Its content has changed: the checksum differs."
-    except OSError:  # another process quarantined it in the meantime, or the disk fails
-        return "It cannot be read."
+    except FileNotFoundError:  # another process quarantined it in the meantime
+        return "It is missing."
     return ""
 
 

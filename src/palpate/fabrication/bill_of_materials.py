@@ -81,14 +81,11 @@ def _markers(made: PackContent) -> Iterator[_Row]:
         if made.process.orientation_mark:
             points = np.vstack([points, place_orientation_mark(skin, layout)])
         steep = np.degrees(np.arccos(skin.normal(points)[:, 2].min()))
-        size = f"enters {across:.4g} mm, prints on slopes to {steep:.0f}° at {skin.height:g} mm; the printer's maker"
-        yield (
-            "pad",
-            "1",
-            f"{size} chooses its shape and hardness",
-            "template.stl (if the pack has it), printed like the mold",
-            _PACK,
+        size = (
+            f"enters an opening of {across:.4g} mm, {skin.height:g} mm deep, and prints on slopes to {steep:.0f}°"
         )
+        other = "template.stl (if the pack has it), printed like the mold"
+        yield "pad", "1", f"{size}; shape and hardness by the printer's maker", other, _PACK
         yield "cliché", "1", "artwork.dxf: layers DOTS, MARK and ALIGNMENT, etched as drawn", "–", _PACK
 
 
@@ -118,8 +115,8 @@ def _optics(made: PackContent) -> Iterator[_Row]:
     size += f"{LED_HEIGHT:g} mm wide at most, {2 * np.pi * outer:.0f} mm long"
     other = f"ring in two halves, {2 * inner:.1f} to {2 * outer:.1f} mm in diameter, {LED_HEIGHT:g} mm high"
     yield "LED strip", "1", size, other, "geometry; USB 2.0"
-    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm behind the shelf, lens and mount at most "
-    size += f"{body.lens:g} mm across"
+    size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm behind the shelf, lens and mount less "
+    size += f"than {body.lens:g} mm across"
     pixels = f"{view.width_px} × {view.height_px} px" + ", or more, scaled to it" * (kind is CameraBody.BOARD28)
     yield "camera", "1", f"{CAMERAS[kind]}, {size}, {pixels}", "–", "camera of the design"
     ratio, fisheye = view.fx_px / view.width_px, view.lens == "kannala-brandt"

@@ -38,7 +38,7 @@ RING_TOP, RING_EDGE = 1.5, -1.5
 LED_WIDTH, LED_HEIGHT = 6.0, 4.0
 """Width and height of the space for a strip of LEDs under the flange, around the opening, mm."""
 LED_CABLE = 6.0
-"""Diameter of the hole in the shelf for the cable of the LEDs, on the side of the cable slot, mm."""
+"""Diameter of the hole in the shelf for the strip of LEDs, on the side of the cable slot, mm."""
 SQUEEZE = 0.2
 """Compression of the flange by the clamp ring, mm."""
 M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6

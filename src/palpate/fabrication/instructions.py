@@ -243,8 +243,8 @@ def _assemble(made: PackContent) -> list[str]:
     return [
         f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf, the screws from below. Its pinhole, inside "
         f"the lens and {BODIES[spec.camera_body].pinhole:g} mm above the lower face of the shelf, is "
-        f"{enclosure.camera_distance:g} ± 0.5 mm below the base of the {'barrel' if enclosure.frame else 'dome'}; "
-        "the calibration of the sensor measures the rest.",
+        f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}. Neither "
+        "measure nor adjust it: the calibration of the sensor finds the lens and its distance.",
         *([] if enclosure.frame else [seen]),
         "Pass the strip of LEDs from below through the hole at the edge of the shelf. Glue it to the wall of the "
         "housing directly under the flange, LEDs inward. Lead both cables through the slot.",

@@ -5,6 +5,7 @@ import shlex
 import signal
 import time
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -153,9 +154,18 @@ def test_an_unforeseen_error_is_one_line_with_a_log(
     assert "Traceback" in Path(shown.split()[-1]).read_text()
 
 
-def test_an_interruption_in_a_destructor_which_would_swallow_it_still_ends_the_command() -> None:
+def check_it_ends(command: Callable[[], None]) -> None:
+    """A command that interrupts itself ends at once, with the exit code of an interruption."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
+    start = time.monotonic()
+    try:
+        assert guarded(command) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - start < 3.0
 
+
+def test_an_interruption_in_a_destructor_which_would_swallow_it_still_ends_the_command() -> None:
     class Swallowing:
         def __del__(self) -> None:
             os.kill(os.getpid(), signal.SIGINT)
@@ -166,18 +176,11 @@ def test_an_interruption_in_a_destructor_which_would_swallow_it_still_ends_the_c
         for _ in range(100):
             time.sleep(0.05)
 
-    start = time.monotonic()
-    try:
-        assert guarded(command) == 130
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - start < 3.0
+    check_it_ends(command)
 
 
 def test_an_interruption_while_numba_frees_a_type_still_ends_the_command() -> None:
     from numba.core.types import abstract
-
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
 
     class Type:
         pass
@@ -196,12 +199,7 @@ def test_an_interruption_while_numba_frees_a_type_still_ends_the_command() -> No
             time.sleep(0.05)
         assert kept() is None
 
-    start = time.monotonic()
-    try:
-        assert guarded(command) == 130
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - start < 3.0
+    check_it_ends(command)
 
 
 def test_an_interruption_that_a_library_wraps_is_one() -> None:
