@@ -18,12 +18,13 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.material import Material, NeoHooke
-from palpate.mechanics import ArcLength, Problem, Solid, make_linear_solver
+from palpate.mechanics import Problem, Solid, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.read_reference import Reference, read_reference
 from validation import REFERENCE
+from validation.arc_length import ArcLength
 from validation.curves import away_from, highest, turns
 
 _CELLS, _AROUND = 28, 1

@@ -16,10 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.mechanics import ArcLength, Problem, Solid, make_linear_solver
+from palpate.mechanics import Problem, Solid, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even
+from validation.arc_length import ArcLength
 from validation.curves import highest
 from validation.shallow import threshold
 from validation.walls import elastic, load_top, middle_rim, round_wall

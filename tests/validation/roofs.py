@@ -11,11 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.mechanics import ArcLength, Problem, make_linear_solver
+from palpate.mechanics import Problem, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.read_reference import read_reference
 from validation import REFERENCE
+from validation.arc_length import ArcLength
 from validation.curves import away_from, turns
 from validation.walls import SHARES, elastic, through, wall
 

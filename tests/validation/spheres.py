@@ -14,10 +14,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from palpate.mechanics import ArcLength, Problem, make_linear_solver
+from palpate.mechanics import Problem, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import follow_load, make_solid
 from palpate.verify.mapped import Turn, even, graded
+from validation.arc_length import ArcLength
 from validation.walls import elastic, load_top, press_round, round_wall
 
 _POISSON = 0.3

@@ -1,6 +1,5 @@
 """Mechanics: a soft body under loads and rigid obstacles, in equilibrium, followed along its branches."""
 
-from palpate.mechanics.arc_length import ArcLength
 from palpate.mechanics.compiled import kernels_compiled
 from palpate.mechanics.continuation import Continuation
 from palpate.mechanics.element import System
@@ -23,7 +22,6 @@ __all__ = [
     "BASE_RADIUS",
     "BRICK",
     "GAUSS",
-    "ArcLength",
     "ContactLaw",
     "ContactLoading",
     "Continuation",

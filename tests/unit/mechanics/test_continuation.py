@@ -5,7 +5,6 @@ import pytest
 
 from palpate.core import FloatArray
 from palpate.mechanics import (
-    ArcLength,
     Continuation,
     DeadLoad,
     DeadLoading,
@@ -19,6 +18,7 @@ from palpate.mechanics import (
 )
 from palpate.mechanics.linear import Pattern
 from palpate.mechanics.solid import Body
+from validation.arc_length import ArcLength
 
 HALF_SPAN, RISE, STIFFNESS = 10.0, 1.0, 2000.0
 

@@ -6,8 +6,8 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from errors import refused
-from palpate.mechanics import ArcLength
 from palpate.verify.equilibrium import follow_load
+from validation.arc_length import ArcLength
 from validation.caps import Cap
 
 RING = 0.38
