@@ -7,7 +7,6 @@ from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
 from palpate.camera.draw_board import write_board
-from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
 from palpate.camera.marker_traces import flat_marker_outlines, marker_outlines, project_markers, tangent_pair
 from palpate.camera.preset import camera_preset, list_presets
@@ -27,8 +26,6 @@ __all__ = [
     "CalibrationSpec",
     "Camera",
     "CameraSpec",
-    "EventSpec",
-    "Events",
     "Lens",
     "RenderSpec",
     "Source",
@@ -50,7 +47,6 @@ __all__ = [
     "read_window",
     "recording_suffixes",
     "render",
-    "stream_events",
     "tangent_pair",
     "write_board",
     "write_calibration",
