@@ -21,6 +21,12 @@ _NUMBERS_WITHIN = re.compile(r"[-+\d.,][;,|\t ]+[-+\d.,]|[\d.][;,|\t]$|^\d+[.,]\
 """Cells that a wrong delimiter or decimal mark leaves behind."""
 _MIN_ROWS = 5
 """Fewer rows after the table may be a footer."""
+_SUMMARY = re.compile(
+    r"(?:mean|average|avg|median|std\b.*|st\w* ?dev\w*|sd|cv|coefficient of variation|max\w*|min\w*|range|sum|total"
+    r"|mittel\w*|s|x|moyenne|[ée]cart[ -]type|平均\w*|最大\w*|最小\w*|标准差|標準偏差)\W*",
+    re.I,
+)
+"""First cells of the rows of statistics below a table."""
 _CELLS = 4096
 """Number of cells whose kind is remembered: every dialect looks at the first lines several times."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
@@ -79,6 +85,7 @@ class Dialect:
     def split(self, text: str) -> list[str]:
         """Cells of a line, without the spaces and quotes around them."""
         if '"' in text:
+            text = text.replace('="', '"')  # a text of a spreadsheet
             if self.delimiter == " ":
                 text = " ".join(text.split())
             try:
@@ -248,6 +255,10 @@ def _finish(lines: list[Line], dialect: Dialect, blocks: list[Block], widths: li
             pass
         elif len(block.rows) >= _MIN_ROWS or not _is_footer(lines, dialect, block, last):
             block.header, block.units = last.header, last.units
+        while len(block.rows) > 1 and _SUMMARY.fullmatch(
+            next(filter(None, dialect.split(lines[block.rows[-1]][1])), "")
+        ):
+            block.rows.pop()
         if block.header:
             block.width = 0
         last = block if block.rows else last

@@ -14,21 +14,26 @@ from palpate.core.units import split_unit
 from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
 _STRAIN = re.compile(
-    r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement|应变|伸长|拉伸比"
-    r"|ひずみ|歪|伸び",
+    r"strain|stretch|lambda|λ|ε|ϵ|epsilon|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement"
+    r"|deforma[zc]i[oó]ne?\b|deformação|allungamento|alargamiento|应变|伸长|拉伸比|ひずみ|歪|伸び",
     re.I,
 )
 _TRAVEL = re.compile(
-    r"extension|displacement|crosshead|travel|weg\b|traverse|position|d[ée]placement|位移|变形|変位|ストローク", re.I
+    r"extension|displacement|crosshead|travel|weg\b|traverse|position|d[ée]placement|spostamento|desplazamiento"
+    r"|deslocamento|位移|变形|変位|ストローク",
+    re.I,
 )
 _SELDOM = re.compile(
-    r"stroke|separation|deflection|\bhub\b|l[äa]ngen[äa]nderung|verl[äa]ngerung|verformung|\bcourse\b|行程", re.I
+    r"stroke|separation|deflection|distance|\bhub\b|l[äa]ngen[äa]nderung|verl[äa]ngerung|verformung|\bcourse\b|行程",
+    re.I,
 )
 """Names of travel that other columns of the same file may have too."""
 _UNNAMED = re.compile(r"(?:ch|channel|col|column|value|signal|d?[a-z])?[ _-]?\d*", re.I)
 """Names that state no quantity."""
-_STRESS = re.compile(r"stress|spannung|contrainte|应力|応力|σ", re.I)
-_FORCE = re.compile(r"force|load|kraft|\blast\b|\bcharge\b|载荷|荷重|力", re.I)
+_STRESS = re.compile(r"stress|sigma|spannung|contrainte|sforzo|esfuerzo|tensão|应力|応力|σ", re.I)
+_FORCE = re.compile(
+    r"force|load|kraft|\blast\b|\bcharge\b|\bcarico\b|\bcarga\b|forza|fuerza|força|载荷|荷重|力", re.I
+)
 _NOT_STRAIN = re.compile(
     r"rate\b|geschwindigkeit|vitesse|lateral|transverse?al|\btransverse|quer|break|bruch|速|横|max", re.I
 )
@@ -38,6 +43,7 @@ STRETCH = re.compile(r"stretch|lambda|λ|verstreckung|拉伸比", re.I)
 _STRAIN_UNITS = {
     **dict.fromkeys(("mm/mm", "m/m", "in/in", "-", "–", "1"), (StrainUnit.RATIO, 1.0)),
     **dict.fromkeys(("%", "percent", "pct", "百分比"), (StrainUnit.PERCENT, 1.0)),
+    **dict.fromkeys(("uε", "ue", "ustrain", "microstrain"), (StrainUnit.RATIO, 1e-6)),
     **dict.fromkeys(("mm", "毫米"), (StrainUnit.TRAVEL, 1.0)),
     **{unit: (StrainUnit.TRAVEL, factor) for unit, factor in (("cm", 10.0), ("m", 1e3), ("um", 1e-3))},
     **dict.fromkeys(("in", "inch", "inches"), (StrainUnit.INCH, 1.0)),

@@ -36,6 +36,8 @@ _MPA = {
     StressUnit.PA: 1e-6,
     StressUnit.KPA: 1e-3,
     StressUnit.MPA: 1.0,
+    StressUnit.GPA: 1e3,
+    StressUnit.N_PER_CM2: 0.01,
     StressUnit.PSI: 6.894757293168e-3,
     StressUnit.BAR: 0.1,
     StressUnit.KGF_PER_CM2: 0.0980665,

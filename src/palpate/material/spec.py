@@ -29,6 +29,8 @@ class StressUnit(StrEnum):
     PA = "Pa"
     KPA = "kPa"
     MPA = "MPa"
+    GPA = "GPa"
+    N_PER_CM2 = "N/cm2"
     PSI = "psi"
     BAR = "bar"
     KGF_PER_CM2 = "kgf/cm2"

@@ -75,7 +75,6 @@ class TestAgreement:
         assert pair.theirs.unknowns < pair.ours.unknowns
 
 
-@pytest.mark.slow
 @needs_ccx
 def test_azimuth_turns_the_force() -> None:
     mesh = mesh_skin(DOME, MeshSpec(cells=6))
