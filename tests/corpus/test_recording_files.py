@@ -13,6 +13,7 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 import zarr
+from scipy.spatial.transform import Rotation
 
 from errors import refused
 from palpate.core import PalpateError
@@ -275,3 +276,45 @@ def test_numbers_of_images_and_poses_that_differ_are_said(ending: str, tmp_path:
         np.savez(path, images=IMAGES[1:], poses=POSES)
     with refused("recording-no-table", f"({COUNT - 1}, 20, 24, 3)", f"({COUNT}, 3)"):
         read_recording(path)
+
+
+DOWN = Rotation.from_euler("x", 180, degrees=True) * Rotation.from_rotvec(
+    np.radians([[*row[:2], 0] for row in POSES])
+)
+QUATERNIONS = Rotation.from_rotvec(np.radians([[*row[:2], 0] for row in POSES])).as_quat()
+PLACES = np.column_stack([np.full((COUNT, 2), 400.0), 200.0 - POSES[:, 2]])
+ROBOTS: dict[str, tuple[str, np.ndarray]] = {
+    "ABB": ("X,Y,Z,roll,pitch,yaw", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
+    "KUKA": ("X,Y,Z,A,B,C", np.hstack([PLACES, DOWN.as_euler("ZYX", degrees=True)])),
+    "KUKA with units": (
+        "X (mm),Y (mm),Z (mm),A (deg),B (deg),C (deg)",
+        np.hstack([PLACES, DOWN.as_euler("ZYX", degrees=True)]),
+    ),
+    "FANUC": ("X,Y,Z,W,P,R", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
+    "ROS, metres": (
+        ",".join([*(f"pose.position.{a}" for a in "xyz"), *(f"pose.orientation.{a}" for a in "xyzw")]),
+        np.hstack([np.zeros((COUNT, 2)), POSES[:, 2:] / 1e3, QUATERNIONS]),
+    ),
+    "end effector": (
+        ",".join([*(f"ee_pos_{a}" for a in "xyz"), *(f"ee_quat_{a}" for a in "wxyz")]),
+        np.hstack([np.zeros((COUNT, 2)), POSES[:, 2:] / 1e3, QUATERNIONS[:, [3, 0, 1, 2]]]),
+    ),
+    "letters": ("px,py,pz,rx_deg,ry_deg", np.hstack([PLACES[:, :2], POSES[:, [2, 0, 1]]])),
+}
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_poses_of_a_robot_without_units_are_relative_to_the_surface(robot: str, tmp_path: Path) -> None:
+    names, values = ROBOTS[robot]
+    rows = [
+        f"{at}.png,{press}," + ",".join(f"{value:.9f}" for value in row)
+        for at, press, row in zip(range(COUNT), PRESS, values, strict=True)
+    ]
+    (tmp_path / "poses.csv").write_text("\n".join([f"image,press,{names}", *rows]))
+    for at, image in enumerate(IMAGES):
+        cv2.imwrite(str(tmp_path / f"{at}.png"), image)
+    recording = read_recording(tmp_path)
+    assert [f"{one.axis}_{one.unit}" for one in recording.poses] == list(NAMES)
+    shallowest = POSES[:, 2].min() if "Z" in names else 0.0  # the depth of positions begins there
+    wanted = POSES - [0, 0, shallowest]
+    assert recording.targets == pytest.approx(wanted, abs=1e-5)

@@ -5,15 +5,12 @@ from palpate.datasets.dataset import Dataset
 from palpate.datasets.generate_dataset import generate_dataset
 from palpate.datasets.io import dataset_version, read_dataset, write_dataset
 from palpate.datasets.normalise import Normalisation, draw_jitter
+from palpate.datasets.pose_column import PoseColumn
 from palpate.datasets.poses import sample_poses
 from palpate.datasets.quantities import find_quantities
 from palpate.datasets.randomise import PerturbedPresses
 from palpate.datasets.read_recording import LEAST_PRESSES, Recording, read_recording
-from palpate.datasets.recording_columns import (
-    PoseColumn,
-    find_image_column,
-    find_press_column,
-)
+from palpate.datasets.recording_columns import find_image_column, find_press_column
 from palpate.datasets.recording_images import ImageSet, find_files
 from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.spec import DatasetSpec, RandomisationSpec

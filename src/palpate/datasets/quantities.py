@@ -5,14 +5,8 @@ from __future__ import annotations
 from palpate.core import PalpateError
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
-from palpate.datasets.recording_columns import (
-    AXES,
-    PoseColumn,
-    list_columns,
-    name_axes,
-    short_name,
-    with_unit,
-)
+from palpate.datasets.pose_column import AXES, PoseColumn, name_axes, short_name, with_unit
+from palpate.datasets.recording_columns import list_columns
 from palpate.datasets.table import RecordingTable
 
 

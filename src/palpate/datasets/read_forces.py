@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray, PalpateError
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
-from palpate.datasets.recording_columns import FACTORS, list_columns
+from palpate.datasets.pose_column import FACTORS
+from palpate.datasets.recording_columns import list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink
 from palpate.datasets.table import RecordingTable, as_numbers, read_table

@@ -11,10 +11,10 @@ from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
 from palpate.core.files import natural_key
 from palpate.datasets.column_mapping import ColumnMapping
+from palpate.datasets.pose_column import PoseColumn
 from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
     INDEX,
-    PoseColumn,
     find_gaps,
     find_image_column,
     find_pose_columns,
