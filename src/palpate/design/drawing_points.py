@@ -20,10 +20,16 @@ _OUTLINE = 3.0
 """Circles larger than the median by this factor are outlines, not markers."""
 _SAME_MM = 1e-3
 """Distance below which two centres are one marker, drawn twice."""
+_ROUND = 0.02
+"""Relative difference of a curve's area from that of the ellipse of its moments; a square has 0.045."""
+_SAMPLES = 8
+"""Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
 
 
 def read_circles(path: Path) -> FloatArray:
     """Read the centres (n, 2) mm of the circles of a drawing, by distance from the axis, then by azimuth.
+
+    Ellipses count as well, also as closed paths, polylines and splines, into which programs convert them.
 
     The axis of the skin is the origin of a DXF file and the middle of the page of an SVG file, whose y axis is turned
     upward. Circles larger than three times the median are outlines and left out. Points count if there is no circle.
@@ -45,7 +51,7 @@ def read_circles(path: Path) -> FloatArray:
         raise _broken(path, error) from error
     if not rows:
         raise PalpateError(
-            f"{path} has no circle.", "Draw each marker as a circle, not as a path or a text.", code="drawing-empty"
+            f"{path} has no circle.", "Draw each marker as a circle or an ellipse.", code="drawing-empty"
         )
     circles = np.array(rows, float)
     sizes = circles[:, 2]
@@ -88,15 +94,42 @@ def dxf_entities(path: Path) -> tuple[list[Any], float]:
 
 
 def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
-    """Centre and radius of circles, mm."""
+    """Centre and radius of circles, mm; of points in a drawing without circles."""
     entities, scale = dxf_entities(path)
-    for kind in ("CIRCLE", "POINT"):
-        found = [one for one in entities if one.dxftype() == kind]
-        for one in found:
-            at = one.dxf.center if kind == "CIRCLE" else one.dxf.location
-            yield scale * at.x, scale * at.y, scale * (one.dxf.radius if kind == "CIRCLE" else 0.0)
-        if found:
-            return
+    make_path = load_extra("ezdxf.path", "cad").make_path
+    found, arcs = [], dict[tuple[float, ...], float]()
+    for one in entities:
+        if one.dxftype() == "CIRCLE":
+            found.append((*one.dxf.center.vec2, one.dxf.radius))
+        elif one.dxftype() == "ARC":
+            key = (*np.round([*one.dxf.center.vec2, one.dxf.radius], 6),)
+            arcs[key] = arcs.get(key, 0.0) + (one.dxf.end_angle - one.dxf.start_angle) % 360.0
+        elif one.dxftype() in ("ELLIPSE", "LWPOLYLINE", "POLYLINE", "SPLINE"):
+            curve = make_path(one)
+            points = [point.vec2 for point in curve.flattening(1.0, _SAMPLES)] if curve.is_closed else []
+            found += _ellipse(np.array(points).reshape(-1, 2))
+    found += [key for key, angle in arcs.items() if angle > 359.0]
+    found = found or [(*one.dxf.location.vec2, 0.0) for one in entities if one.dxftype() == "POINT"]
+    for x, y, radius in found:
+        yield scale * x, scale * y, scale * radius
+
+
+def _ellipse(points: FloatArray) -> list[tuple[float, float, float]]:
+    """Centre and mean radius of a closed curve through points (n, 2); empty for other shapes."""
+    middle = points.mean(axis=0) if len(points) > 4 else np.zeros(2)
+    here = points - middle
+    there = np.roll(here, -1, axis=0)
+    cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+    area = float(cross.sum()) / 2
+    if len(points) <= 4 or area == 0:
+        return []
+    centre = ((here + there) * cross[:, None]).sum(axis=0) / (6 * area)
+    pairs = here[:, :, None] * here[:, None] + (here + there)[:, :, None] * (here + there)[:, None]
+    pairs += there[:, :, None] * there[:, None]
+    moments = (pairs * cross[:, None, None]).sum(axis=0) / (24 * area) - np.outer(centre, centre)
+    ratio = abs(area) / (4 * np.pi * np.sqrt(max(float(np.linalg.det(moments)), 1e-300)))
+    x, y = (middle + centre).tolist()
+    return [(x, y, float(np.sqrt(abs(area) / np.pi)))] if abs(ratio - 1) < _ROUND else []
 
 
 def _visible(document: Any, entity: Any) -> Iterator[Any]:
@@ -142,6 +175,13 @@ def _svg_children(path: Path, node: ElementTree.Element, matrix: FloatArray) -> 
             x, y, size = ((_length(path, value) or 0.0) / _MM["px"] for value in values)
             x, y, _ = own @ [x, y, 1.0]
             yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
+        elif kind == "path" and "z" in child.get("d", "").lower():
+            curves = load_extra("svgelements", "cad").Path(child.get("d")).as_subpaths()
+            for curve in curves:
+                parts = [part for part in curve if type(part).__name__ not in ("Move", "Close")]
+                along = np.arange(_SAMPLES) / _SAMPLES
+                points = np.array([[*part.point(t)] for part in parts for t in along]).reshape(-1, 2)
+                yield from _ellipse(points @ own[:2, :2].T + own[:2, 2])
         yield from _svg_children(path, child, own)
 
 

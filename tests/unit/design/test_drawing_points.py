@@ -134,3 +134,47 @@ def test_what_is_no_layout_is_refused(tmp_path: Path, name: str, text: str, code
 def test_a_missing_drawing_is_refused(tmp_path: Path) -> None:
     with refused("file-missing", "lost.dxf"):
         read(tmp_path / "lost.dxf")
+
+
+ROUND = np.linspace(0, 2 * np.pi, 25)
+RIM = 0.75 * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
+CURVES = {
+    "ellipse": lambda space, at: space.add_ellipse(at, (0.9, 0), 0.5),
+    "polyline of arcs": lambda space, at: space.add_lwpolyline(
+        [(at[0] - 0.75, at[1], 0, 0, 1), (at[0] + 0.75, at[1], 0, 0, 1)], close=True
+    ),
+    "polyline of lines": lambda space, at: space.add_lwpolyline(at + RIM[:-1], close=True),
+    "old polyline": lambda space, at: space.add_polyline2d(at + RIM[:-1], close=True),
+    "spline": lambda space, at: space.add_spline(np.column_stack([at + RIM, 0 * ROUND])),
+    "two arcs": lambda space, at: [space.add_arc(at, 0.75, begin, begin + 180) for begin in (20, 200)],
+}
+
+
+@pytest.mark.parametrize("kind", CURVES)
+def test_curves_into_which_programs_convert_circles_are_markers(kind: str, tmp_path: Path) -> None:
+    document = ezdxf.new("R2010", units=4)
+    space = document.modelspace()
+    for at in SHUFFLED:
+        CURVES[kind](space, at)
+    space.add_lwpolyline([(-0.7, 9.3), (0.7, 9.3), (0.7, 10.7), (-0.7, 10.7)], close=True)  # a square is no marker
+    space.add_arc((1.0, 2.0), 0.7, 0, 180)
+    document.saveas(tmp_path / "a.dxf")
+    assert same(read(tmp_path / "a.dxf"))
+
+
+PATHS = {
+    "two arcs": "M {left},{y} a .75,.75 0 1 0 1.5,0 a .75,.75 0 1 0 -1.5,0 z",
+    "Bézier curves": "M{right},{y}c0,.414-.336,.75-.75,.75s-.75-.336-.75-.75s.336-.75 .75-.75s.75,.336 .75,.75z",
+}
+
+
+@pytest.mark.parametrize("kind", PATHS)
+@pytest.mark.parametrize("together", [False, True])
+def test_circles_of_svg_converted_to_paths_are_markers(kind: str, together: bool, tmp_path: Path) -> None:
+    pytest.importorskip("svgelements")
+    drawn = [PATHS[kind].format(left=x - 0.75, right=x + 0.75, y=-y) for x, y in SHUFFLED]
+    drawn = [" ".join(drawn)] if together else drawn
+    paths = "".join(f'<path d="{one}"/>' for one in [*drawn, "M 1,1 h 1.4 v 1.4 h -1.4 z"])
+    text = f'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="-20 -20 40 40">{paths}</svg>'
+    (tmp_path / "a.svg").write_text(text)
+    assert same(read(tmp_path / "a.svg"))
