@@ -261,7 +261,7 @@ def try_fault(fault: Fault, folder: Path, coverage: Path | None) -> dict[str, ob
 def refuse_failing_control(failed: list[str], copy: Path, fault: Fault, environment: dict[str, str]) -> None:
     """End if the test that notices a fault fails without the fault, too: it would notice everything."""
     shutil.copy2(ROOT / fault.path, copy / fault.path)
-    names = [line.split(maxsplit=2)[1] for line in failed]
+    names = [line.split(maxsplit=1)[1].partition(" - ")[0] for line in failed]
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *names]
     if names and subprocess.run(command, cwd=copy, env=environment, capture_output=True).returncode != 0:
         raise SystemExit(f"{names[0]} fails without a fault.")
