@@ -126,6 +126,24 @@ READ = {
         ),
         4,
     ),
+    "realsense.json": (
+        json.dumps(
+            {"width": SIZE[0], "height": SIZE[1], "ppx": CX, "ppy": CY, "fx": FX, "fy": FY}
+            | {"model": "distortion.brown_conrady", "coeffs": LENS[5]}
+        ),
+        5,
+    ),
+    "vins.yaml": (
+        f"%YAML:1.0\n---\nmodel_type: PINHOLE\nimage_width: {SIZE[0]}\nimage_height: {SIZE[1]}\n"
+        + "distortion_parameters:\n"
+        + "".join(f"   {name}: {value}\n" for name, value in zip(("k1", "k2", "p1", "p2"), LENS[4], strict=True))
+        + f"projection_parameters:\n   fx: {FX}\n   fy: {FY}\n   cx: {CX}\n   cy: {CY}\n",
+        4,
+    ),
+    "by_columns.json": (
+        json.dumps({"cameraMatrix": MATRIX.T.tolist(), "distCoeffs": [LENS[5]], "imageSize": list(SIZE)}),
+        5,
+    ),
     "groups.json": (
         json.dumps(
             {

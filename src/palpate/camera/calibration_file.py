@@ -103,6 +103,12 @@ def _find_lens(name: str, content: dict[str, Any]) -> Lens:
     """
     values = _numbers(content.get("distortion_coefficients", []), None)
     named = content.get("distortion_model")
+    if not len(values):
+        raise PalpateError(
+            f"{name} states no distortion of the lens.",
+            "Add a line `distortion_coefficients: [0, 0, 0, 0, 0]` for a lens without distortion.",
+            code="lens-coefficient-count",
+        )
     kind = lens_from_model("plumb_bob" if named in (None, "") else str(named))
     if not named and len(values) == 4 and np.abs(values[2:]).max() > _TANGENTIAL:
         raise PalpateError(
@@ -135,6 +141,8 @@ def _find_lens(name: str, content: dict[str, Any]) -> Lens:
 
 def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
+    if matrix[2, :2].all() and not matrix[:2, 2].any():  # by columns, as MATLAB and Open3D write it
+        matrix = matrix.T
     lens = _find_lens(name, content)
     focal, width, height = matrix[[0, 1], [0, 1]], float(content["image_width"]), float(content["image_height"])
     if not (focal > 0.0).all() or width < 1.0 or height < 1.0:

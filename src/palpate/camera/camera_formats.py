@@ -1,8 +1,8 @@
 """Conversion of camera files of other tools to the keys of ROS's ``camera_info`` YAML.
 
 Supported are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
-``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; fx, fy, cx, cy, k1 … as single numbers, such as those of ORB-SLAM
-and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
+``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; fx, fy, cx, cy, k1 … as single numbers, such as those of ORB-SLAM,
+VINS and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
 """
 
 from __future__ import annotations
@@ -151,7 +151,10 @@ def _from_numbers(name: str, low: dict[str, Any]) -> dict[str, Any]:
         lenses = [key for key, group in inner.items() if any(own in group for own in _INTRINSICS[0])]
         if len(lenses) > 1:
             raise _several(", ".join(lenses), name, len(lenses))
-        for key in [*lenses, *(key for key in inner if key in (*_NAMES["image_size"], "distortion", "lens"))]:
+        for key in [
+            *lenses,
+            *(key for key in inner if key in (*_NAMES["image_size"], "distortion", "distortion_parameters", "lens")),
+        ]:
             low = inner[key] | low
         values = low.get("intrinsics", [next((low[key] for key in keys if key in low), None) for keys in _INTRINSICS])
         if isinstance(values, list) and len(values) == 4 and None not in values:

@@ -125,7 +125,7 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
 
 def lens_from_model(model: str) -> type[Lens] | None:
     """Return the lens of a model's name in a calibration file; `None` if it is unknown."""
-    plain = model.lower().replace("-", "_")
+    plain = model.lower().replace("-", "_").removeprefix("distortion.")
     wanted = _ALIASES.get(plain, plain)
     return next((lens for _, lens in LENSES.available() if wanted in (lens.model, lens.name.replace("-", "_"))), None)
 
