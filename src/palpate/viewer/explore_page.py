@@ -310,4 +310,5 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
 def _end_sentence(design: GridDesign, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
-    return f"{design_label(design.row)} at {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"
+    name, depth = design_label(design.row), motion.depths_mm[-1]
+    return f"{name} at {motion.tilt_deg:.3g}° to {depth:.1f} mm: {motion.ended}.{second}"
