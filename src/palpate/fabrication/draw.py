@@ -1,4 +1,4 @@
-"""Elements of workshop drawings: an A4 page to scale with its title block, sections, views, dimensions and names.
+"""Elements of drawings: A4 page to scale with title block, sections, views, dimensions and names.
 
 A page is drawn at the largest scale of ISO 5455 that fits. Letters are 2.5 mm high or more (ISO 3098). Azimuths are
 those of the part: counter-clockwise from x, seen from the apex.
@@ -44,7 +44,7 @@ _SLICE = 0.5
 _ON_PLANE = 1e-6
 """Distance from the plane of a section at which a point is on it, mm."""
 _LINE_MM, _LABEL, _PLAN_GAP = 6.0, (24.0, 5.0), 34.0
-"""Distance between lines of text, size of a name with its azimuth, and space around a plan, mm of the page."""
+"""Distance of lines, size of a name with its azimuth, and space around a plan, mm of the page."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def draw_cut(
 
 
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
-    """Draw the visible edges of bodies below each other on one axis, seen obliquely from above, with their names."""
+    """Draw bodies below each other on one axis, seen obliquely from above, with their names."""
     views = []
     for name, body in bodies:
         lines = body.moved(*(-body.bounds.mean(axis=0))).look(_EYE)
@@ -191,7 +191,7 @@ def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
 
 @dataclass(frozen=True)
 class Plan:
-    """View of a part along its axis; its features have azimuths, deg, which are angles of the plan of `mold`."""
+    """View of a part along its axis with features by azimuth, deg: an angle of the plan of `mold`."""
 
     title: str
     part: CadSolid
@@ -199,7 +199,7 @@ class Plan:
     mold: ContactModule | None = None
 
     def way(self, azimuth_deg: float) -> FloatArray:
-        """Return the direction (2,) of an azimuth on the page; a mold is seen from the base, with x to the left."""
+        """Return the direction (2,) of an azimuth on the page; x of a mold, seen from the base, is left."""
         if self.mold is None:
             return np.array([np.cos(np.radians(azimuth_deg)), np.sin(np.radians(azimuth_deg))])
         place = np.array(self.mold.place(1.0, azimuth_deg)) * [-1.0, 1.0]
@@ -207,7 +207,7 @@ class Plan:
 
 
 def draw_plans(plans: Sequence[Plan]) -> Figure:
-    """Draw views along the axis below each other, each feature with its azimuth; from the base, x points left."""
+    """Draw views along the axis below each other, each feature with its azimuth."""
     views = [
         _view(plan.part.turned("x", 90.0) if plan.mold is None else plan.part.turned("z", 180.0).turned("x", -90.0))
         for plan in plans

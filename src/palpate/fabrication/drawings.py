@@ -1,4 +1,4 @@
-"""Drawings of a pack: sections of module, mold and enclosure with dimensions, views along the axis, and the parts."""
+"""Drawings of a pack: sections of module, mold and enclosure, views along the axis, and parts."""
 
 from __future__ import annotations
 
@@ -101,14 +101,9 @@ def draw_mold_section(mold: Mold, spec: ProcessSpec) -> Figure:
     sheet = Sheet.around((-reach, -top - tall), (reach, plate - foot), _BETWEEN)
     unit = sheet.unit
     step = tall + _BETWEEN * unit
-    vent = vent_azimuths(spec.vents)[0]
+    pour, pin, vent = POUR_AZIMUTH_DEG, PIN_AZIMUTHS_DEG[1], vent_azimuths(spec.vents)[0]
     cuts = (
-        (
-            POUR_AZIMUTH_DEG,
-            f"pour hole Ø {spec.pour_diameter:g}",
-            PIN_AZIMUTHS_DEG[1],
-            f"pin Ø {spec.pin_diameter:g}",
-        ),
+        (pour, f"pour hole Ø {spec.pour_diameter:g}", pin, f"pin Ø {spec.pin_diameter:g}"),
         (vent, f"vent Ø {spec.vent_diameter:g}", NOTCH_AZIMUTH_DEG, f"rib R {notch_radius(module):.3g}"),
     )
     for k, (first, right, second, left) in enumerate(cuts):

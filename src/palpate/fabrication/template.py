@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import MarkerLayout, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
+from palpate.design import Arc, MarkerLayout, Outline, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG
 from palpate.fabrication.mesh_file import drill
 from palpate.fabrication.spec import ProcessSpec
