@@ -171,7 +171,7 @@ def test_the_value_under_the_pointer_is_that_of_the_colour(page, link):
 def test_a_resting_picture_has_more_pixels_than_the_screen(page, link):
     open_page(page, link)
     page.wait_for_function(
-        "(c => c.width >= 1.9 * c.clientWidth)(document.querySelector('.dome-view canvas')) || devicePixelRatio > 1"
+        "(c => c.width >= 1.4 * c.clientWidth)(document.querySelector('.dome-view canvas')) || devicePixelRatio > 1"
     )
 
 

@@ -7,7 +7,7 @@ import { colour, FAR_MM, isBlank, ramp, topOfAll } from "palpate-stage/tones.js"
 const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
 const CLAMP_MM = [4, 3];
 const REST_MS = 250;
-const [COARSE, SHARP] = [0.7, 2]; // pixels of a moving and of a resting picture without a graphics card
+const [COARSE, SHARP] = [0.7, 1.5]; // pixels of a moving and of a resting picture without a graphics card
 const HALF = new THREE.Plane(new THREE.Vector3(1, 0, 0), 0);
 
 export default {
