@@ -237,7 +237,7 @@ def _assemble(made: PackContent) -> list[str]:
         f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf, the screws from below. Its pinhole, inside "
         f"the lens and {BODIES[spec.camera_body].pinhole:g} mm above the lower face of the shelf, is "
         f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}. Neither "
-        "measure nor adjust it, whatever its error: when the sensor is built, `palpate calibration camera` measures "
+        "measure nor adjust it: seat and lens set it. In the built sensor, `palpate calibration camera` measures "
         "the lens and `palpate calibration identify` the distance.",
         *([] if enclosure.frame else [seen]),
         "Pass the strip of LEDs from below through the hole at the edge of the shelf. Glue it to the wall of the "
