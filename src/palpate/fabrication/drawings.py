@@ -16,8 +16,8 @@ from palpate.fabrication.spec import ProcessSpec
 _SILICONE, _PLASTIC, _CORE, _GEL, _GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 _COLOURS = {"mold_core": _CORE, "housing": _CORE, "window": _GLASS, "robot_plate": _GLASS, "end_cap": _GLASS}
 """Colours of parts; others are `_PLASTIC`."""
-_CABLE_DEG, _CAMERA_DEG = 90.0, 225.0
-"""Azimuths of the enclosure's section: cable slot and hole of the strip; screws of plate and camera."""
+_CABLE_DEG, _FIXING_DEG = 90.0, 225.0
+"""Azimuths of the enclosure's section: cable slot and hole of the strip; screw of the robot plate."""
 _BETWEEN, _FAR = 30.0, 1e4
 """Space between two sections, mm of the page, and half the edge of a box that is cut away, mm."""
 TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
@@ -131,7 +131,7 @@ def draw_enclosure_section(module: ContactModule, enclosure: Enclosure, body: Ca
     side = float(max(housing[1, 0], plate[1, 0]))
     sheet = Sheet.around((-side, low), (side, high))
     unit = sheet.unit
-    left = _CAMERA_DEG if enclosure.frame is None else float(np.degrees(enclosure.frame.azimuths[2])) % 360
+    left = _FIXING_DEG if enclosure.frame is None else float(np.degrees(enclosure.frame.azimuths[2])) % 360
     solids = {"contact module": (body, _SILICONE)}
     solids |= {_name(name): (part, _COLOURS.get(name, _PLASTIC)) for name, part in parts.items()}
     anchors = draw_cut(sheet, solids, (_CABLE_DEG, left), behind=True)
@@ -143,7 +143,7 @@ def draw_enclosure_section(module: ContactModule, enclosure: Enclosure, body: Ca
     for x, start, end in ((6, low, plate[1, 2]), (6, plate[1, 2], seat), (18, low, high)):
         sheet.dimension((side + x * unit, start), (side + x * unit, end), f"{end - start:.4g}")
     sheet.dimension((2 * unit, pinhole), (2 * unit, 0.0), f"{-pinhole:.4g}")
-    second = "rods" if enclosure.frame else "screws of plate and camera"
+    second = "rods" if enclosure.frame else "screw of the robot plate"
     sheet.write((0.0, low - 14 * unit), f"right: {_CABLE_DEG:g}°, cable slot; left: {left:.4g}°, {second}", up="top")
     return sheet.figure
 
