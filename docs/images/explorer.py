@@ -6,7 +6,7 @@ starts the viewer on a result folder, looks at it with Chromium (`pip install pl
 chromium`), and writes beside this file:
 
 * press.gif: a press in 3-D beside what the camera sees;
-* explorer.png, design.png: the pages.
+* explorer.png, compare.png, design.png: the pages.
 """
 
 import io
@@ -22,6 +22,7 @@ HERE = Path(__file__).parent
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 READY = "document.querySelectorAll('.camera-view .dots circle').length > 0"
 POSE = "metric=rmse_jitter_deg&tilt=9&azimuth=25&depth={depth}"
+COMPARE = "tilt=9&azimuth=25&depth=5.6&colour=stress&design=1&other=5"
 IMAGES, PER_S, COLOURS = 26, 12, 240
 HEIGHT = 300
 """Pixels of the animation; wide enough for a README, small enough to load at once."""
@@ -45,12 +46,13 @@ def main() -> None:
 
 
 def take_pages(page: Page, link: str) -> None:
-    """The explorer and the design page."""
-    for name, query in (("explorer", "?" + POSE.format(depth=5.6)), ("design", "design")):
+    """The explorer with one design and with two, and the design page."""
+    for name, query in (("explorer", "?" + POSE.format(depth=5.6)), ("compare", "?" + COMPARE), ("design", "design")):
         page.goto(link + query)
         page.wait_for_function(READY)
-        page.wait_for_timeout(1500)
-        Image.open(io.BytesIO(page.screenshot())).convert("RGB").save(HERE / f"{name}.png", optimize=True)
+        page.wait_for_timeout(4000)  # the resting picture has smooth edges
+        picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+        picture.quantize(COLOURS, palette=picture.quantize(COLOURS)).save(HERE / f"{name}.png", optimize=True)
 
 
 def take_press(page: Page, link: str) -> None:

@@ -154,6 +154,27 @@ def test_the_bar_of_the_scale_is_as_long_as_it_states(page, link):
     assert [text.strip() for text in gauge.locator("g text").all_text_contents()] == ["x", "y", "z"]
 
 
+def test_the_value_under_the_pointer_is_that_of_the_colour(page, link):
+    open_page(page, link, "?depth=3&wall=1")
+    before = int(page.locator(".dome-view").first.get_attribute("data-drawn"))
+    page.get_by_role("button", name="top", exact=True).click()
+    page.wait_for_function(f"Number(document.querySelector('.dome-view').dataset.drawn) > {before}")
+    box = page.locator(".dome-view canvas").first.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2 + 2, box["y"] + box["height"] / 2)
+    page.wait_for_function("document.querySelector('.dome-probe').textContent.endsWith(' mm')")
+    apex = float(page.locator(".dome-probe").first.inner_text().removesuffix(" mm"))
+    assert apex == pytest.approx(3.0, rel=0.05), "the apex moves with the wall"
+    page.mouse.move(box["x"] + 4, box["y"] + box["height"] - 4)
+    page.wait_for_function("document.querySelector('.dome-probe').textContent === ''")
+
+
+def test_a_resting_picture_has_more_pixels_than_the_screen(page, link):
+    open_page(page, link)
+    page.wait_for_function(
+        "(c => c.width >= 1.4 * c.clientWidth)(document.querySelector('.dome-view canvas')) || devicePixelRatio > 1"
+    )
+
+
 def test_no_colour_is_shown_before_the_stress_is_there(page, link):
     open_page(page, link, "?depth=3&trails=0")
     held = []

@@ -31,7 +31,10 @@ def test_a_broken_press_is_named_and_the_rest_is_shown(page, results, tmp_path):
     press.write_bytes(b"no longer a press")
     with viewer(broken) as link:
         page.goto(link)
-        check_values(fault(page, "press-unreadable"), press.name)
+        sentence = fault(page, "press-unreadable")
+        check_values(sentence, press.name)
+        page.wait_for_function("Number(document.querySelector('.dome-view').dataset.drawn) > 0")
+        assert page.locator("body").inner_text().count(sentence) == 1, "the reason is given once"
         wait_for_numbers(page, "kept", [2, 2])
         page.get_by_test_id("where").fill("markers > 7")
         wait_for_numbers(page, "kept", [1, 2])

@@ -61,7 +61,7 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
             "undercut",
             f"The dome bulges over its base: {2 * skin.widest[0]:.4g} mm wide at z = {skin.widest[1]:.4g} mm, "
             f"{2 * skin.base_radius:g} mm at the base.",
-            f"A rigid core cannot be removed: use a soft or split core, or a height up to {skin.base_radius:g} mm.",
+            f"A rigid core cannot be pulled: stretch the skin off it, split it, or use H <= {skin.base_radius:g} mm.",
         )
 
 

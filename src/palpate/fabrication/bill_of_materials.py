@@ -81,7 +81,8 @@ def _markers(made: PackContent) -> Iterator[_Row]:
         if made.process.orientation_mark:
             points = np.vstack([points, place_orientation_mark(skin, layout)])
         steep = np.degrees(np.arccos(skin.normal(points)[:, 2].min()))
-        size = f"enters an opening of {across:.4g} mm, {skin.height:g} mm deep, and prints on slopes to {steep:.0f}°"
+        size = f"passes the skin's opening ({across:.4g} mm across), reaches its apex {skin.height:g} mm inside, and "
+        size += f"prints on walls inclined by up to {steep:.0f}° to the base"
         other = "template.stl (if the pack has it), printed like the mold"
         yield "pad", "1", f"{size}; shape and hardness by the printer's maker", other, _PACK
         yield "cliché", "1", "artwork.dxf: layers DOTS, MARK and ALIGNMENT, etched as drawn", "–", _PACK

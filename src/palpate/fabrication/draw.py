@@ -1,196 +1,284 @@
-"""Workshop drawings of the model: sections with dimensions, and views of bodies."""
+"""Elements of drawings: A4 page to scale with title block, sections, views, dimensions and names.
+
+A page is drawn at the largest scale of ISO 5455 that fits. Letters are 2.5 mm high or more (ISO 3098). Azimuths are
+those of the part: counter-clockwise from x, seen from the apex.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.lines import Line2D
 
-from palpate.core import FloatArray
-from palpate.design import Arc, CadSolid, ContactModule, Outline, SmoothCurve, box, gather
-from palpate.fabrication.enclosure import Enclosure
-from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG, notch_radius
-from palpate.fabrication.window_plate import WindowPlate
+from palpate.core import FloatArray, provenance
+from palpate.design import CadSolid, ContactModule, box
 
+Place = Sequence[float] | FloatArray
+"""Position (x, y), mm."""
+PAGE = (210.0, 297.0)
+"""A4, mm."""
+MM_PER_INCH = 25.4
+LETTERS = 10.0
+"""Size of letters, points: capitals of 2.6 mm."""
+_ROOM = ((15.0, 46.0), (195.0, 292.0))
+"""Lower left and upper right corner of the drawing on its page, mm."""
+_NAMES, _DIMENSIONS, _BELOW, _ABOVE = 36.0, 30.0, 16.0, 10.0
+"""Space on the left for names, on the right for dimensions, below and above, mm of the page."""
+_SCALES = (5.0, 2.0, 1.0, 0.5, 0.2, 0.1)
+"""Scales of ISO 5455, for designs of up to 1.5 m."""
+_LEVELS, _COLUMNS = (12.0, 20.0, 28.0, 36.0), (17.0, 105.0, 160.0)
+"""Levels of the lines of a title block, and left ends of its columns, mm of the page."""
 _EYE = (300.0, -500.0, 400.0)
 """Viewpoint of bodies, mm."""
 _FAR = 1e4
 """Half the edge of the box that is cut away, and distance of the viewpoint, mm."""
-_ARC_POINTS = 60
-_ABREAST = 6
-"""Maximum number of bodies in a row."""
-SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
+_SLICE = 0.5
+"""Thickness of the slice behind a section, whose face is drawn, mm."""
+_ON_PLANE = 1e-6
+"""Distance from the plane of a section at which a point is on it, mm."""
+_LINE_MM, _LABEL, _PLAN_GAP = 6.0, (24.0, 5.0), 34.0
+"""Distance of lines, size of a name with its azimuth, and space around a plan, mm of the page."""
 
 
-def draw_module_section(module: ContactModule, window: WindowPlate | None = None) -> Figure:
-    """Draw the section of a module with its dimensions; a filled one with gel and window."""
-    figure, axis = blank_sheet((6.4, 4.6))
-    skin, foot = module.skin, module.foot
-    if window is not None:
-        _fill(axis, follow_outline([(0.0, skin.height), *skin.meridian(0.0, down=True), (0.0, 0.0)]), GEL)
-        low = -window.thickness
-        _fill(axis, np.array([[0.0, 0.0], [window.reach, 0.0], [window.reach, low], [0.0, low]]), GLASS)
-        axis.text(0, low / 2, f"window {window.thickness:g}", ha="center", va="center", fontsize=9)
-    _fill(axis, follow_outline(module.outline()), SILICONE)
-    top = skin.height + skin.thickness
-    draw_dimension(
-        axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}"
-    )
-    draw_dimension(
-        axis, (-module.flange_foot, foot - 10), (module.flange_foot, foot - 10), f"{2 * module.flange_foot:.4g}"
-    )
-    side = module.flange_foot + 5
-    draw_dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
-    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", offset=True)
-    draw_dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    axis.text(0, foot - 13, f"notch R {notch_radius(module):.3g} at {NOTCH_AZIMUTH_DEG:g}°", ha="center", fontsize=9)
-    if skin.plan.is_round:
-        axis.text(
-            0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", va="center", fontsize=9
-        )
-    else:  # too low for a line of text
-        said = f"along x; along y {skin.plan.stretch:.4g} times as long; inner radius of the edge {skin.radius:.4g}"
-        axis.set_title(said, fontsize=9)
-    axis.set_xlim(-side - 14, side + 14)
-    axis.set_ylim(foot - 14, top + 5)
-    return figure
+@dataclass(frozen=True)
+class Sheet:
+    """Page of a drawing; `unit` is the length in mm that is 1 mm on the page."""
+
+    figure: Figure
+    axis: Axes
+    unit: float
+
+    @classmethod
+    def around(cls, low: Sequence[float], high: Sequence[float], gap: float = 0.0) -> Sheet:
+        """Make a page for content from `low` to `high` (x, y) mm, and `gap` mm of the page in it.
+
+        The scale becomes the label of the figure.
+        """
+        size, room = np.subtract(high, low), np.subtract(_ROOM[1], _ROOM[0])
+        free = room - [_NAMES + _DIMENSIONS, _BELOW + _ABOVE + gap]
+        scale = next((scale for scale in _SCALES if (scale * size <= free).all()), _SCALES[-1])
+        middle = np.add(high, low) / 2 + np.array([_DIMENSIONS - _NAMES, _ABOVE - _BELOW - gap]) / 2 / scale
+        figure = Figure(figsize=(PAGE[0] / MM_PER_INCH, PAGE[1] / MM_PER_INCH))
+        figure.set_label(f"{scale:g} : 1" if scale >= 1 else f"1 : {1 / scale:g}")
+        axis = figure.add_axes((*np.divide(_ROOM[0], PAGE), *np.divide(room, PAGE)))
+        axis.set_xlim(*(middle[0] + np.array([-0.5, 0.5]) * room[0] / scale))
+        axis.set_ylim(*(middle[1] + np.array([-0.5, 0.5]) * room[1] / scale))
+        axis.set_axis_off()
+        return cls(figure, axis, 1 / scale)
+
+    def write(self, place: Place, text: str, across: str = "center", up: str = "center") -> None:
+        """Write a text at (x, y) mm."""
+        self.axis.text(float(place[0]), float(place[1]), text, ha=across, va=up, fontsize=LETTERS)
+
+    def line(self, *points: Place, width: float = 0.4, style: str = "-") -> None:
+        """Draw a thin line through points (x, y) mm."""
+        self.axis.plot(*np.array(points).T, color="black", linewidth=width, linestyle=style)
+
+    def lines(self, lines: Sequence[FloatArray]) -> None:
+        """Draw visible edges, polylines (n, 2) mm."""
+        self.axis.add_collection(LineCollection(lines, colors="black", linewidths=0.7))
+
+    def dimension(self, start: tuple[float, float], end: tuple[float, float], text: str) -> None:
+        """Draw an arrow between two points with a text in mm, on the right of it or above it."""
+        style = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8}
+        self.axis.annotate("", end, start, arrowprops=style)
+        x, y = np.add(start, end) / 2
+        if abs(start[0] - end[0]) < 1e-9:
+            self.write((x + 1.5 * self.unit, y), text, "left")
+        else:
+            self.write((x, y + 0.8 * self.unit), text, up="bottom")
+
+    def names(self, anchors: Mapping[str, FloatArray], edge: float) -> None:
+        """Write names left of x = `edge` mm, below each other, with lines to their anchors (x, y) mm."""
+        level = np.inf
+        for name, anchor in sorted(anchors.items(), key=lambda item: -item[1][1]):
+            level = min(level - _LINE_MM * self.unit, float(anchor[1]))
+            self.write((edge, level), name, "right")
+            self.line((edge + self.unit, level), anchor)
+            self.axis.plot(*anchor, "k.", markersize=3)
 
 
-def draw_mold_section(module: ContactModule, radius: float, floor: float, plate: float) -> Figure:
-    """Draw the closed mold in section, in the position in which it is filled: apex down."""
-    figure, axis = blank_sheet((6.4, 4.6))
-    foot, top = module.foot, module.skin.height + module.skin.thickness + floor
-    down = np.array([1.0, -1.0])
-    _fill(axis, down * [[0, foot], [radius, foot], [radius, top], [0, top]], PLASTIC)
-    _fill(axis, down * follow_outline(module.outside()), SILICONE)
-    _fill(axis, down * follow_outline(module.inside()), CORE)
-    _fill(axis, down * [[0, foot], [radius, foot], [radius, foot - plate], [0, foot - plate]], CORE)
-    axis.text(0, -foot + plate / 2, "core", ha="center", va="center", fontsize=9)
-    axis.text(0, -top + floor / 2, "cavity", ha="center", va="center", fontsize=9)
-    side, inner = radius + 5, -module.skin.height
-    draw_dimension(axis, (-radius, -top - 5), (radius, -top - 5), f"{2 * radius:.4g}")
-    draw_dimension(axis, (side, -top), (side, -foot), f"{top - foot:.4g}")
-    draw_dimension(axis, (side, -foot), (side, -foot + plate), f"{plate:.4g}")
-    draw_dimension(axis, (-side, inner), (-side, -foot), f"{-foot - inner:.4g}")
-    draw_dimension(axis, (-side, -top), (-side, -top + floor), f"{floor:.4g}")
-    axis.set_xlim(-side - 9, side + 9)
-    axis.set_ylim(-top - 8, -foot + plate + 4)
-    return figure
+def cut_part(part: CadSolid, azimuth_deg: float, thickness: float) -> tuple[FloatArray, FloatArray, CadSolid] | None:
+    """Cut a part by the half-plane at an azimuth; `None` if they do not meet.
+
+    Returns
+    -------
+    tuple
+        Triangles (n, 3, 2) mm of the section, distance from the axis and z; its edges (m, 2, 2) mm; and the slice of
+        the part behind it, `thickness` mm.
+    """
+    away = [box((-_FAR, -_FAR, -_FAR), high) for high in ((_FAR, 0.0, _FAR), (0.0, _FAR, _FAR))]
+    away.append(box((-_FAR, thickness, -_FAR), (_FAR, 2 * _FAR, _FAR)))
+    piece = part.turned("z", -azimuth_deg).cut(*away)
+    if not piece.pieces:
+        return None
+    mesh = piece.mesh()
+    on = np.abs(mesh.points[:, 1]) < _ON_PLANE
+    faces = mesh.triangles[on[mesh.triangles].all(axis=1)]
+    places = mesh.points[:, [0, 2]]
+    sides = np.sort(np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    sides, count = np.unique(sides, axis=0, return_counts=True)
+    edges = places[sides[count == 1]]
+    outside = np.abs(edges[..., 0]).max(axis=1) > _ON_PLANE
+    return (places[faces], edges[outside], piece) if len(faces) else None
 
 
-def draw_enclosure_section(module: ContactModule, enclosure: Enclosure) -> Figure:
-    """Draw the assembled enclosure, cut open along x, with its dimensions."""
-    figure, axis = blank_sheet((6.4, 5.0))
-    parts = enclosure.parts
-    ring, housing, plate = (parts[name].bounds for name in ("clamp_ring", "housing", "robot_plate"))
-    low, seat, high = float(plate[0, 2]), module.foot, module.skin.outer_height
-    side = float(max(housing[1, 0], plate[1, 0]))
-    lines = cut_open(list(parts.values()), 0.0)
-    up = [
-        0.0,
-        float(ring[1, 2]) - max(float(line[:, 1].max()) for line in lines),
-    ]  # a view is about the middle of its bodies
-    _fill(axis, follow_outline(module.outline()), SILICONE)
-    axis.add_collection(LineCollection([line + up for line in lines], colors="black", linewidths=0.7))
-    for (left, right), z, at in ((ring[:, 0], seat, high + 4), (plate[:, 0], low, low - 6)):
-        draw_dimension(axis, (left, at), (right, at), f"Ø {right - left:.4g}")
-        axis.plot([left, left], [z, at], [right, right], [z, at], color="black", linewidth=0.3)
-    draw_dimension(axis, (side + 5, low), (side + 5, high), f"{high - low:.4g}")
-    draw_dimension(axis, (-side - 5, plate[1, 2]), (-side - 5, seat), f"{seat - plate[1, 2]:.4g}")
-    draw_dimension(axis, (-side - 5, low), (-side - 5, plate[1, 2]), f"{plate[1, 2] - low:.4g}")
-    draw_dimension(
-        axis, (2.0, -enclosure.camera_distance), (2.0, 0.0), f"pinhole to base {enclosure.camera_distance:.4g}"
-    )
-    axis.set_xlim(-side - 16, side + 16)
-    axis.set_ylim(low - 9, high + 8)
-    return figure
+def _view(part: CadSolid) -> list[FloatArray]:
+    """Return the visible edges of a part seen along y, polylines (n, 2) mm of x and z."""
+    lines = part.look((0.0, -_FAR, 0.0))  # about the middle of the body
+    return [line + part.bounds[1, [0, 2]] - np.concatenate(lines).max(axis=0) for line in lines]
 
 
-def cut_open(parts: Sequence[CadSolid], azimuth: float) -> list[FloatArray]:
-    """Return the visible lines (n, 2) mm of parts cut open through the axis at an azimuth (rad)."""
-    away = box((-_FAR, -_FAR, -_FAR), (_FAR, 0.0, _FAR))
-    halves = gather([part.turned("z", float(-np.degrees(azimuth))).cut(away) for part in parts])
-    return halves.look((0.0, -_FAR, 0.0))
+def draw_cut(
+    sheet: Sheet,
+    parts: Mapping[str, tuple[CadSolid, str]],
+    azimuths_deg: tuple[float, float],
+    to_page: tuple[float, float] = (1.0, 0.0),
+    *,
+    behind: bool = False,
+) -> dict[str, FloatArray]:
+    """Draw parts (solid and colour by name) cut at two azimuths, right and left of the axis.
+
+    `to_page` is the factor of z on the page, and its addend, mm. Edges behind the section are drawn with
+    `behind`. Returns a place (x, y) mm on each part.
+    """
+    anchors: dict[str, FloatArray] = {}
+    for side, azimuth in zip((1.0, -1.0), azimuths_deg, strict=True):
+        for name, (part, colour) in parts.items():
+            if (found := cut_part(part, azimuth, _FAR if behind else _SLICE)) is None:
+                continue
+            factor, addend = np.array([side, to_page[0]]), np.array([0.0, to_page[1]])
+            triangles, edges = (places * factor + addend for places in found[:2])
+            if behind:
+                lines = [line * factor + addend for line in _view(found[2])]
+                sheet.axis.add_collection(LineCollection(lines, colors="gray", linewidths=0.4, zorder=0))
+            sheet.axis.add_collection(PolyCollection(triangles, facecolors=colour, edgecolors=colour, linewidths=0.3))
+            sheet.axis.add_collection(LineCollection(edges, colors="black", linewidths=0.8))
+            (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
+            anchors[name] = triangles[np.abs(ax * by - ay * bx).argmax()].mean(axis=0)
+    return anchors
 
 
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
-    """Draw the visible edges of bodies side by side, seen obliquely from above, to one scale."""
-    rows = -(-len(bodies) // _ABREAST)
-    columns = -(-len(bodies) // rows)
-    figure = Figure(figsize=(3.4 * columns, 3.4 * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    for axis in axes[len(bodies) :]:
-        axis.set_axis_off()
-    for axis, (name, body) in zip(axes, bodies, strict=False):
-        middle = body.bounds.mean(axis=0)
-        lines = body.moved(*(-middle)).look(_EYE)
-        axis.add_collection(LineCollection(lines, colors="black", linewidths=0.7))
-        axis.autoscale_view()
-        axis.set_aspect("equal")
-        axis.set_axis_off()
-        axis.set_title(name.replace("_", " "), fontsize=10)
-    return figure
+    """Draw bodies below each other on one axis, seen obliquely from above, with their names."""
+    views = []
+    for name, body in bodies:
+        lines = body.moved(*(-body.bounds.mean(axis=0))).look(_EYE)
+        points = np.concatenate(lines)
+        low, high = points.min(axis=0), points.max(axis=0)
+        views.append((name, [line - (low + high) / 2 for line in lines], (high - low) / 2))
+    wide, gap = max(half[0] for *_, half in views), 0.1 * max(half[1] for *_, half in views)
+    tall = 2 * sum(half[1] + gap for *_, half in views)
+    sheet = Sheet.around((-wide, -tall), (wide, 0.0))
+    top, anchors = 0.0, {}
+    sheet.line((0.0, 0.0), (0.0, -tall), width=0.3, style="-.")
+    for name, lines, half in views:
+        middle = np.array([0.0, top - half[1]])
+        sheet.lines([line + middle for line in lines])
+        left = min(lines, key=lambda line: line[:, 0].min())
+        anchors[name] = left[left[:, 0].argmin()] + middle
+        top -= 2 * (half[1] + gap)
+    sheet.names(anchors, -wide - 5 * sheet.unit)
+    return sheet.figure
 
 
-def follow_outline(outline: Outline) -> FloatArray:
-    """Return points (n, 2) mm along an outline, with its arcs in many short steps."""
-    points: list[FloatArray] = [np.array([outline[0]], float)]
-    for item in outline[1:]:
-        if isinstance(item, Arc):
-            points.append(_follow_arc(points[-1][-1], item))
-        elif isinstance(item, SmoothCurve):
-            points.append(np.array(item.through))
-        else:
-            points.append(np.array([item], float))
-    return np.concatenate(points)
+@dataclass(frozen=True)
+class Plan:
+    """View of a part along its axis with features by azimuth, deg: an angle of the plan of `mold`."""
+
+    title: str
+    part: CadSolid
+    features: tuple[tuple[float, str], ...]
+    mold: ContactModule | None = None
+
+    def way(self, azimuth_deg: float) -> FloatArray:
+        """Return the direction (2,) of an azimuth on the page; x of a mold, seen from the base, is left."""
+        if self.mold is None:
+            return np.array([np.cos(np.radians(azimuth_deg)), np.sin(np.radians(azimuth_deg))])
+        place = np.array(self.mold.place(1.0, azimuth_deg)) * [-1.0, 1.0]
+        return np.asarray(place / np.linalg.norm(place))
 
 
-def _follow_arc(start: FloatArray, arc: Arc) -> FloatArray:
-    a, b, c = start, np.array(arc.through), np.array(arc.end)
-    matrix = 2 * np.array([b - a, c - a])
-    center = np.linalg.solve(matrix, [b @ b - a @ a, c @ c - a @ a])
-    first, middle, last = (np.arctan2(*(point - center)[::-1]) for point in (a, b, c))
-    turn = (last - first) % (2 * np.pi)
-    if (middle - first) % (2 * np.pi) > turn:
-        turn -= 2 * np.pi
-    angle = first + turn * np.linspace(0, 1, _ARC_POINTS + 1)[1:]
-    radius = float(np.linalg.norm(a - center))
-    return np.asarray(center + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+def draw_plans(plans: Sequence[Plan]) -> Figure:
+    """Draw views along the axis below each other, each feature with its azimuth."""
+    views = [
+        _view(plan.part.turned("x", 90.0) if plan.mold is None else plan.part.turned("z", 180.0).turned("x", -90.0))
+        for plan in plans
+    ]
+    reach = max(float(np.linalg.norm(line, axis=1).max()) for view in views for line in view)
+    sheet = Sheet.around((-reach, -2.0 * reach * len(plans)), (reach, 0.0), _PLAN_GAP * len(plans) - _BELOW - _ABOVE)
+    for k, (plan, view) in enumerate(zip(plans, views, strict=True)):
+        centre = np.array([0.0, -(2 * k + 1) * reach - (k + 0.5) * _PLAN_GAP * sheet.unit])
+        sheet.lines([line + centre for line in view])
+        seen = "from the base, mirrored: 180° − angle" if plan.mold else "from the apex: angles as shown"
+        head = centre + np.array([0.0, reach + (_PLAN_GAP / 2 - _LINE_MM) * sheet.unit])
+        sheet.write(head, f"{plan.title}. Seen {seen}")
+        _name_features(sheet, centre, reach, plan)
+    return sheet.figure
 
 
-def blank_sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
-    """Create a figure of a size in inches, and its axes, to one scale and without frame."""
-    figure = Figure(figsize=size, layout="constrained")
-    axis = figure.add_subplot()
-    axis.set_aspect("equal")
-    axis.set_axis_off()
-    return figure, axis
+def _name_features(sheet: Sheet, centre: FloatArray, reach: float, plan: Plan) -> None:
+    """Write features around a view, further out than those that they would overlap."""
+    placed: list[FloatArray] = []
+    for azimuth in sorted({azimuth for azimuth, _ in plan.features}):
+        names = ", ".join(name for at, name in plan.features if at == azimuth)
+        way = plan.way(azimuth)
+        far = reach / sheet.unit + 4.0
+        while any((np.abs(far * way - other) < _LABEL).all() for other in placed):
+            far += 1.0
+        placed.append(far * way)
+        across = "center" if abs(way[0]) < 0.1 else "left" if way[0] > 0 else "right"
+        sheet.line(centre, centre + (far - 1.5) * sheet.unit * way, width=0.3, style="-.")
+        sheet.write(centre + far * sheet.unit * way, f"{names} {azimuth:.4g}°", across)
 
 
-def _fill(axis: Axes, right: FloatArray, colour: str) -> None:
-    """Fill a section, given by its right half (n, 2) mm."""
-    whole = np.concatenate([right, right[::-1] * [-1.0, 1.0]])
-    axis.add_patch(Polygon(whole, closed=True, facecolor=colour, edgecolor="none"))
-    ends = np.roll(right, -1, axis=0)
-    on_axis = (right[:, 0] == 0) & (ends[:, 0] == 0)
-    lines = np.stack([right, ends], axis=1)[~on_axis]
-    axis.add_collection(LineCollection([*lines, *(lines * [-1.0, 1.0])], colors="black", linewidths=1.0))
+@dataclass(frozen=True)
+class TitleBlock:
+    """Lines of a title block: design with its material, and origin of the pack."""
+
+    design: str
+    material: str
+
+    @property
+    def origin(self) -> str:
+        """Version of palpate and date; `SOURCE_DATE_EPOCH` sets the date of a reproducible pack."""
+        now = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))
+        return f"palpate {provenance()['palpate']}, {time.strftime('%Y-%m-%d', now)}"
+
+    def draw(self, figure: Figure, name: str) -> None:
+        """Draw the block at the foot of a drawing, whose label is its scale."""
+        rows = (
+            ("mm; ISO 2768-m where the sheet gives no tolerance", "", ""),
+            (self.material, self.origin, ""),
+            (self.design, name, f"scale {figure.get_label()}"),
+        )
+        for low, row in zip(_LEVELS, rows, strict=False):
+            for x, text in zip(_COLUMNS, row, strict=True):
+                _write(figure, x, low, text)
+        for level in _LEVELS:
+            _rule(figure, level)
+
+    def number(self, figure: Figure, page: int, pages: int) -> None:
+        """Write the number of a page at its lower right."""
+        _write(figure, _COLUMNS[-1], _LEVELS[0], f"page {page} of {pages}")
+
+    def head(self, figure: Figure) -> None:
+        """Write design, material and origin at the foot of a page of text."""
+        _rule(figure, _LEVELS[1])
+        _write(figure, _COLUMNS[0], _LEVELS[0], f"{self.design}. {self.origin}")
 
 
-def draw_dimension(
-    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, offset: bool = False
-) -> None:
-    """Draw an arrow between two points with a text in mm."""
-    axis.annotate("", end, start, arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8})
-    x, y = (np.array(start) + end) / 2
-    upright = abs(start[0] - end[0]) < 1e-9
-    if offset:
-        axis.text(x, max(start[1], end[1]) + 0.6, text, ha="center", va="bottom", fontsize=9)
-    elif upright:
-        axis.text(x + np.copysign(1.0, x), y, text, ha="left" if x > 0 else "right", va="center", fontsize=9)
-    else:
-        axis.text(x, y + 0.6, text, ha="center", va="bottom", fontsize=9)
+def _write(figure: Figure, x: float, y: float, text: str) -> None:
+    figure.text(x / PAGE[0], (y + 2.5) / PAGE[1], text, fontsize=LETTERS)
+
+
+def _rule(figure: Figure, level: float) -> None:
+    ends = [_ROOM[0][0] / PAGE[0], _ROOM[1][0] / PAGE[0]], [level / PAGE[1]] * 2
+    figure.add_artist(Line2D(*ends, color="black", linewidth=0.6))

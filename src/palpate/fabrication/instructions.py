@@ -1,16 +1,12 @@
-"""Workshop sheet in Markdown and as PDF: mixing, casting, curing, printing and inspection."""
+"""Workshop sheet: mixing, casting, curing, printing and inspection."""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import PdfPages
-from matplotlib.figure import Figure
 
 from palpate.core.report import Report, report_markdown
 from palpate.design import (
@@ -46,15 +42,8 @@ from palpate.fabrication.process_sheet import (
 )
 from palpate.fabrication.spec import PadMapping, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
+from palpate.fabrication.write_artwork import CROSS
 
-_LINES, _WIDTH = 58, 92
-"""Lines of a page of text and characters of a line."""
-_CELLS = (4, 18, 11, 48, 28, 24)
-"""Characters of the columns of a table."""
-_A4 = (8.27, 11.69)
-"""Width and height of a page, inches."""
-_DRAWING_DPI, _ON_A_PAGE = 200, 3
-"""Resolution and number of the drawings on a page."""
 _MAPPINGS = {
     PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
     PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
@@ -105,6 +94,8 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
         f"{f'on pins of {skin.pin:g} mm inside' if skin.pin else 'on the inner surface'}. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
         f"(factor {mold.module.skin.height / skin.height:.5f}).",
+        "Angles are those of the part: counter-clockwise from x, seen from the apex. The artwork and the plan of the "
+        "mold show it from its base, so their angles are mirrored: 180° − angle. The plan of the enclosure is not.",
     ]
 
 
@@ -174,6 +165,7 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
     (across, _), (_, along), *_ = 2 * artwork.crosses
     wide, long = 2 * mold.radius, 2 * mold.module.place(mold.radius, 90.0)[1]
     turn = mark_azimuth_deg(skin, layout)
+    outer, inner = across / 2 + CROSS / 2, mold.radius - (spec.mold_wall + spec.pin_diameter) / 2
     size = f"{wide:.4g} mm across" if skin.plan.is_round else f"{wide:.4g} mm by {long:.4g} mm"
     return [
         "Wipe the inner surface with isopropanol; let it dry. Prime it if the ink's maker requires a primer.",
@@ -183,7 +175,8 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
         "Lay the skin into the cavity, opening up, its notch on the rib: it fits one way only. Print once on a film "
         f"that covers the cavity ({size}), with holes for its three pins. Shift the cavity "
         f"until opposite crosses ({across:.4g} mm and {along:.4g} mm apart) are equally far from the rim of the "
-        "hollow to 0.1 mm, the one with the longer arm at the rib.",
+        "hollow to 0.1 mm, the one with the longer arm at the rib. The pad prints between the pins, which begin "
+        f"{inner:.4g} mm from the axis: {outer:.4g} mm are enough, and it may miss the end of the longer arm.",
         "Remove the film, and cover the crosses of the cliché with tape: they would print on the foot of the flange. "
         f"Print {len(layout)} dots{' and the orientation mark' if spec.orientation_mark else ''} in one stroke.",
         *(
@@ -244,7 +237,8 @@ def _assemble(made: PackContent) -> list[str]:
         f"Screw the camera ({CAMERAS[spec.camera_body]}) under the shelf, the screws from below. Its pinhole, inside "
         f"the lens and {BODIES[spec.camera_body].pinhole:g} mm above the lower face of the shelf, is "
         f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}. Neither "
-        "measure nor adjust it: the calibration of the sensor finds the lens and its distance.",
+        "measure nor adjust it: seat and lens set it. In the built sensor, `palpate calibration camera` measures "
+        "the lens and `palpate calibration identify` the distance.",
         *([] if enclosure.frame else [seen]),
         "Pass the strip of LEDs from below through the hole at the edge of the shelf. Glue it to the wall of the "
         "housing directly under the flange, LEDs inward. Lead both cables through the slot.",
@@ -280,74 +274,3 @@ def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[s
         text.append("")
     text += [f"![{Path(name).stem.replace('_', ' ')}]({name})" for name in pictures]
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
-
-
-def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], more: Sequence[Figure]) -> None:
-    """Write the sheet as PDF on A4: text, tables, drawings, and further pages (the artwork 1:1)."""
-    with PdfPages(path, metadata={"CreationDate": None}) as pages:
-        lines = [line for section in sections if section.lines for line in _lay_out(section)]
-        for start in range(0, len(lines), _LINES):
-            pages.savefig(_page(lines[start : start + _LINES]))
-        for section in sections:
-            for page in _table_pages(section.title, section.table) if section.table else []:
-                pages.savefig(page)
-        for start in range(0, len(drawings), _ON_A_PAGE):
-            pages.savefig(_page_of_drawings(drawings[start : start + _ON_A_PAGE]))
-        for page in more:
-            pages.savefig(page)
-
-
-def _table_pages(title: str, table: Report) -> list[Figure]:
-    """Draw the rows of a table, with the texts of its columns wrapped, on as many pages as they need."""
-    rows = [[column.label for column in table.columns]]
-    rows += [[column.text(row.get(column.name)) for column in table.columns] for row in table.rows]
-    pages: list[Figure] = []
-    used = float(_LINES)
-    for k, row in enumerate(rows):
-        cells = [textwrap.wrap(text, wide) for text, wide in zip(row, _CELLS, strict=True)]
-        tall = max(len(cell) for cell in cells) + 0.4
-        if used + tall > _LINES:
-            pages.append(_page([(title, True)]))
-            used = 2.0
-        for cell, indent in zip(cells, np.cumsum([0, *_CELLS]), strict=False):
-            x, y, weight = 0.06 + 0.0068 * indent, 0.955 - 0.0155 * used, "normal" if k else "bold"
-            pages[-1].text(x, y, "\n".join(cell), fontsize=7, fontweight=weight, va="top", linespacing=1.35)
-        used += 0.85 * tall
-    return pages
-
-
-def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
-    """Arrange drawings below each other over the page's width, at the largest common scale."""
-    page = Figure(figsize=_A4)
-    shapes = [drawing.get_size_inches() for drawing in drawings]
-    width = min(0.86 * _A4[0], 0.92 * _A4[1] / sum(height / wide for wide, height in shapes))
-    bottom = 0.96 * _A4[1]
-    for drawing, (wide, height) in zip(drawings, shapes, strict=True):
-        tall = width * height / wide
-        bottom -= tall
-        drawing.set_dpi(_DRAWING_DPI)
-        canvas = FigureCanvasAgg(drawing)
-        canvas.draw()  # type: ignore[no-untyped-call]
-        place = (0.5 * (1 - width / _A4[0]), bottom / _A4[1], width / _A4[0], tall / _A4[1])
-        axis = page.add_axes(place)
-        axis.imshow(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        axis.set_axis_off()
-    return page
-
-
-def _lay_out(section: Section) -> list[tuple[str, bool]]:
-    """Return the lines of a section, and whether each is a heading."""
-    lines = [(section.title, True)]
-    for k, line in enumerate(section.lines, start=1):
-        mark = f"{k}. " if section.steps else "·  "
-        wrapped = textwrap.wrap(line, _WIDTH, initial_indent=mark, subsequent_indent="   ")
-        lines += [(part, False) for part in wrapped]
-    return [*lines, ("", False)]
-
-
-def _page(lines: Sequence[tuple[str, bool]]) -> Figure:
-    figure = Figure(figsize=_A4)
-    for k, (line, heading) in enumerate(lines):
-        size, weight = (11, "bold") if heading else (9, "normal")
-        figure.text(0.09, 0.955 - k * 0.0155, line, fontsize=size, fontweight=weight, va="top")
-    return figure

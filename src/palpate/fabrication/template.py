@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import MarkerLayout, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
-from palpate.fabrication.draw import follow_outline
+from palpate.design import Arc, MarkerLayout, Outline, Skin, SmoothCurve, SurfaceMesh, place_orientation_mark
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG
 from palpate.fabrication.mesh_file import drill
 from palpate.fabrication.spec import ProcessSpec
@@ -51,7 +50,7 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         points = np.vstack([points, place_orientation_mark(skin, layout)])
         out = skin.normal(points)
     outside = skin.meridian(top, down=True)
-    foot = follow_outline([(0.0, 0.0), *skin.meridian(top - THICKNESS, down=True)])[-1]
+    foot = _end(skin.meridian(top - THICKNESS, down=True))
     back = skin.meridian(top - THICKNESS, down=False)
     if isinstance(back[0], SmoothCurve) and not skin.plan.is_round:
         raise PalpateError(
@@ -59,9 +58,9 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
             f"Use an edge of more than {spec.clearance + THICKNESS:g} mm, or a pad printer.",
             code="template-edge-too-tight",
         )
-    shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()
+    shell = skin.solid([(0.0, skin.height + top), *outside, (foot, 0.0), *back]).mesh()
     start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
-    x, y = follow_outline([(0.0, skin.height + top), *outside])[-1, 0] * _datum(skin)
+    x, y = _end(outside) * _datum(skin)
     start, end = np.vstack([start, [x, y, -THICKNESS]]), np.vstack([end, [x, y, THICKNESS]])
     return drill(shell, start, end, layout.diameter)
 
@@ -69,3 +68,11 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
 def _datum(skin: Skin) -> FloatArray:
     """Return the point (2,) of the plan at the azimuth of the flange's notch."""
     return skin.plan.edge(np.radians([NOTCH_AZIMUTH_DEG]))[0][0]
+
+
+def _end(outline: Outline) -> float:
+    """Return the distance from the axis of the end of an outline, mm."""
+    item = outline[-1]
+    return float(
+        (item.end if isinstance(item, Arc) else item.through[-1] if isinstance(item, SmoothCurve) else item)[0]
+    )

@@ -10,14 +10,12 @@ from matplotlib.patches import Ellipse
 
 from palpate.core import FloatArray, load_extra
 from palpate.fabrication.artwork import Artwork
+from palpate.fabrication.draw import LETTERS, MM_PER_INCH, PAGE, TitleBlock
 
 CROSS, LINE = 4.0, 0.1
 """Length of the arms of a cross and width of lines, mm."""
 BAR = 50.0
 """Length of the bar for checking the scale of a print, mm."""
-PAGE = (210.0, 297.0)
-"""A4, mm."""
-MM_PER_INCH = 25.4
 
 
 def write_dxf(path: Path, artwork: Artwork) -> None:
@@ -73,13 +71,13 @@ def write_svg(path: Path, artwork: Artwork) -> None:
     path.write_text("\n".join(lines), encoding="utf-8")
 
 
-def write_pdf(path: Path, artwork: Artwork, title: str) -> None:
+def write_pdf(path: Path, artwork: Artwork, block: TitleBlock) -> None:
     """Write an A4 page at 1:1 with a bar for checking the scale of the print."""
-    figure = draw_page(artwork, title)
+    figure = draw_page(artwork, block)
     figure.savefig(path, format="pdf", metadata={"CreationDate": None})
 
 
-def draw_page(artwork: Artwork, title: str) -> Figure:
+def draw_page(artwork: Artwork, block: TitleBlock) -> Figure:
     """Draw the page at 1:1."""
     figure = Figure(figsize=(PAGE[0] / MM_PER_INCH, PAGE[1] / MM_PER_INCH))
     axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -91,15 +89,21 @@ def draw_page(artwork: Artwork, title: str) -> Figure:
         axis.add_patch(Ellipse(tuple(centre), *size, angle=_angle_deg(axes), color="black", linewidth=0))
     for (a, b), (c, d) in _strokes(artwork):
         axis.plot([a, c], [b, d], color="black", linewidth=0.4)
-    low = -PAGE[1] / 2 + 25.0
+    low = -PAGE[1] / 2 + 55.0
     axis.plot([-BAR / 2, BAR / 2], [low, low], color="black", linewidth=0.8)
     for end in (-BAR / 2, BAR / 2):
         axis.plot([end, end], [low - 2, low + 2], color="black", linewidth=0.8)
-    axis.text(0, low - 7, f"This bar is {BAR:g} mm long. Print without scaling.", ha="center", fontsize=9)
-    axis.text(0, PAGE[1] / 2 - 25.0, title, ha="center", fontsize=11)
-    axis.text(
-        0, PAGE[1] / 2 - 32.0, "as seen when the pad approaches the dome, from its base", ha="center", fontsize=9
-    )
+    axis.text(0, low - 8, f"This bar is {BAR:g} mm long. Print without scaling.", ha="center", fontsize=LETTERS)
+    words = [
+        "As seen when the pad approaches the dome, from its base.",
+        "Mirrored: angle here = 180° − angle of the part.",
+    ]
+    if artwork.mark is not None:
+        turn = float(np.degrees(np.arctan2(artwork.mark[1], artwork.mark[0])))
+        words.append(f"Orientation mark: {turn:.4g}° here, {180 - turn:.4g}° on the part.")
+    axis.text(0, PAGE[1] / 2 - 12, "\n".join(words), ha="center", va="top", fontsize=LETTERS, linespacing=1.5)
+    figure.set_label("1 : 1")
+    block.draw(figure, "artwork")
     return figure
 
 

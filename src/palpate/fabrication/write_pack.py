@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from palpate.core import PalpateError, atomic_folder, provenance
 from palpate.core.report import write_csv
 from palpate.design import (
-    CadSolid,
     ContactModule,
     Design,
     Finding,
@@ -22,7 +20,6 @@ from palpate.design import (
     Severity,
     SurfaceMesh,
     build_contact_module,
-    gather,
     place_orientation_mark,
     raise_on_errors,
     write_step,
@@ -37,16 +34,17 @@ from palpate.fabrication.check_parts import (
     check_window,
 )
 from palpate.fabrication.check_process import check_process
-from palpate.fabrication.draw import draw_bodies, draw_enclosure_section, draw_module_section, draw_mold_section
-from palpate.fabrication.draw_barrel import draw_barrel_mold, draw_barrel_section, draw_cut_open
+from palpate.fabrication.draw import TitleBlock
+from palpate.fabrication.drawings import TURNED, draw_pack
 from palpate.fabrication.enclosure import build_enclosure
 from palpate.fabrication.flange_key import build_notch
 from palpate.fabrication.folder import hash_files
 from palpate.fabrication.frame import plan_frame
-from palpate.fabrication.instructions import write_instructions, write_markdown, write_sheet
+from palpate.fabrication.instructions import write_instructions, write_markdown
 from palpate.fabrication.mesh_file import write_mesh
 from palpate.fabrication.mold import build_mold
 from palpate.fabrication.pack import FabricationPack, PackContent
+from palpate.fabrication.pdf_sheet import write_sheet
 from palpate.fabrication.pins import build_dimples, build_pins
 from palpate.fabrication.spec import ProcessSpec
 from palpate.fabrication.template import build_template
@@ -56,8 +54,8 @@ from palpate.fabrication.write_artwork import draw_page, write_cut, write_dxf, w
 MANIFEST = "manifest.json"
 _HOLLOW = 1e-3
 """Maximum relative deviation of the shrunk hollow of a mold from the volume of its module."""
-_TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
-"""Parts that are printed upside down."""
+_PIXELS = 110
+"""Pixels of a picture per inch."""
 _CLAMPED = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
 _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 
@@ -165,11 +163,7 @@ def _write_solids(work: Path, made: PackContent, findings: tuple[Finding, ...]) 
 
 def _for_printer(name: str, mesh: SurfaceMesh) -> SurfaceMesh:
     """Place a part on the bed: a cavity with its opening up, everything else as drawn."""
-    return mesh.turned(_UPSIDE_DOWN if name in _TURNED else np.eye(3))
-
-
-def _as_printed(name: str, solid: CadSolid) -> CadSolid:
-    return solid.turned("x", 180.0) if name in _TURNED else solid
+    return mesh.turned(_UPSIDE_DOWN if name in TURNED else np.eye(3))
 
 
 def _write_print(work: Path, made: PackContent) -> None:
@@ -177,7 +171,7 @@ def _write_print(work: Path, made: PackContent) -> None:
     if artwork is not None:
         write_dxf(work / "artwork.dxf", artwork)
         write_svg(work / "artwork.svg", artwork)
-        write_pdf(work / "artwork.pdf", artwork, _title(made))
+        write_pdf(work / "artwork.pdf", artwork, _block(made))
     if made.window is not None:
         write_cut(work / "window.dxf", made.window.line)
     columns = ["marker", "x_mm", "y_mm", "z_mm", *([] if artwork is None else ["page_x_mm", "page_y_mm"])]
@@ -190,49 +184,23 @@ def _write_print(work: Path, made: PackContent) -> None:
         write_csv(work / "orientation_mark.csv", [[f"{value:.4f}" for value in (*mark, *artwork.mark)]], columns[1:])
 
 
-def _title(made: PackContent) -> str:
+def _block(made: PackContent) -> TitleBlock:
     skin = made.design.skin
-    return f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.design.layout)} markers"
+    size = f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.design.layout)} markers"
+    return TitleBlock(size, made.design.material.name)
 
 
 def _write_sheets(work: Path, made: PackContent, findings: tuple[Finding, ...]) -> None:
-    mold, enclosure = made.mold, made.enclosure
-    assembly = [made.solids["module"], *enclosure.parts.values()]
-    figures = {
-        **_draw_sections(made, made.process),
-        "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
-        "enclosure_parts": draw_bodies(
-            [("module", made.solids["module"]), *enclosure.parts.items(), ("assembled", gather(assembly))]
-        ),
-    }
-    if enclosure.frame is not None:
-        figures["assembly_section"] = draw_cut_open(assembly, enclosure.frame.azimuths[0])
-    version = provenance()["palpate"]
+    table, block = bill_of_materials(made), _block(made)
+    figures = draw_pack(made, {str(row["part"]): int(str(row["number"])) for row in table.rows})
     for name, figure in figures.items():
-        head = f"{name.replace('_', ' ')} · {_title(made)} · {made.design.material.name} · palpate {version}"
-        figure.supxlabel(f"{head}\nmm, not to scale; ISO 2768-m where the sheet gives no tolerance", fontsize=8)
-        figure.savefig(work / f"{name}.png", dpi=120)
+        block.draw(figure, name.replace("_", " "))
+        figure.savefig(work / f"{name}.png", dpi=_PIXELS)
     sections = write_instructions(made, findings)
-    table = bill_of_materials(made)
     write_csv(work / "bill_of_materials.csv", table.rows, [column.name for column in table.columns])
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
-    pages = [] if made.artwork is None else [draw_page(made.artwork, _title(made))]
-    write_sheet(work / "instructions.pdf", sections, [*figures.values()], pages)
-
-
-def _draw_sections(made: PackContent, process: ProcessSpec) -> dict[str, Figure]:
-    """Draw the sections of module and mold."""
-    mold, sizes = made.mold, (process.mold_floor, process.plate)
-    if made.design.skin.hole:
-        return {
-            "module_section": draw_barrel_section(made.module),
-            "mold_section": draw_barrel_mold(mold, *sizes, mold.spigot),
-        }
-    return {
-        "module_section": draw_module_section(made.module, made.window),
-        "mold_section": draw_mold_section(mold.module, mold.radius, *sizes),
-        "enclosure_section": draw_enclosure_section(made.module, made.enclosure),
-    }
+    pages = [] if made.artwork is None else [draw_page(made.artwork, block)]
+    write_sheet(work / "instructions.pdf", sections, [*figures.values(), *pages], block)
 
 
 def _markers_data(design: Design) -> dict[str, Any]:

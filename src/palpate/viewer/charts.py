@@ -147,7 +147,7 @@ def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Theme)
     """Places, titles and axes of small panels, two abreast."""
     abreast = 1 if len(names) == 1 else 2
     rows = -(-len(names) // abreast)
-    wide, tall = 100 / abreast, 88 / rows
+    wide, tall = 100 / abreast, 85 / rows
     gap = 15 + 6 * max(map(len, axes[1]))  # px: the tick labels, at 10 px
     margin = (gap + 12) / _HEAT_PX * 100
     grids, titles, xs, ys = [], [], [], []
@@ -278,9 +278,10 @@ def line_chart(
     if series:
         series[0]["markLine"] = {"symbol": "none", "data": uprights, "silent": True, "animation": False}
     return {
-        "grid": {"left": 44, "right": 14, "top": 26 if len(curves) < 3 else 44, "bottom": 36},
+        "grid": {"left": 44, "right": 14, "top": 26, "bottom": 36},
         "legend": {
             "show": len(curves) > 1,
+            "data": [curve.name for curve in curves if len(curves) < 3 or not curve.dashed],
             "top": 0,
             "itemWidth": 18,
             "itemHeight": 8,

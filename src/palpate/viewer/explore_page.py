@@ -143,11 +143,11 @@ class ExplorePage:
                 self._camera = CameraView("a", "Design shown")
                 self._camera_second = CameraView("b", "Compared design")
         with ui.element("div").classes("card"):
-            heading("Force on the wall")
+            heading("Force on the wall (dashed: inverted state)")
             self._force = ui.echart({}, renderer="svg").classes("curve")
             self._force_note = ui.label("").classes("faint")
         with ui.element("div").classes("card"):
-            heading(f"Error by depth, {jitter_words(self._grid)}")
+            heading(f"Error by depth, {jitter_words(self._grid)} (dashed: least-squares bound)")
             self._error = ui.echart({}, renderer="svg").classes("curve")
         self._panel = DesignPanel()
 
@@ -202,11 +202,12 @@ class ExplorePage:
         self._panel.show(designs)
         ink, here = self._head.ink, ChartCurve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
+        self._force.set_visibility(bool(curves))
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(self._grid, designs)
         unit = grid_column(own_column(self._grid.columns, "rmse_jitter_deg")).measure
         set_chart(self._error, line_chart(errors, ("depth (mm)", f"RMSE ({unit})"), ink, [here] if errors else []))
-        self._force_note.text = " ".join(_end_sentence(design, motion) for design, motion in shown)
+        self._force_note.text = " ".join(_end_sentence(*one) for one in shown) or "No press to show."
 
     def _numbers(self) -> list[int]:
         return [number for number in (self._view.design, self._view.other) if number >= 0]
@@ -309,4 +310,5 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
 def _end_sentence(design: GridDesign, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
-    return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"
+    name, depth = design_label(design.row), motion.depths_mm[-1]
+    return f"{name} at {motion.tilt_deg:.3g}° to {depth:.1f} mm: {motion.ended}.{second}"

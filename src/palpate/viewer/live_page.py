@@ -204,13 +204,13 @@ def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tupl
     """Return rows of the table next to the dial: name, value, half-width, unit, and note."""
     least, most = tilt_interval(reading)
     rows = [
-        (item.axis, value, half, item.unit_symbol.strip(), f"true {truth[i]:.2f}" if truth else "")
+        (item.axis, value, half, item.unit_symbol.strip(), f"true {truth[i]:.2f}{item.unit_symbol}" if truth else "")
         for i, (item, value, half) in enumerate(
             zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
     if reading.space.is_tilt:
-        rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
+        rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f}° to {most:.2f}°"))
     if reading.force is not None:
         force = reading.force
         rows += [

@@ -35,15 +35,3 @@ def write_message(meta: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -
     head = json.dumps({"meta": dict(meta), "arrays": places}, allow_nan=False).encode()
     head += b" " * (-len(head) % 4)
     return b"".join([len(head).to_bytes(4, "little"), head, *parts])
-
-
-def read_message(data: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Read a message back: its meta data and arrays."""
-    size = int.from_bytes(data[:4], "little")
-    head = json.loads(data[4 : 4 + size])
-    arrays = {}
-    for name, (kind, offset, shape) in head["arrays"].items():
-        start = 4 + size + offset
-        count = int(np.prod(shape))
-        arrays[name] = np.frombuffer(data, f"<{kind}", count, start).reshape(shape)
-    return head["meta"], arrays

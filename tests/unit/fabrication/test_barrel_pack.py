@@ -229,7 +229,7 @@ def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet() -> None:
         assert mesh.volume == pytest.approx(volume, rel=3e-3)
     parts = read_parts(pack)
     assert not {"template.stl", "artwork.dxf"} & set(pack.files)
-    assert {"assembly_section.png", "markers.csv"} <= set(pack.files)
+    assert {"enclosure_section.png", "markers.csv"} <= set(pack.files)
     scale = 1 / (1 - 0.001)
     module = build_contact_module(SMALL.build(), MOUNT, scale)
     bare = build_mold(module, small_process()).parts["mold_core"].volume

@@ -130,6 +130,12 @@ def test_the_sheet_answers_the_workshop(pack: FabricationPack) -> None:
     assert lift == pytest.approx(9.81e-6 * 1.07 * plug, rel=0.06), "the holes of the plate left aside"
     assert "one of 2.5 mm radius and 6 of 0.75 mm" in text
     assert "from 3 to 2.8 mm" in text
+    opening, deep, steep = numbers(re.search(r"passes the skin's opening \([^)]*\), .* to the base", text)[0])
+    assert (opening, deep) == pytest.approx((2 * MODULE.opening_foot, MODULE.skin.height), abs=0.06)
+    with (pack.folder / "markers.csv").open() as dots, (pack.folder / "orientation_mark.csv").open() as mark:
+        levels = [float(row["z_mm"]) for row in (*csv.DictReader(dots), *csv.DictReader(mark))]
+    assert steep == pytest.approx(np.degrees(np.arccos(min(levels) / 20)), abs=0.5), "a hemisphere of 20 mm"
+    assert "`palpate calibration identify` the distance" in text
     header = (pack.folder / "mold.step").read_bytes()[:400]
     assert b"('palpate " in header
     assert b"Author" not in header

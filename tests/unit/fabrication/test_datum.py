@@ -56,6 +56,12 @@ def test_sizes_and_places_of_the_sheets_datums_are_those_of_the_parts(pack: Fabr
     svg = (pack.folder / "artwork.svg").read_text()
     centres = {float(x) for x in re.findall(r'x1="([-\d.]+)"[^/]*x2="\1"', svg)}
     assert apart == pytest.approx([max(centres) - min(centres)] * 2, abs=0.01)
+    reach, enough = map(float, re.search(r"begin ([\d.]+) mm from the axis: ([\d.]+) mm are enough", text).groups())
+    cavity = vertices(pack.folder, "mold_cavity")
+    pins = np.hypot(*cavity[cavity[:, 2] > cavity[:, 2].max() - 1e-3, :2].T)
+    assert reach == pytest.approx(pins.min(), abs=0.01)
+    assert enough == pytest.approx(apart[0] / 2 + 2.0)
+    assert enough < reach
     place = [int(one) for one in re.search(r"near column (\d+), row (\d+)", text).groups()]
     mark = place_orientation_mark(DESIGN.skin, DESIGN.layout)
     assert place == pytest.approx(DESIGN.camera.project(mark), abs=0.5)

@@ -23,7 +23,7 @@ from palpate.design import (
 )
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fabrication import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template, write_mesh
-from palpate.fabrication.draw import draw_mold_section
+from palpate.fabrication.drawings import draw_mold_section
 from palpate.fabrication.enclosure import free_travel
 from palpate.fabrication.flange_key import build_key, build_notch, notch_radius
 
@@ -187,7 +187,7 @@ def test_a_written_mesh_of_another_volume_than_its_solid_is_reported(suffix: str
 
 def test_sizes_on_the_drawing_are_those_of_the_parts() -> None:
     mold = build_mold(module_of(20), SPEC)
-    figure = draw_mold_section(mold.module, mold.radius, SPEC.mold_floor, SPEC.plate)
+    figure = draw_mold_section(mold, SPEC)
     drawn = [float(text.get_text()) for text in figure.axes[0].texts if text.get_text().replace(".", "").isdigit()]
     cavity, core = (np.ptp(mold.parts[name].bounds, axis=0) for name in ("mold_cavity", "mold_core"))
     for size in (cavity[0], cavity[2] - SPEC.pin_height, core[2] - SPEC.plate):  # without its pins

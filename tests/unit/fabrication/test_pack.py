@@ -91,7 +91,7 @@ def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
     sheet = (pack.folder / "instructions.pdf").read_bytes()
     assert sheet.startswith(b"%PDF")
     boxes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", sheet)
-    assert len(boxes) == 6, "two pages of text, table, two of drawings, artwork"
+    assert len(boxes) == 11, "two pages of text, table, seven drawings, artwork"
     assert all((float(w), float(h)) == pytest.approx((595, 842), abs=2) for w, h in boxes), "all on A4"
     assert (pack.folder / "artwork.pdf").read_bytes().startswith(b"%PDF")
 

@@ -53,6 +53,8 @@ def test_images_are_read_from_the_first_on_and_dots_drawn_where_they_are(learnt)
     moved = np.linalg.norm(steps[0].positions_px - live.rest_px, axis=1)
     assert np.median(moved) > 3.0
     assert [row[0] for row in list_figures(steps[0].reading, None)] == ["rx", "ry", "depth", "tilt"]
+    truth = [row[4] for row in list_figures(steps[0].reading, (1.0, 2.0, 3.0))][:3]
+    assert [text.split("0")[-1].strip() for text in truth] == ["°", "°", "mm"]
 
 
 def test_an_image_of_another_size_is_refused(learnt, tmp_path):

@@ -7,6 +7,8 @@ import json
 import numpy as np
 import pytest
 
+from view_message import read_message
+
 pytest.importorskip("fastapi", reason="the extra web is not there: pip install -e '.[web]'")
 
 from fastapi import FastAPI
@@ -15,7 +17,6 @@ from starlette.testclient import TestClient
 
 from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.library import DesignLibrary
-from palpate.viewer.message import read_message
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
 

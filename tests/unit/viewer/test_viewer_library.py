@@ -8,9 +8,10 @@ from made_up_presses import KEYS, write_results
 
 from errors import refused
 from palpate.viewer.library import DesignLibrary
-from palpate.viewer.message import read_message, write_message
+from palpate.viewer.message import write_message
 from palpate.viewer.results import artefact_path, model_path, read_design, read_results
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
+from view_message import read_message
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,19 @@ import { colour, FAR_MM, isBlank, ramp, topOfAll } from "palpate-stage/tones.js"
 
 const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
 const CLAMP_MM = [4, 3];
+const REST_MS = 250;
+const [COARSE, SHARP] = [0.7, 1.5]; // pixels of a moving and of a resting picture without a graphics card
 const HALF = new THREE.Plane(new THREE.Vector3(1, 0, 0), 0);
 
 export default {
   props: { slotName: String, label: String },
   template: `
     <div class="dome-view" ref="box">
-      <canvas ref="canvas" tabindex="0" role="img" :aria-label="words" @keydown="turn"></canvas>
+      <canvas ref="canvas" tabindex="0" role="img" :aria-label="words" @keydown="turn"
+        @pointermove="probe" @pointerleave="$refs.probe.textContent = ''"></canvas>
       <div class="dome-legend" ref="legend" aria-hidden="true"><span ref="low"></span><i ref="ramp"></i><span ref="high"></span><b ref="what"></b></div>
       ${GAUGE}
+      <div class="dome-probe" ref="probe"></div>
       <div class="dome-note" ref="note" role="status"></div>
     </div>`,
   computed: {
@@ -31,6 +35,7 @@ export default {
   },
   beforeUnmount() {
     this.stop();
+    clearTimeout(this.resting);
     this.watcher.disconnect();
     this.three?.renderer.dispose();
   },
@@ -40,7 +45,7 @@ export default {
       if (!width || !height) return;
       if (!this.three) this.build();
       const { renderer, camera } = this.three;
-      renderer.setPixelRatio(this.three.soft ? 0.7 : Math.min(window.devicePixelRatio, 2));
+      renderer.setPixelRatio(this.three.soft ? COARSE : Math.min(window.devicePixelRatio, 2));
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       this.fit();
@@ -58,7 +63,7 @@ export default {
       const slot = stage.slots[this.slotName];
       if (!slot.motion) {
         this.three.pivot.visible = false;
-        this.$refs.note.textContent = stage.fault || (slot.name ? "Reading the presses …" : "");
+        this.$refs.note.textContent = newFault() || (slot.name ? "Reading the presses …" : "");
         this.render();
         return;
       }
@@ -118,11 +123,15 @@ export default {
       this.$refs.what.dataset.colour = this.colour;
       this.$refs.ramp.style.background = waits ? "#9aa3ab" : `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
       const ended = place.depth < stage.pose.depth - 1e-6;
-      this.$refs.note.textContent = stage.fault || (waits ? "Computing the stress …" : ended
+      this.$refs.note.textContent = newFault() || (waits ? "Computing the stress …" : ended
         ? `Ended at ${place.depth.toFixed(1)} mm: ${slot.motion.meta.ended}.` : "");
     },
-    render() {
-      const { renderer, scene, camera, controls } = this.three;
+    // Without a graphics card a moving picture is coarse; at rest it is drawn once with smooth edges.
+    render(sharp = false) {
+      const { soft, renderer, scene, camera, controls } = this.three;
+      clearTimeout(this.resting);
+      if (soft) renderer.setPixelRatio(sharp ? SHARP : COARSE);
+      if (soft && !sharp) this.resting = setTimeout(() => this.render(true), REST_MS);
       renderer.render(scene, camera);
       drawGauge(this.$refs.gauge, camera, controls.target, this.$refs.box.clientHeight);
       this.drawn = (this.drawn || 0) + 1;
@@ -140,6 +149,19 @@ export default {
       this.placed = true;
       controls.update();
       this.render();
+    },
+    // Show the value of the colour under the pointer.
+    probe(event) {
+      const { canvas, probe } = this.$refs;
+      const slot = stage.slots[this.slotName];
+      probe.textContent = "";
+      if (event.buttons || !slot.motion || isBlank(slot)) return;
+      const { left, top, width, height } = canvas.getBoundingClientRect();
+      const [x, y] = [event.clientX - left, event.clientY - top];
+      const value = valueAt(this.three, new THREE.Vector2((2 * x) / width - 1, 1 - (2 * y) / height));
+      if (value === null) return;
+      probe.textContent = `${value.toPrecision(3)} ${/\((.+)\)/.exec(NAMES[this.colour])[1]}`;
+      probe.style.transform = `translate(${Math.min(x + 12, width - 90)}px, ${Math.max(y - 26, 0)}px)`;
     },
     turn(event) {
       const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
@@ -159,7 +181,7 @@ export default {
       controls.update();
     },
     savePicture(name) {
-      this.render();
+      this.render(true);
       save(name, this.three.renderer.domElement.toDataURL("image/png"), "image/png");
     },
     picturesDrawn() {
@@ -184,6 +206,25 @@ function buildScene(canvas) {
   const pivot = new THREE.Group();
   scene.add(pivot);
   return { soft, renderer, scene, camera, controls, pivot, fixed: addGroup(scene) };
+}
+
+// The fault of the server, unless the page itself shows it already.
+function newFault() {
+  const shown = [...document.querySelectorAll("[role=alert]")].some((box) => box.textContent.includes(stage.fault));
+  return shown ? "" : stage.fault;
+}
+
+// The value of the colour between the corners of the nearest drawn triangle, or null beside the skin.
+function valueAt(three, pointer) {
+  const ray = new THREE.Raycaster();
+  ray.setFromCamera(pointer, three.camera);
+  const meshes = [three.whole, three.cut, three.other].filter((mesh) => mesh.visible);
+  meshes.forEach((mesh) => (mesh.geometry.boundingSphere = null)); // the skin has moved since
+  const planes = three.skin.clippingPlanes;
+  const hit = ray.intersectObjects(meshes).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0));
+  if (!hit) return null;
+  const at = (vertex) => three.field[vertex];
+  return hit.barycoord.dot(new THREE.Vector3(at(hit.face.a), at(hit.face.b), at(hit.face.c)));
 }
 
 // Without a graphics card smooth edges and fine pixels cost more than they are worth.
@@ -221,7 +262,7 @@ function loadShell(three, shell) {
   three.geometry = geometry;
   three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), rest.length / 3);
   const skin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 18, specular: 0x222222 });
-  const whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin);
+  const whole = (three.whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin));
   const cutSkin = new THREE.MeshPhongMaterial({ color: 0xd4d4d4, vertexColors: true, side: THREE.DoubleSide, shininess: 0,
     polygonOffset: true, polygonOffsetFactor: -1 });
   three.skin = skin;
@@ -281,7 +322,7 @@ function buildClamps(edges) {
 
 function buildMarkers(three, shell) {
   const count = shell.arrays.rest_px.length / 2;
-  const ball = new THREE.SphereGeometry(shell.meta.marker_diameter_mm * 0.4, ...(three.soft ? [6, 4] : [12, 8]));
+  const ball = new THREE.SphereGeometry(shell.meta.marker_diameter_mm * 0.4, ...(three.soft ? [10, 6] : [12, 8]));
   three.balls = new THREE.InstancedMesh(ball, three.soft
     ? new THREE.MeshBasicMaterial({ color: 0x14181d }) : new THREE.MeshPhongMaterial({ color: 0x14181d, shininess: 40 }), count);
   three.balls.frustumCulled = false;
