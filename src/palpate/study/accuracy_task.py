@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -204,9 +205,14 @@ def plan_accuracy(study: Study, twin: TwinTask, design: Design) -> AccuracyTask:
 def _plan_presses(
     study: Study, skin: SkinSpec, tilts: Sequence[float], contacts: Sequence[str | float]
 ) -> Iterator[PressTask]:
-    """Presses with derivatives at every tilt and contact law, at the study's depth step or half of it."""
-    step = study.obstacle.depth_step
-    step *= 1.0 if study.obstacle.depth >= _FEWEST_IMAGES * step else 0.5
+    """Presses with derivatives at every tilt and contact law, in the study's depth step or a shorter one.
+
+    All steps are equal: a twin ends at the last whole step, which is the depth of the study then.
+    """
+    depth, step = study.obstacle.depth, study.obstacle.depth_step
+    step *= 1.0 if depth >= _FEWEST_IMAGES * step else 0.5
+    if abs(depth / step - round(depth / step)) > 1e-6:
+        step = depth / ceil(depth / step)
     slippery = study.obstacle.contact == "frictionless"
     filled = study.material.mesh(study.mesh).filled
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
