@@ -195,4 +195,10 @@ def test_a_twin_that_reads_images_contains_the_presses_of_the_prediction() -> No
 def test_a_prediction_leaves_the_images_of_a_study_as_they_are() -> None:
     shallow = Study.model_validate({"name": "a", "obstacle": {"depth": 3.0}})
     assert {press.obstacle.depth_step for press in plan_study(shallow).designs[0].dataset.presses} == {0.8}
-    assert {press.obstacle.depth_step for press in plan_study(shallow).built[0].twin.presses} == {0.4}
+    assert {press.obstacle.depth_step for press in plan_study(shallow).built[0].twin.presses} == {0.375}
+
+
+@pytest.mark.parametrize(("depth", "step"), [(8.0, 0.8), (6.0, 0.75), (4.0, 0.8), (5.6, 0.8), (3.0, 0.375)])
+def test_the_steps_of_a_twin_are_equal_and_reach_its_depth(depth: float, step: float) -> None:
+    study = Study.model_validate({"name": "a", "obstacle": {"depth": depth}})
+    assert {press.obstacle.depth_step for press in plan_study(study).built[0].twin.presses} == {step}
