@@ -22,15 +22,15 @@ from palpate.vision.fit_ring_pattern import fit_ring_pattern
 from palpate.vision.pattern import MarkerPattern, PatternFit
 
 _CHANCE = 5e-3
-"""Maximum probability of all other symmetries for the mark to decide."""
+"""Maximum probability of all other symmetries for the mark to decide. By hand."""
 _MARK_REACH = 3.0
-"""Maximum distance of the mark from its predicted position, in standard deviations."""
+"""Maximum distance of the mark from its predicted position, in standard deviations. By hand."""
 _SEEN = 20.0
-"""Prior of the share of hidden blobs: number of prints of one blob, of which one is hidden."""
+"""Prior of the share of hidden blobs: number of prints of one blob, of which one is hidden. By hand."""
 _MIRROR = 0.05
-"""Prior share of cameras that mirror the image."""
+"""Prior share of cameras that mirror the image. By hand."""
 _LEAST_SHARE = 0.55
-"""Minimum share of markers with a blob."""
+"""Minimum share of markers with a blob. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,54 +33,56 @@ from palpate.vision.ring_seeds import seed_rings
 from palpate.vision.rings import Rings, ring_harmonics
 
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
-"""Minimum share of the innermost ring and its centre for a seed, in a first and a second attempt."""
+"""Minimum share of the innermost ring and its centre for a seed, in two attempts. By hand."""
 _SEEDS = 40
-"""Maximum number of seeds, from the centre of the blobs outwards."""
+"""Maximum number of seeds, from the centre of the blobs outwards. By hand."""
 _LEAST_RING = 0.4
-"""Minimum share of a ring's blobs that must be found."""
+"""Minimum share of a ring's blobs that must be found. By hand."""
 _FULL_RING, _FULL = 0.75, 0.6
-"""Shares of a ring, and of all, at which the search ends,"""
+"""Shares of a ring, and of all, at which the search ends, By hand."""
 _FEW = 3
-"""if the rings are even and contain no more than so many other blobs."""
+"""if the rings are even and contain no more than so many other blobs. By hand."""
 _GAPS = (0.35, 2.3)
-"""Bounds of the distance to the next ring, over that given by the last ring and the design's radii."""
+"""Bounds of the distance to the next ring, over that given by the last ring and the design's radii.
+By hand."""
 _WHOLE = 0.85
-"""Share of the blobs above which half of `_SURE` suffices."""
+"""Share of the blobs above which half of `_SURE` suffices. By hand."""
 _SURE = -80.0
-"""Log10 of the number of false alarms below which a print is accepted without alternatives."""
+"""Log10 of the number of false alarms below which a print is accepted without alternatives. By hand."""
 _NEIGHBOURS = 0.3
-"""Steps of a shifted ring, over the distance to the ring inside."""
+"""Steps of a shifted ring, over the distance to the ring inside. By hand."""
 _LAW_REACH = 0.16
-"""Maximum distance of blobs from a ring predicted by the ring model, over the distance of neighbours."""
+"""Maximum distance of blobs from a ring predicted by the ring model, over the distance of neighbours.
+By hand."""
 _PASSES = 3
-"""Passes over poor rings."""
+"""Passes over poor rings. By hand."""
 _OUTSIDE, _FAR_PX = 0.35, 20.0
 """Search of the outermost ring: steps of centre and rotation, and range of its centre.
 
-The steps are over the distance of its neighbours, the range is from the centre of the blobs, px.
+The steps are over the distance of its neighbours, the range is from the centre of the blobs, px. By hand.
 """
 _FEW_DOTS, _TEMPTING, _AGREED = 4, 0.6, 0.05
 """Limits of an unreliable ring: maximum number of blobs, distance of a false blob, centre offset.
 
 A ring of so few blobs is unreliable if a false blob is nearer than this to an empty place (over the spacing on the
-ring), unless its centre is nearer than this to that of the next ring.
+ring), unless its centre is nearer than this to that of the next ring. By hand.
 """
 _LOPSIDED, _LEAST_LEFT, _INNERMOST = 0.25, 4, 6
 """Limits of a distorted ring: distance of a blob, and bounds of the number of blobs.
 
 The distance is that from an ellipse through the remaining blobs, over the spacing on the ring. Rings of more than the
-first and at most the second number of blobs are tested.
+first and at most the second number of blobs are tested. By hand.
 """
 _TELLING = 3
-"""Maximum number of blobs that cannot determine both a ring's shape and membership."""
+"""Maximum number of blobs that cannot determine both a ring's shape and membership. By hand."""
 _GAPPY = 0.85
-"""Share of its blobs below which a ring is searched again."""
+"""Share of its blobs below which a ring is searched again. By hand."""
 _SIZE = 0.15
-"""Relative standard deviation of the innermost ring's size, by print and camera."""
+"""Relative standard deviation of the innermost ring's size, by print and camera. By hand."""
 _MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
 """Centre marker: prior scatter of ring centres, mm, and maximum distance.
 
-The distance is in standard deviations, and over the radius of the innermost ring.
+The distance is in standard deviations, and over the radius of the innermost ring. By hand.
 """
 
 

@@ -31,15 +31,16 @@ _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_d
 _LEAST_MARKERS = 6
 """Minimum number of markers for a pose: twice the three that six parameters need."""
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
-"""Prior standard deviations of refined focal length (relative) and centre: variation between lenses."""
+"""Prior standard deviations of refined focal length (relative) and centre: variation between lenses.
+By hand."""
 _EVEN = 0.05
-"""Maximum residual over the distance of neighbours."""
+"""Maximum residual over the distance of neighbours. By hand."""
 _LEAST_BENT_PX, _BETTER = 0.5, 0.5
-"""Distorted print: minimum residual (px) of the pose alone, and maximum share of it that remains."""
+"""Distorted print: minimum residual (px) of the pose alone, maximum remaining share. By hand."""
 _MOST_BENT, _MOST_GROWN = 0.2, 0.13
-"""Maximum deviation of a ring's radius, and of the overall size, of the same design."""
+"""Maximum deviation of a ring's radius, and of the overall size, of the same design. By hand."""
 _FORGIVEN_PX = 1.0
-"""Distance beyond which the loss of a misprint is linear."""
+"""Distance beyond which the loss of a misprint is linear. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
