@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 ARM = 20.0
-"""Distance in mm by which a rotation is converted to a length."""
+"""Distance in mm by which a rotation is converted to a length. By hand."""
 _SHORTEST = 1e-6
 """Length in mm below which two waypoints are equal."""
 
