@@ -25,15 +25,15 @@ from palpate.learn.posterior import BURN_IN, hit_and_run
 from palpate.surrogate import PressField, image_jacobian
 
 POSES = 48
-"""Poses over the disc of tilts at which the bounds are averaged."""
+"""Poses over the disc of tilts at which the bounds are averaged. By hand."""
 FEWEST_IMAGES = 3
 """Minimum number of images for a derivative by depth."""
 DRAWS = 4
-"""Draws of jitter at each pose."""
+"""Draws of jitter at each pose. By hand."""
 ILL_POSED = 1e8
-"""Condition number of a Jacobian beyond which the pose is not determined."""
+"""Condition number of a Jacobian beyond which the pose is not determined. By hand."""
 STEPS = 60
-"""Steps of a random walk after burn-in."""
+"""Steps of a random walk after burn-in. By hand."""
 
 
 @dataclass(frozen=True)

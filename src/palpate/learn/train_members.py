@@ -22,7 +22,7 @@ from palpate.learn.member import EnsembleMember, TrainingRun
 from palpate.learn.training_set import TrainingSet
 
 _WAIT_S = 0.5
-"""Waiting time for the pool, s."""
+"""Waiting time for the pool, s. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
