@@ -41,15 +41,15 @@ Together they determine the scale of an image, and only this scale is observable
 among them.
 """
 _DRIFT_PX = 0.12
-"""Additional twin error if the wall moves laterally: higher-order terms, largest if much of it slips."""
+"""Additional twin error if the wall moves laterally: higher-order terms, largest if it slips. By hand."""
 _FIRST, _ITERATIONS = 4, 16
-"""Iterations without unit parameters (the robot's zero may be far off), and maximum iterations."""
+"""Iterations without unit parameters (the robot's zero may be far off), and their maximum. By hand."""
 _SMALL = 1e-3
-"""Change over the standard deviation below which the fit ends."""
+"""Change over the standard deviation below which the fit ends. By hand."""
 _WRONG = 9.0
-"""Reduced chi-square above which the presses are rejected."""
+"""Reduced chi-square above which the presses are rejected. By hand."""
 _FAR = 5.0
-"""Deviation in standard deviations above which a robot pose or a unit parameter is rejected."""
+"""Deviation in standard deviations above which a robot pose or a unit parameter is rejected. By hand."""
 
 
 class UnitEstimate(NamedTuple):

@@ -43,9 +43,10 @@ from palpate.design import TILT_SPACE, MarkerLayout, Skin
 from palpate.surrogate import LATERAL, Twin
 
 _MARGIN_PX = 5.0
-"""Minimum distance of a marker's centre from the edge of the image."""
+"""Minimum distance of a marker's centre from the edge of the image. By hand."""
 _UNIT = len(UNIT_PARAMETERS)
 _SHARED = _UNIT + 4
+"""Number of parameters of the unit and its mounting, which has four."""
 
 
 @dataclass(frozen=True, eq=False)

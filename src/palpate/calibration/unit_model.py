@@ -61,14 +61,15 @@ _LEFT_OUT = {
 }
 """Tolerance that requires each derivative of `palpate.surrogate.TWIN_DERIVATIVES`."""
 _STEP_MM = 0.05
-"""Step along a tangent for derivatives by the marker position, mm."""
+"""Step along a tangent for derivatives by the marker position, mm. By hand."""
 _STEP = 0.02
-"""Step for derivatives by a parameter, over its prior standard deviation."""
+"""Step for derivatives by a parameter, over its prior standard deviation. By hand."""
 _LEAST_SD = 1e-6
+"""Minimum prior standard deviation: a parameter without tolerance keeps a finite weight."""
 _CORNERS = 6
 """Corners of a marker's polygon; its projected centroid is within 0.0015 px rms of that with 32."""
 _FORGIVEN = 3.0
-"""Residual of a misprint, in standard deviations, above which its cost is linear."""
+"""Residual of a misprint, in standard deviations, above which its cost is linear. By hand."""
 
 
 PRINT_SHIFT = ("print_shift_x", "print_shift_y")
