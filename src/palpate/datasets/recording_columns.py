@@ -74,13 +74,13 @@ AXES = {
     ),
 }
 """Alternative names of axes, used if no column has the name itself."""
-_STILL = 1e-9
-_FEW_MISSING = 0.1
-"""Share of rows without a number above which the column is left out, not these rows."""
+_STILL, _FEW_MISSING = 1e-9, 0.1
+"""Relative range of a constant column: rounding; share of rows without a number that loses a column.
+By hand."""
 _JUMP, _GAP = 150.0, 45.0
-"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
+"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened. By hand."""
 _TURN = 3.5
-"""Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
+"""Angles that stay below it may be radians, lengths that stay below a tenth of it metres. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
