@@ -17,9 +17,9 @@ DRAWINGS = (".dxf", ".svg")
 _MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96, "": 25.4 / 96, "q": 0.25}
 """Length of each unit of SVG in mm (CSS Values and Units 3)."""
 _OUTLINE = 3.0
-"""Circles larger than the median by this factor are outlines, not markers."""
+"""Circles larger than the median by this factor are outlines, not markers. By hand."""
 _SAME_MM = 1e-3
-"""Distance below which two centres are one marker, drawn twice."""
+"""Distance below which two centres are one marker, drawn twice. By hand."""
 
 
 def read_circles(path: Path) -> FloatArray:

@@ -32,11 +32,11 @@ from palpate.design.spec import SkinSpec
 from palpate.design.superellipse import Superellipse
 
 _NEWTON = 20
-"""Maximum number of Newton steps to the nearest point."""
+"""Maximum number of Newton steps to the nearest point. By hand."""
 _SINGULAR = 1e-12
 """Minimum determinant of a Newton matrix over the square of its trace; below, no step is made."""
 _BEYOND = 1.25
-"""Parameter up to which the cone's meridian is continued below the rim."""
+"""Parameter up to which the cone's meridian is continued below the rim. By hand."""
 _GAUSS = np.polynomial.legendre.leggauss(16)
 
 

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 _TABLE = 2001
-"""Number of points of the tables along the meridian."""
+"""Number of points of the tables along the meridian. By hand."""
 _BEYOND = 1.25
-"""Parameter up to which the tables extend."""
+"""Parameter up to which the tables extend. By hand."""
 _NEWTON, _STILL = 8, 1e-9
 """Maximum number of Newton steps, and a step size after which the next, its square, is negligible."""
 _SECTION = 33
-"""Number of points of the curve for the CAD kernel."""
+"""Number of points of the curve for the CAD kernel. By hand."""
 
 
 class RevolvedSkin(Skin):

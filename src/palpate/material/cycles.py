@@ -14,7 +14,8 @@ from palpate.material.loading import find_sweeps
 from palpate.material.sample import Loading, Sample
 
 _MIN_ROWS = 4
-"""Minimum number of rows of a loading: machines write tens or more, a sudden return gives one or two."""
+"""Minimum number of rows of a loading: machines write tens or more, a sudden return gives one or two.
+By hand."""
 _SAME_LEVEL = 0.03
 """Peaks nearer than this share of the range are one level; crossheads repeat a peak to about 1 %."""
 

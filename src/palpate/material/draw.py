@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PANEL_INCH = (4.4, 3.6)
+"""Size of a panel, inches."""
 DOTS_PER_INCH = 160
+"""Resolution of a figure."""
 _POINTS = 200
+"""Points of a drawn curve."""
 _SAMPLE, _MEAN, _MODEL = "0.55", "black", "#c1272d"
 
 

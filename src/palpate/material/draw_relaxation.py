@@ -14,8 +14,8 @@ from palpate.material.relaxation_test import RelaxationTest
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_INCH = (5.0, 3.8)
-_POINTS = 200
+_INCH, _POINTS = (5.0, 3.8), 200
+"""Size of the figure, inches, and points of a drawn curve."""
 _SAMPLE, _MODEL = "0.55", "#c1272d"
 
 

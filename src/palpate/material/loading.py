@@ -13,17 +13,19 @@ from palpate.core import FloatArray, IntArray
 from palpate.material.sample import Loading, Sample
 
 _BROKEN = 0.8
-"""A later stress below this share of the maximum is that of a broken specimen."""
+"""A later stress below this share of the maximum is that of a broken specimen. By hand."""
 _TURN = 0.02
-"""Share of the range by which the stretch must reverse to end a sweep; less is noise of the machine."""
+"""Share of the range by which the stretch must reverse to end a sweep; less is noise of the machine.
+By hand."""
 _IN_SWEEPS = 0.6
 """Minimum share of the rows within sweeps, not at their ends: of shuffled rows it is a third."""
 _ROUGHER = 2.0
-"""Ratio of the roughness of sorted rows to that of the sweeps from which there are several branches."""
+"""Ratio of the roughness of sorted rows to that of the sweeps from which there are several branches.
+By hand."""
 _FEWEST = 4
-"""Minimum number of rows before the one of maximum stretch in a loading branch."""
+"""Minimum number of rows before the one of maximum stretch in a loading branch. By hand."""
 _SMOOTH = 2e-3
-"""Roughness over the maximum stress below which there is a single branch."""
+"""Roughness over the maximum stress below which there is a single branch. By hand."""
 
 
 def loading_branch(sample: Sample) -> Sample:

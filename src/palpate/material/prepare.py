@@ -13,10 +13,11 @@ from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
 _LEAST_ROWS = 5
+"""Minimum number of rows within the accepted stretches. By hand."""
 _TOE, _TOE_STRAIN = 0.15, 0.15
-"""Share of the strain within which a toe is sought, and maximum strain of a toe."""
+"""Share of the strain within which a toe is sought, and maximum strain of a toe. By hand."""
 _TOE_WINDOW = 5
-"""Rows over which the slope of a toe is taken."""
+"""Rows over which the slope of a toe is taken. By hand."""
 
 
 @dataclass(frozen=True)

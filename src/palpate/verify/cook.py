@@ -17,8 +17,11 @@ from palpate.verify.mapped import Grid, even, join, map_block
 from palpate.verify.read_reference import read_reference
 
 SHEAR_MODULUS, BULK_MODULUS = 80.1938, 400942.0
+"""Shear and bulk modulus, MPa."""
 FORCE = 100.0
+"""Force on the free side, N."""
 _WIDTH, _LEFT, _LOW, _HIGH = 48.0, 44.0, 44.0, 60.0
+"""Corners of the membrane, mm."""
 _STEPS = np.array([0.1, 0.3, 0.6, 1.0])
 
 

@@ -27,6 +27,7 @@ _CALCULIX_MESH = MeshSpec(cells=24)
 _STIFF = 500.0
 """Penalty over E/T of presses on other meshes; by default, contact stores 1 % of the energy at 0.8 mm."""
 _SOLID_TOLERANCE = 1e-2
+"""Tolerance of force, energy and displacement on the flat branch."""
 _STEP_MM, _ONSET_MM = 0.1, 0.1
 """Depth step of the reference during unloading, and tolerance of the onset of the inverted branch."""
 _NEAR_MM = 0.2

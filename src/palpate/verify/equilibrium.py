@@ -24,6 +24,7 @@ from palpate.verify.mapped import Grid
 TOLERANCE = 1e-8
 """Maximum residual over mu and the square of a body's size."""
 ITERATIONS = 40
+"""Maximum Newton steps."""
 LOAD_TOLERANCE = 1e-6
 """Maximum residual under dead loads over the maximum nodal load."""
 

@@ -27,6 +27,7 @@ _PENALTY, _WIDTH = 120.0, 1e-3
 
 
 _POISSON = (0.3, 0.5)
+"""Poisson's ratios of the shells."""
 RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
