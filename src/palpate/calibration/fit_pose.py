@@ -36,8 +36,6 @@ _GAINED = 0.05
 
 Not used if the curvature is fitted. By hand.
 """
-_TAMED = 0.5
-"""Factor on the step length each time the iteration oscillates. By hand."""
 _STEPS, _BENT_STEPS = 12, 25
 """Maximum steps of a fit, without and with curvature, which is nearly equivalent to a change of depth.
 By hand."""
@@ -272,7 +270,7 @@ class PoseFitter:
             change = self._solve(normal, gradient, contact)
             gain, last = float(gradient @ change), gain
             if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
-                most *= _TAMED
+                most *= 0.5
             shrink = min(most, float(np.min(self._trust[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before, moved = contact, shrink * change
             contact = self._inside(contact.add(free, moved[:known]))

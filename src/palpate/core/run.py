@@ -174,7 +174,7 @@ class WorkerPool(ABC):
             self._early.append((call, Outcome(reason=reason, status=Status.FAILED)))
         return call
 
-    def wait(self, seconds: float) -> list[tuple[Call, Outcome]]:
+    def wait(self, seconds: float = 0.5) -> list[tuple[Call, Outcome]]:
         """Calls that have ended, after `seconds` at most; a worker that died or was stopped is replaced."""
         ended, self._early = self._early, []
         ended += self._collect(0.0 if ended else seconds)

@@ -22,6 +22,8 @@ CELLS = (8, 11, 16, 22, 32)
 By hand."""
 GREATEST_FRICTION = 10.0
 """Maximum coefficient of friction; above it, choose `NO_SLIP`. By hand."""
+SAME_MM = 1e-6
+"""Difference below which two depths or waypoints are equal."""
 _SAME_TURN_DEG = 1e-9
 """Maximum angle in degrees at which an obstacle's plane and a mirror plane of the skin count as equal."""
 

@@ -20,7 +20,7 @@ By hand."""
 SHARE = 0.5
 """Share of the held-out presses that calibrate; coverage is measured on the remaining ones. By hand."""
 DRAWS = 4
-"""Draws of jitter for each held-out image. By hand."""
+"""Draws of jitter for each held-out image, and at each pose of an error bound. By hand."""
 MOST_IMAGES = 4096
 """Training images on which the error of each depth is measured. By hand."""
 LEAST_NOISE_PX = 0.05

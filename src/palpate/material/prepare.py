@@ -9,11 +9,10 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.loading import loading_branch
+from palpate.material.read_test_file import LEAST_ROWS
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
-_LEAST_ROWS = 5
-"""Minimum number of rows within the accepted stretches. By hand."""
 _TOE, _TOE_STRAIN = 0.15, 0.15
 """Share of the strain within which a toe is sought, and maximum strain of a toe. By hand."""
 _TOE_WINDOW = 5
@@ -72,7 +71,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
         sample = replace(sample, stretch=1 + spec.strain_factor * (sample.stretch - 1))
         notes.append(f"strain times {spec.strain_factor:g}")
     sample = sample.where((sample.stretch >= spec.min_stretch) & (sample.stretch <= spec.max_stretch))
-    if len(sample.stretch) < _LEAST_ROWS:
+    if len(sample.stretch) < LEAST_ROWS:
         raise PalpateError(
             f"{sample.name}: {len(sample.stretch)} rows are left between stretch {spec.min_stretch:g} and "
             f"{spec.max_stretch:g}.",

@@ -19,8 +19,6 @@ MOST_REMADE = 2
 BUSY_S = 1.0
 """Time between two looks at an artefact that another run makes, s. By hand."""
 
-POLL_S = 0.5
-"""Waiting time for the pool, s. By hand."""
 
 NEVER_CAME = "an artefact that it needs is neither there nor to be made"
 
@@ -226,7 +224,7 @@ def run_task_graph(
         if not work.running and not work.busy:
             work.finish(schedule.cancel_all(NEVER_CAME), progress)
             return schedule.outcomes
-        for call, outcome in pool.wait(POLL_S):
+        for call, outcome in pool.wait():
             work.finish(_settle(schedule, work, work.running.pop(call), outcome), progress)
 
 

@@ -40,14 +40,14 @@ _SMALL, DROP = 60, 3.0
 
 The gain is in powers of ten of the number of false alarms. By hand.
 """
-_OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
-"""Trial in further rings: distances at which a blob is dropped, and degrees of freedom of the fit.
+PREDICTED_REACH = 0.16
+"""Maximum distance of a blob from its place in a ring predicted without it, over the spacing. By hand."""
+_OFF, _SPENT = 6.0, 8.0
+"""Trial in further rings: distance at which a blob is dropped, and degrees of freedom of the fit.
 
-The distances are from the ring through the remaining blobs, in their standard deviations and over the spacing. By
+The distance is from the ring through the remaining blobs, in their standard deviations. By
 hand.
 """
-_MORE = 0.5
-"""Share of blobs between a ring's places at which it is another ring, of more blobs. By hand."""
 
 
 class RingPrior(NamedTuple):
@@ -156,13 +156,13 @@ class RingFitter:
             far, fit, kept, off = tried[which]
             spread = np.sqrt(np.sum(off[kept >= 0] ** 2) / max(2.0 * len(have) - 2.0 - _SPENT, 2.0))
             pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-            drop = far > max(_OFF * spread, _OFF_PITCH * pitch, LEAST_REACH_PX)
+            drop = far > max(_OFF * spread, PREDICTED_REACH * pitch, LEAST_REACH_PX)
         if not drop:
             return None
         _, fit, kept, off = tried[which]
         away, dot = self.tree.query(terms[have[which]] @ fit)
         pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-        if dot != blob[have[which]] and dot not in kept and away < max(_OFF_PITCH * pitch, LEAST_REACH_PX):
+        if dot != blob[have[which]] and dot not in kept and away < max(PREDICTED_REACH * pitch, LEAST_REACH_PX):
             kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
@@ -178,7 +178,7 @@ class RingFitter:
             between = np.concatenate([phi + step * part for part in range(1, parts)])
             pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
             distance = self.tree.query(ring_harmonics(between, 7) @ weights)[0]
-            if np.mean(distance < REACH * pitch) > _MORE:
+            if np.mean(distance < REACH * pitch) > 0.5:
                 return True
         return False
 

@@ -23,7 +23,7 @@ from palpate.vision.motion import MotionModel
 from palpate.vision.neighbours import agree, nearest, nearest_distance
 from palpate.vision.segment import Blobs
 
-_REACH = 0.45
+REACH = 0.45
 """Maximum distance of a blob from its prediction, over the distance to the nearest other marker.
 By hand."""
 _JUMP = 0.25
@@ -163,7 +163,7 @@ class Tracker:
             agreed = agree(predicted, blobs_px, self._near, 0.6 * space, _ROUNDS)
             offset = float(np.median(np.linalg.norm(agreed - predicted, axis=1) / space))
             predicted, space, (number, distance) = agreed, _room(agreed), nearest(agreed, blobs_px)
-        blob = _assign(predicted, blobs_px, _REACH * space, np.where(distance < _REACH * space, number, -1))
+        blob = _assign(predicted, blobs_px, REACH * space, np.where(distance < REACH * space, number, -1))
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():
