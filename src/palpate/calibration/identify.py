@@ -22,7 +22,7 @@ from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting, mounting
 from palpate.calibration.noise import robust_weights
 from palpate.calibration.scale import model_px, pixel_scale
 from palpate.calibration.tolerance import ToleranceSpec
-from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
+from palpate.calibration.unit_model import LEAST_SD, UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE, Skin
@@ -264,7 +264,7 @@ class UnitFit:
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
         spread = np.array(
-            [self.slip_sd if self.has_friction else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)]
+            [self.slip_sd if self.has_friction else LEAST_SD, *self.robot_sd, *np.maximum(self.drift_sd, LEAST_SD)]
         )
         own = np.arange(self.shared, self.size)
         found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))

@@ -29,6 +29,7 @@ from palpate.calibration.scale import model_px
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.calibration.unit_model import (
     CAMERA_PARAMETERS,
+    LEAST_SD,
     UNIT_PARAMETERS,
     UnitPosterior,
     build_unit_model,
@@ -262,7 +263,7 @@ def compute_ring_information(
         crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch.values**-2.0
-    pad = np.full(2, max(tolerance.print_shift, 1e-6) / np.sqrt(3.0))
+    pad = np.full(2, max(tolerance.print_shift, LEAST_SD) / np.sqrt(3.0))
     return RingInformation(
         rest=sum_by_group(slopes, slopes / spread**2, group),
         rest_prior=np.concatenate([sd[: len(CAMERA_PARAMETERS)], pad]) ** -2.0,

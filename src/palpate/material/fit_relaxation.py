@@ -254,9 +254,7 @@ def _search(rows: Sequence[_Rows], start: FloatArray, ends: tuple[float, float])
         np.clip(guess, low + 1e-9, high - 1e-9),
         bounds=(low, high),
         x_scale="jac",
-        xtol=1e-12,
-        ftol=1e-12,
-        gtol=1e-12,
+        **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
     )
     off = found.fun / np.concatenate([each.weight * each.stress for each in rows])
     held = np.concatenate([each.held for each in rows])

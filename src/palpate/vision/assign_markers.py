@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.vision.fit_free_pattern import fit_free_pattern
 from palpate.vision.fit_ring_pattern import fit_ring_pattern
-from palpate.vision.pattern import MarkerPattern, PatternFit
+from palpate.vision.pattern import MarkerPattern, PatternFit, wrap_deg
 
 _CHANCE = 5e-3
 """Maximum probability of all other symmetries for the mark to decide. By hand."""
@@ -101,7 +101,7 @@ def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> Mar
     turn = _turn_deg(pattern.expected_px * [1.0, -1.0 if laid.mirrored else 1.0], laid.places_px)
     choices, mark = _find_mark(blobs, pattern, laid)
     # the pattern moved by a symmetry fits as well: the whole then is turned by as much less
-    turns = (turn + pattern.turns_deg[choices] + 180.0) % 360.0 - 180.0
+    turns = wrap_deg(turn + pattern.turns_deg[choices])
     namings = []
     for rank in np.lexsort([np.abs(turns), pattern.mirrored[choices]]):
         # the dot at the place of marker i is marker order[i]

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
 from palpate.vision.opencv import blur
-from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
+from palpate.vision.segment import MEDIAN_SD, Blobs, Segments, heights, measure_noise, segment
 from palpate.vision.spec import DetectSpec
 
 Image = NDArray[np.float32]
@@ -194,4 +194,4 @@ def _in_one_direction(points: FloatArray) -> float:
 
 def _spread(values: FloatArray) -> float:
     """Return the standard deviation estimated from the median absolute deviation."""
-    return float(1.4826 * np.median(np.abs(values - np.median(values))))
+    return float(MEDIAN_SD * np.median(np.abs(values - np.median(values))))

@@ -24,6 +24,7 @@ from palpate.vision.grow_assignment import grow_largest, mutual_nearest, spread_
 from palpate.vision.motion import interpolate_motion
 from palpate.vision.observed_layout import ObservedLayout
 from palpate.vision.pattern import MarkerPattern, PatternFit
+from palpate.vision.segment import MEDIAN_DISTANCE, MEDIAN_SD
 
 _PATCH, _PATCHES, _INNER = 11, 3, 0.75
 """Markers per patch, number of patches, and maximum distance from the centre over the layout's radius.
@@ -134,7 +135,7 @@ class _Placements:
         if (blob >= 0).sum() < 4:
             return _Grown(blob, places, np.inf, mirror)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)
-        spread = 1.4826 / 1.1774 * float(np.median(left[blob >= 0]))
+        spread = MEDIAN_SD / MEDIAN_DISTANCE * float(np.median(left[blob >= 0]))
         reach = np.minimum(max(STRAY * spread, LEAST_REACH_PX), PRINT_REACH * self.step)
         blob = mutual_nearest(places, self.tree, reach)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)[blob >= 0]
@@ -240,7 +241,9 @@ def fit_warp(points: FloatArray, pixels: FloatArray, terms: int, whole: FloatArr
     free = len(points) - terms
     left = pixels - design @ weights
     # a false dot taken for a marker must not widen what is believed: the median forgives it
-    spread = 1.4826 * float(np.median(np.abs(left))) * np.sqrt(len(points) / free) if free >= _LEAST_FREE else np.inf
+    spread = (
+        MEDIAN_SD * float(np.median(np.abs(left))) * np.sqrt(len(points) / free) if free >= _LEAST_FREE else np.inf
+    )
     return Warp(middle, size, weights, inverse, spread)
 
 

@@ -17,6 +17,7 @@ from scipy.special import gammaln
 from palpate.core import BoolArray, FloatArray
 from palpate.vision.ring_model import RingFit
 from palpate.vision.rings import ring_harmonics
+from palpate.vision.segment import MEDIAN_DISTANCE, MEDIAN_SD
 
 _TRIED = 4
 """Number of radii and shifts of the next ring that are fitted. By hand."""
@@ -114,7 +115,12 @@ class RingFitter:
             pitch = 2.0 * np.pi * radius / len(phi)
             reach = REACH * pitch
             if again > 3 and (blob >= 0).sum() > 3:
-                spread = 1.4826 * np.nanmedian(left) / 1.1774 * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
+                spread = (
+                    MEDIAN_SD
+                    * np.nanmedian(left)
+                    / MEDIAN_DISTANCE
+                    * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
+                )
                 reach = min(max(STRAY * spread, LEAST_REACH_PX, LEAST_REACH * pitch), PRINT_REACH * pitch)
             blob, left = self.nearest(places, reach, taken)
             have = blob >= 0

@@ -24,6 +24,7 @@ from palpate.camera import LENSES, Camera, CameraSpec, build_camera, flat_marker
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
 from palpate.vision.assign_markers import MarkerAssignment
+from palpate.vision.pattern import wrap_deg
 from palpate.vision.print_distortion import PrintDistortion, fit_print_distortion
 from palpate.vision.rings import find_rings
 
@@ -128,7 +129,7 @@ def register_dome(
     normals = skin.normal(points)
     edges = flat_marker_outlines(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
-    start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
+    start[5] = wrap_deg(start[5] - naming.turn_deg)
     about = _posed(nominal, start)
     where = points, seen, project_markers(about, edges).centres - about.project(points)
     held = fit = _fit(nominal, start, where)
@@ -241,7 +242,7 @@ def _lens_of(nominal: CameraSpec) -> FloatArray:
 def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
     """Return the camera of a pose and of the parameters listed in `_lens_of`."""
     chosen: dict[str, Any] = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
-    chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0
+    chosen["roll_deg"] = wrap_deg(chosen["roll_deg"])
     focal, column, row, *refined = (float(value) for value in values[6:])
     lens = LENSES.get(nominal.lens)
     named = dict(zip(lens.parameters(), nominal.distortion, strict=True)) | dict(
