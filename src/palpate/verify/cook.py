@@ -17,7 +17,7 @@ from palpate.verify.mapped import Grid, even, join, map_block
 from palpate.verify.read_reference import read_reference
 
 SHEAR_MODULUS, BULK_MODULUS = 80.1938, 400942.0
-"""Shear and bulk modulus, MPa."""
+"""Shear and bulk modulus, MPa: Young's modulus 240.565 MPa, Poisson's ratio 0.4999."""
 FORCE = 100.0
 """Force on the free side, N."""
 _WIDTH, _LEFT, _LOW, _HIGH = 48.0, 44.0, 44.0, 60.0

@@ -31,7 +31,7 @@ _MODELS = {
 _LARGEST_EXPONENT = 200.0
 """Maximum exponent: the reference's fits have exponents up to 155; palpate's default is 30."""
 _SEEDS, _NOISE = 1000, 0.01
-"""Number of fits to noisy data, and noise over the maximum stress."""
+"""Number of fits to noisy data, and noise over the maximum stress. By hand."""
 
 
 def treloar_parameters() -> list[Row]:
