@@ -24,14 +24,16 @@ from palpate.mechanics import ContactLoading, Continuation, EndReason, Increment
 from palpate.mesh import Mesh, default_core, mesh_skin
 
 RING_POINTS = 12
-"""Contact points along a side of a face: the ring is some tenths of a mm wide, a tenth of a cell."""
+"""Contact points along a side of a face: the ring is some tenths of a mm wide, a tenth of a cell.
+Half changes its force by 5 %, twice by 1 %. By hand."""
 _SOFTER = 0.25
 """Penalty on the ring over that of a patch.
 
 With a stiffer penalty the load jumps between points, since the penetration of the ring is some micrometres. By hand.
 """
 _FINER = 4 / 3
-"""Cells of a meridian over those of a press from rest: the ring's force then varies less. By hand."""
+"""Cells of a meridian over those of a press from rest: the ring's force then varies less.
+Twice changes it by 4 %, half the end of the branch. By hand."""
 _RIDGE = 0.5
 """Half width of the mirrored cap's ridge, in height, over sqrt(2 d T): its width scales as sqrt(R T).
 By hand."""
@@ -50,7 +52,7 @@ _GAP = 0.2
 The gap is about the depth less two ridges, and smallest at the onset. By hand.
 """
 _HOLE = 0.5
-"""Minimum inner radius of the ring of contact over its outer one. By hand."""
+"""Minimum inner radius of the ring of contact over its outer one. Twice ends the branch. By hand."""
 _IMBALANCE = 0.02
 """Maximum difference of gained energy and work along the branch, over the stored energy. By hand."""
 _FEWEST = 3

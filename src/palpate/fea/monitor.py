@@ -31,7 +31,7 @@ It is some micrometres on the flat branch. By hand.
 """
 _PULL, _PULL_FROM = 0.01, 1.5
 """Stabilising spring over the contact penalty, and the depth over the thickness above which it acts.
-By hand."""
+From half this depth it keeps a thin dome from inverting: 180 % of force. By hand."""
 _FOLDING_STRETCH = 0.647
 """Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009).
 
