@@ -42,12 +42,12 @@ _NOTHING = 1e-9
 _ROUNDING = 1e-6
 """Share of an increment by which the remaining depth may exceed it as one increment. By hand."""
 _ORDER = 2
-"""Order of the predictor. Half or twice changes forces by 1 %, twice costs 60 % more time. By hand."""
+"""Order of the predictor. Half or twice: 1 % of force, twice 1.6 times the time. By hand."""
 _GROWTH = ((10, 2.0), (15, 1.4))
 """Factor on the next increment after at most so many iterations.
 Half costs 2.2 times the time and changes forces by 3 %. By hand."""
 _STIFFENING = 2.0
-"""Exponent of force over depth above which increments shrink by its square. Half: 2 % of force. By hand."""
+"""Exponent of force over depth above which increments shrink. Half: 2 % of force. By hand."""
 _SHRINK = 0.8
 """Factor on the next increment after more iterations. By hand."""
 _JUMPS = 4
@@ -60,7 +60,7 @@ _VISCOSITY, _THICKEN, _FAILED = ((2, 1 / 30), (4, 1 / 4), (8, 1 / 2), (12, 1.0))
 _SLACK, _JUMP_SLACK = 1e3, 30.0
 """Factor on the tolerance in friction passes before the last, and in pseudo-time steps. By hand."""
 _PASSES = 4
-"""Maximum number of passes in which friction limits are corrected. Half or twice: 1 % of force. By hand."""
+"""Maximum passes in which friction limits are corrected. Half or twice: 1 % of force. By hand."""
 
 
 def _agree(old: FloatArray, new: FloatArray) -> bool:
