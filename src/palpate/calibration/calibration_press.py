@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from palpate.core import FloatArray
 
 CALIBRATION_TILTS = (0.35, 0.8)
-"""Tilts of successive calibration presses, as shares of the maximum tilt."""
+"""Tilts of successive calibration presses, as shares of the maximum tilt. By hand."""
 _CALIBRATION_TURN_DEG = 144.0
-"""Azimuth between successive calibration presses, degrees: two fifths of a turn."""
+"""Azimuth between successive calibration presses, degrees: two fifths of a turn. By hand."""
 
 
 def calibration_pose(number: int, max_tilt_deg: float) -> tuple[float, float]:

@@ -28,18 +28,17 @@ from palpate.surrogate import LATERAL, Twin
 MAX_INVERSE_FRICTION = 5.0
 """Maximum 1/µ; larger values have not been observed."""
 TILT_SD_DEG = 20.0
-"""Prior standard deviation of a tilt."""
+"""Prior standard deviation of a tilt. By hand."""
 _DEPTH_SD = 1e3
 """Prior standard deviation of a depth, mm: nearly uninformative."""
 _GAINED = 0.05
 """Product of gradient and step below which a fit ends: a step of 0.2 standard deviations.
 
-Not used if the curvature is fitted.
+Not used if the curvature is fitted. By hand.
 """
-_TAMED = 0.5
-"""Factor on the step length each time the iteration oscillates."""
 _STEPS, _BENT_STEPS = 12, 25
-"""Maximum steps of a fit, without and with curvature, which is nearly equivalent to a change of depth."""
+"""Maximum steps of a fit, without and with curvature, which is nearly equivalent to a change of depth.
+By hand."""
 _SMALL = State(CONTACT_STATE, np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02]))
 """Change of a contact below which a fit ends."""
 _TRUST = State(CONTACT_STATE, np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0]))
@@ -55,17 +54,17 @@ The error is common to all markers. All constants of a contact were measured on 
 `palpate.calibration.scale`.
 """
 _LATERAL_FRICTION_SD = 0.2
-"""Standard deviation of the twin error in 1/µ if the wall moves laterally."""
+"""Standard deviation of the twin error in 1/µ if the wall moves laterally. By hand."""
 _OTHER_WALL = 2.0
-"""Change of curvature between images, 1/m, above which the fit is repeated from the pose table."""
+"""Change of curvature between images, 1/m, above which the pose table is used again. By hand."""
 _SHALLOW_MM = 0.6
-"""Depth up to which tilt is poorly determined, so the next fit may start from the pose table."""
+"""Depth up to which tilt is poorly determined, so the next fit may start from the pose table. By hand."""
 _OUTLIER = 16.0
-"""Maximum squared normalised residual of a coordinate in the cost of a fit."""
+"""Maximum squared normalised residual of a coordinate in the cost of a fit. By hand."""
 _BEYOND = (0.5, 0.1)
-"""Extrapolation beyond the tilts (degrees) and depths (mm) of the twin that a fit may reach."""
+"""Extrapolation beyond the tilts (degrees) and depths (mm) of the twin that a fit may reach. By hand."""
 _DOUBTED = 1.5
-"""Misfit above which an image is fitted again, from the pose table and on the second branch."""
+"""Misfit above which an image is fitted again, from the pose table and on the second branch. By hand."""
 
 
 @dataclass(eq=False)
@@ -271,7 +270,7 @@ class PoseFitter:
             change = self._solve(normal, gradient, contact)
             gain, last = float(gradient @ change), gain
             if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
-                most *= _TAMED
+                most *= 0.5
             shrink = min(most, float(np.min(self._trust[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before, moved = contact, shrink * change
             contact = self._inside(contact.add(free, moved[:known]))

@@ -16,7 +16,7 @@ LEVEL_90 = 1.6449
 _TWIN_SHARE = 0.01
 """Relative error of the twin's force for a unit of known stiffness, measured on simulated units."""
 _FAR = 6.0
-"""Deviation from the prior, in standard deviations, above which load-cell readings are rejected."""
+"""Standard deviations from the prior above which load-cell readings are rejected. By hand."""
 
 
 class ScalarEstimate(NamedTuple):

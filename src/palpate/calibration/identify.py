@@ -22,7 +22,7 @@ from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting, mounting
 from palpate.calibration.noise import robust_weights
 from palpate.calibration.scale import model_px, pixel_scale
 from palpate.calibration.tolerance import ToleranceSpec
-from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
+from palpate.calibration.unit_model import LEAST_SD, UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE, Skin
@@ -41,15 +41,15 @@ Together they determine the scale of an image, and only this scale is observable
 among them.
 """
 _DRIFT_PX = 0.12
-"""Additional twin error if the wall moves laterally: higher-order terms, largest if much of it slips."""
+"""Additional twin error if the wall moves laterally: higher-order terms, largest if it slips. By hand."""
 _FIRST, _ITERATIONS = 4, 16
-"""Iterations without unit parameters (the robot's zero may be far off), and maximum iterations."""
+"""Iterations without unit parameters (the robot's zero may be far off), and their maximum. By hand."""
 _SMALL = 1e-3
-"""Change over the standard deviation below which the fit ends."""
+"""Change over the standard deviation below which the fit ends. By hand."""
 _WRONG = 9.0
-"""Reduced chi-square above which the presses are rejected."""
+"""Reduced chi-square above which the presses are rejected. By hand."""
 _FAR = 5.0
-"""Deviation in standard deviations above which a robot pose or a unit parameter is rejected."""
+"""Deviation in standard deviations above which a robot pose or a unit parameter is rejected. By hand."""
 
 
 class UnitEstimate(NamedTuple):
@@ -264,7 +264,7 @@ class UnitFit:
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
         spread = np.array(
-            [self.slip_sd if self.has_friction else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)]
+            [self.slip_sd if self.has_friction else LEAST_SD, *self.robot_sd, *np.maximum(self.drift_sd, LEAST_SD)]
         )
         own = np.arange(self.shared, self.size)
         found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.calibration.tolerance import ToleranceSpec
-from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitPosterior
+from palpate.calibration.unit_model import LEAST_SD, UNIT_PARAMETERS, UnitPosterior
 from palpate.core import FloatArray
 from palpate.core.state import State
 
@@ -66,7 +66,7 @@ def mounting_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
     sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.depth_zero]) / np.sqrt(
         3.0
     )
-    return np.maximum(sd, 1e-6)
+    return np.maximum(sd, LEAST_SD)
 
 
 def prior_mounting(posterior: UnitPosterior, tolerance: ToleranceSpec) -> Mounting:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.calibration.calibration_press import CalibrationPress
+from palpate.calibration.calibration_press import CALIBRATION_TILTS, CalibrationPress
 from palpate.calibration.mounting import Mounting
 from palpate.calibration.predict_accuracy import AccuracySpec, pose_gain
 from palpate.calibration.predict_posterior import predict_posterior
@@ -16,10 +16,11 @@ from palpate.calibration.unit_model import UnitModel
 from palpate.core import FloatArray
 from palpate.design import rotation_vector
 
-_TILTS = (0.0, 0.35, 0.8)
+_TILTS = (0.0, *CALIBRATION_TILTS)
 """Tilts of the candidates, as shares of the maximum tilt."""
 _TURNS_DEG = tuple(range(0, 360, 45))
 _IMAGES = 6
+"""Number of images of a candidate, at even depths. By hand."""
 
 
 class NextPress(NamedTuple):

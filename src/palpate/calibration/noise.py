@@ -20,9 +20,9 @@ diameters from 3.2 to 15.5 px on degraded simulated images, within 19 % of this 
 (docs/design_notes/calibration.md).
 """
 MODEL_ERROR_PX = 0.02
-"""Twin error of a marker, px, for skin and image of the sizes in `palpate.calibration.scale`."""
+"""Twin error of a marker, px, for skin and image of the sizes in `palpate.calibration.scale`. By hand."""
 FREEDOM = 30.0
-"""Degrees of freedom of Student's distribution of the residuals."""
+"""Degrees of freedom of Student's distribution of the residuals. By hand."""
 _MEDIAN = 2.0 * np.log(2.0)
 """Median of the sum of two squared standard normal numbers."""
 

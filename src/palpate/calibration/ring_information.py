@@ -29,6 +29,7 @@ from palpate.calibration.scale import model_px
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.calibration.unit_model import (
     CAMERA_PARAMETERS,
+    LEAST_SD,
     UNIT_PARAMETERS,
     UnitPosterior,
     build_unit_model,
@@ -43,9 +44,10 @@ from palpate.design import TILT_SPACE, MarkerLayout, Skin
 from palpate.surrogate import LATERAL, Twin
 
 _MARGIN_PX = 5.0
-"""Minimum distance of a marker's centre from the edge of the image."""
+"""Minimum distance of a marker's centre from the edge of the image. By hand."""
 _UNIT = len(UNIT_PARAMETERS)
 _SHARED = _UNIT + 4
+"""Number of parameters of the unit and its mounting, which has four."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,7 +263,7 @@ def compute_ring_information(
         crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch.values**-2.0
-    pad = np.full(2, max(tolerance.print_shift, 1e-6) / np.sqrt(3.0))
+    pad = np.full(2, max(tolerance.print_shift, LEAST_SD) / np.sqrt(3.0))
     return RingInformation(
         rest=sum_by_group(slopes, slopes / spread**2, group),
         rest_prior=np.concatenate([sd[: len(CAMERA_PARAMETERS)], pad]) ** -2.0,

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from palpate.core import Spec, parameter
 
 _SLIP_MEAN, _SLIP_SD = 1.0, 1.0
-"""Prior of 1/µ: silicone on metal is near 1; 0 is no slip."""
+"""Prior of 1/µ: silicone on metal is near 1; 0 is no slip. By hand."""
 
 
 class ToleranceSpec(Spec):

@@ -22,9 +22,9 @@ from palpate.design import rotation_vector
 from palpate.fea import Branch, Press
 
 _READ_TURN_DEG = 36.0
-"""Azimuth between successive readings of presses."""
+"""Azimuth between successive readings of presses. By hand."""
 _READ_TURNS = 3
-"""Number of directions in which each press is read."""
+"""Number of directions in which each press is read. By hand."""
 _NEAR = np.array([0.25, 0.125])
 """Standard deviations of the weight of an image in tilt and depth, as shares of their maxima."""
 

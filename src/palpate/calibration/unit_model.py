@@ -61,14 +61,15 @@ _LEFT_OUT = {
 }
 """Tolerance that requires each derivative of `palpate.surrogate.TWIN_DERIVATIVES`."""
 _STEP_MM = 0.05
-"""Step along a tangent for derivatives by the marker position, mm."""
+"""Step along a tangent for derivatives by the marker position, mm. By hand."""
 _STEP = 0.02
-"""Step for derivatives by a parameter, over its prior standard deviation."""
-_LEAST_SD = 1e-6
+"""Step for derivatives by a parameter, over its prior standard deviation. By hand."""
+LEAST_SD = 1e-6
+"""Minimum prior standard deviation: a parameter without tolerance keeps a finite weight."""
 _CORNERS = 6
 """Corners of a marker's polygon; its projected centroid is within 0.0015 px rms of that with 32."""
 _FORGIVEN = 3.0
-"""Residual of a misprint, in standard deviations, above which its cost is linear."""
+"""Residual of a misprint, in standard deviations, above which its cost is linear. By hand."""
 
 
 PRINT_SHIFT = ("print_shift_x", "print_shift_y")
@@ -78,7 +79,7 @@ PRINT_SHIFT = ("print_shift_x", "print_shift_y")
 def unit_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Return the prior standard deviations (11,) of `UNIT_PARAMETERS`: uniform within the tolerances."""
     found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNIT_PARAMETERS]) / np.sqrt(3.0)
-    return np.maximum(found, _LEAST_SD)
+    return np.maximum(found, LEAST_SD)
 
 
 def modelled_tolerance(twin: Twin, tolerance: ToleranceSpec) -> ToleranceSpec:
@@ -147,7 +148,7 @@ def infer_from_rest(
     seen = np.isfinite(rest_px).all(axis=1)
     before = unit_prior_sd(modelled_tolerance(twin, tolerance))
     sd = np.concatenate(
-        [before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.print_shift, _LEAST_SD) / np.sqrt(3.0))]
+        [before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.print_shift, LEAST_SD) / np.sqrt(3.0))]
     )
     spread = _rest_spread(twin, nominal, tolerance, noise_px)
     printed = MarkerLayout(layout.positions[seen], layout.diameter)

@@ -10,8 +10,8 @@ from palpate.camera.draw_board import write_board
 from palpate.camera.lens import LENSES, Lens
 from palpate.camera.marker_traces import flat_marker_outlines, marker_outlines, project_markers, tangent_pair
 from palpate.camera.preset import camera_preset, list_presets
+from palpate.camera.read_image import LARGEST_MPX, decode_image, list_images, read_image
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
-from palpate.camera.read_image import decode_image, list_images, read_image
 from palpate.camera.render import RenderSpec, render
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
@@ -19,6 +19,7 @@ from palpate.camera.window import Window, WindowSpec, read_window
 
 __all__ = [
     "IMAGE_SUFFIXES",
+    "LARGEST_MPX",
     "LENSES",
     "SOURCES",
     "BoardSpec",

@@ -22,9 +22,11 @@ from palpate.camera.lenses.kannala_brandt import KannalaBrandt
 from palpate.core import FloatArray, PalpateError, load_opencv
 
 _CELLS = (6, 8)
+"""Rows and columns of image parts whose coverage by corners is reported. By hand."""
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
+"""Maximum residual of an image over the median one, if more than these pixels. By hand."""
 _FIRST_IMAGES = 8
-"""Number of images in which boards other than the given one are tried."""
+"""Number of images in which boards other than the given one are tried. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from palpate.camera.board import BoardSpec, board_points, charuco_bits
 _MARGIN = 1.0
 """White margin around the pattern, in squares."""
 _MM_PER_INCH = 25.4
+"""Millimetres an inch."""
 _DOT = 0.35
 """Radius of a circle over the distance of two rows."""
 

@@ -12,10 +12,11 @@ from palpate.camera.board import BoardSpec, board_points, charuco_board
 from palpate.core import FloatArray, load_opencv
 
 LEAST_POINTS = 8
-"""Minimum number of points in an image; a homography alone requires four."""
+"""Minimum number of points in an image; a homography alone requires four. By hand."""
 _LARGEST_WINDOW_PX = 11
+"""Maximum half side of a corner's window; a third of the spacing if that is less. By hand."""
 _OFF_GRID, _ON_GRID = 0.3, 0.6
-"""Maximum distance from a flat grid over that of corners, and minimum share of corners within it."""
+"""Maximum distance from a flat grid over that of corners; minimum share within it. By hand."""
 
 
 def find_board(

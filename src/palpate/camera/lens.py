@@ -99,8 +99,8 @@ _ALIASES = {
     "rational": "rational_polynomial",
     "thin_prism": "rational_polynomial",
 }
-_ITERATIONS = 50
-_TOLERANCE = 1e-10
+_ITERATIONS, _TOLERANCE = 50, 1e-10
+"""Maximum Newton steps of an inverse lens model, and residual at which they end, normalised."""
 
 
 def make_lens(name: str, coefficients: Sequence[float]) -> Lens:

@@ -17,6 +17,7 @@ from palpate.camera.surface import Surface
 from palpate.core import FloatArray
 
 _EDGE_POINTS = 32
+"""Corners of a marker's outline, a polygon of the area of the disc."""
 
 
 def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:

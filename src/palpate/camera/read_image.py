@@ -18,7 +18,7 @@ from palpate.core.files import natural_key
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
-"""Maximum size of an image, in millions of pixels."""
+"""Maximum size of an image, in millions of pixels. By hand."""
 _MOSAIC, _PART, _SHARE = 0.08, 8, 0.9
 """Criteria of a mosaic: minimum difference of colours, and share of image parts with the same sign.
 

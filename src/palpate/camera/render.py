@@ -12,6 +12,7 @@ from palpate.camera.camera import Camera
 from palpate.core import FloatArray, Spec, load_opencv, parameter
 
 SUPERSAMPLING = 8
+"""Samples along each side of a pixel: 64 grey levels of an edge."""
 
 
 class RenderSpec(Spec):

@@ -27,6 +27,7 @@ from palpate.camera.arrays import array_module, as_array
 from palpate.core import FloatArray, PalpateError, Spec, parameter
 
 _ITERATIONS = 60
+"""Maximum number of iterations."""
 _TOLERANCE = 1e-14
 """Relative change of the slope at which the iteration ends, in double precision."""
 _ROUNDING = 4.0

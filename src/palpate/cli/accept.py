@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.camera import read_image
+from palpate.cli.border import OUTSIDE
 from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_folder
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from palpate.sensor import GroundTruth, Unit
     from palpate.surrogate import Twin
 
-OUTSIDE = 1
-"""Exit code if a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = (
     "Table of the ground truth: columns image, press, rx_deg, ry_deg, depth_mm; in the folder of its images. "

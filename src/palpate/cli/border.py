@@ -20,8 +20,8 @@ from pydantic import ValidationError
 
 from palpate.core import PalpateError, Spec
 
-DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit codes."""
+DONE, FAULT, OUTSIDE, BAD_INPUT, INTERRUPTED = 0, 1, 1, 2, 130
+"""Exit codes; `OUTSIDE` is that of a figure, a marker or a row outside its tolerance."""
 _POSTPONE_S = 0.02
 """Time until an interruption is tried again, s; imports of a whole package last some tenths."""
 _SWALLOWING = ("__del__", "_on_type_disposal")

@@ -61,7 +61,7 @@ _RANKING = (
 _SENSED = 1.5
 """Maximum stretch of a pressed dome (docs/results/materials)."""
 _UNTOLD = 1e3
-"""Condition number above which the data do not determine the constants separately."""
+"""Condition number above which the data do not determine the constants separately. By hand."""
 
 
 def _of(loading: str) -> Parameter:

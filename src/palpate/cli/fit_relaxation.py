@@ -33,7 +33,7 @@ _TESTS = (
     Column("notes", prose=True),
 )
 _POOR = 0.01
-"""Relative difference between fit and curve above which a warning is printed."""
+"""Relative difference between fit and curve above which a warning is printed. By hand."""
 
 
 @Parameter(name="*")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from palpate.cli.border import OUTSIDE
 from palpate.cli.flag import flags_of
 from palpate.cli.output import Output, check_file
 from palpate.cli.unit import PrintFlags
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
     from palpate.sensor import Inspection
 
-OUTSIDE = 1
-"""Exit code if a marker is missing or outside the tolerance, as in `palpate verify`."""
 
 _COLUMNS = (
     Column("marker"),

@@ -20,7 +20,6 @@ from palpate.core import PalpateError
 if TYPE_CHECKING:
     from palpate.study import Row, StudyResult
 
-MOST_WORKERS = 1024
 _PREDICTION_ERROR = 0.02
 """Relative error of a predicted RMSE compared with 49 presses (docs/design_notes/study.md)."""
 _SIZES = {
@@ -43,6 +42,7 @@ class WorkerFlags:
 
     def check(self) -> None:
         """Raise a `PalpateError` if a flag is out of bounds."""
+        from palpate.core.run import MOST_WORKERS
         from palpate.study import available_cores
 
         if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:

@@ -40,7 +40,7 @@ _COLUMNS = (
     Column("twin_error_mm", form="g", meaning="RMS distance of the twin from presses between its own"),
 )
 _MUCH_MM = 0.03
-"""Interpolation error above which a twin errs by several times the marker noise, mm."""
+"""Interpolation error above which a twin errs by several times the marker noise, mm. By hand."""
 
 
 @Parameter(name="*")

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from palpate.cli.border import OUTSIDE
 from palpate.cli.output import Output
 
 if TYPE_CHECKING:
     from palpate.verify import CaseOutcome
 
-OUTSIDE = 1
-"""Exit code if a row is outside its tolerance."""
 _ONLY = "Run only the cases whose name contains this text; * and ? are wildcards."
 
 

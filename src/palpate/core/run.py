@@ -43,10 +43,12 @@ WORKER_DIED = "its worker process died, perhaps for want of memory"
 
 _ASK_TRACE: signal.Signals | None = getattr(signal, "SIGUSR1", None)
 """Signal on which a worker writes where its program stands; not on every system."""
+MOST_WORKERS = 1024
+"""Maximum number of workers: a larger one is a typing error."""
 _ANSWER_S = 0.5
-"""Time that a worker has to write where its program stands, before it is killed, s."""
+"""Time that a worker has to write where its program stands, before it is killed, s. By hand."""
 _DEATH_S = 5.0
-"""Time that the system may take to end a process, s."""
+"""Time that the system may take to end a process, s. By hand."""
 
 
 class Status(StrEnum):
@@ -172,7 +174,7 @@ class WorkerPool(ABC):
             self._early.append((call, Outcome(reason=reason, status=Status.FAILED)))
         return call
 
-    def wait(self, seconds: float) -> list[tuple[Call, Outcome]]:
+    def wait(self, seconds: float = 0.5) -> list[tuple[Call, Outcome]]:
         """Calls that have ended, after `seconds` at most; a worker that died or was stopped is replaced."""
         ended, self._early = self._early, []
         ended += self._collect(0.0 if ended else seconds)

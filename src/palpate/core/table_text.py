@@ -20,7 +20,7 @@ _DELIMITERS = ("\t", ";", ",", "|", " ")
 _NUMBERS_WITHIN = re.compile(r"[-+\d.,][;,|\t ]+[-+\d.,]|[\d.][;,|\t]$|^\d+[.,]\d+(?:[.,]\d+)?$")
 """Cells that a wrong delimiter or decimal mark leaves behind."""
 _MIN_ROWS = 5
-"""Fewer rows after the table may be a footer."""
+"""Fewer rows after the table may be a footer. By hand."""
 _SUMMARY = re.compile(
     r"(?:mean|average|avg|median|std\b.*|st\w* ?dev\w*|sd|cv|coefficient of variation|max\w*|min\w*|range|sum|total"
     r"|mittel\w*|s|x|moyenne|[ée]cart[ -]type|平均\w*|最大\w*|最小\w*|标准差|標準偏差)\W*",
@@ -30,6 +30,7 @@ _SUMMARY = re.compile(
 _CELLS = 4096
 """Number of cells whose kind is remembered: every dialect looks at the first lines several times."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
+"""Words that are read as numbers."""
 _THOUSANDS = {
     decimal: re.compile(rf"[-+]?\d{{1,3}}(?:(?:{mark}\d{{3}})+{point}\d+|(?:[\xa0\u202f'’]\d{{3}})+(?:{point}\d+)?)")
     for decimal, mark, point in ((".", ",", r"\."), (",", r"\.", ","))

@@ -33,11 +33,11 @@ from palpate.core.text_lines import HEAD, Line, read_bytes, split_lines
 from palpate.core.units import split_unit
 
 _PART = 20_000
-"""Number of rows that are held as text at a time."""
+"""Number of rows that are held as text at a time. By hand."""
 _LONGEST = 240
-"""Maximum number of characters of a cell."""
+"""Maximum number of characters of a cell. By hand."""
 _MANY = 12
-"""Minimum number of rows of a second table that makes the choice ambiguous."""
+"""Minimum number of rows of a second table that makes the choice ambiguous. By hand."""
 _JSON = (".jsonl", ".ndjson", ".json")
 
 Column = NDArray[Any]

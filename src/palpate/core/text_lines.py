@@ -10,8 +10,9 @@ import numpy as np
 from palpate.core.errors import PalpateError
 
 MAX_BYTES = 2_000_000_000
+"""Maximum size of a text file. By hand."""
 HEAD = 400
-"""Lines at the beginning of a file that are never thinned."""
+"""Lines at the beginning of a file that are never thinned. By hand."""
 _BOMS = ((b"\xef\xbb\xbf", "utf-8"), (b"\xff\xfe", "utf-16-le"), (b"\xfe\xff", "utf-16-be"))
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 _SAVE = "Save the table as CSV text."

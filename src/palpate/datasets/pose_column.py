@@ -45,11 +45,11 @@ AXES = {
 }
 """Alternative names of axes, used if no column has the name itself."""
 _TURN = 3.5
-"""Angles that stay below it may be radians, lengths that stay below a tenth of it metres."""
+"""Angles that stay below it may be radians, lengths that stay below a tenth of it metres. By hand."""
 _CIRCLE, _LONG = 7.0, 10.0
-"""Radians and metres beyond which the columns of a table without units are in deg and mm."""
+"""Radians and metres beyond which the columns of a table without units are in deg and mm. By hand."""
 _TINY = 0.05
-"""Range in mm that no presses have: numbers within it are metres."""
+"""Range in mm that no presses have: numbers within it are metres. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,8 @@ from palpate.fea import Press
 from palpate.surrogate import PressField, build_field
 
 _STEP = 0.2
-"""Distance h of the points by which the motion of the surface near a marker is differentiated, mm."""
+"""Distance h of the points by which the motion of the surface near a marker is differentiated, mm.
+By hand."""
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ _TIME = re.compile(
     r"(?:[\s_/,(\[]+(?:in\s+)?(s|sec|seconds?|ms|[uµμ]s|ns)[)\]]?)?"
 )
 _SECONDS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
+"""Seconds a unit."""
 _EPOCH_S = (1e9, 5e9)
 """Unix times, s, from 2001 to 2128; ms, us and ns of them lie in other ranges."""
 _STEP_S = 0.5

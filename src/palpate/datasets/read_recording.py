@@ -35,6 +35,7 @@ from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
 
 LEAST_IMAGES, LEAST_PRESSES = 8, 8
+"""Minimum numbers of images and presses of a recording. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,9 +29,9 @@ _POSES = (
 _FORCES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench")
 _REMEDY = "Give a rosbag1 (.bag), or a rosbag2 (folder, .mcap or .db3)."
 _PARTS = 40
-"""Maximum number of parts of equal duration that count as presses."""
+"""Maximum number of parts of equal duration that count as presses. By hand."""
 _PAUSE = 5.0
-"""Time between two images, over its median, from which a new press begins."""
+"""Time between two images, over its median, from which a new press begins. By hand."""
 _MOSAICS = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}
 """Bayer mosaics by ROS, and OpenCV's names of the same: their second row, second and third column."""
 

@@ -43,11 +43,11 @@ _PRESS = (
 )
 INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
 """Names of columns that number the rows."""
-_STILL = 1e-9
-_FEW_MISSING = 0.1
-"""Share of rows without a number above which the column is left out, not these rows."""
+_STILL, _FEW_MISSING = 1e-9, 0.1
+"""Relative range of a constant column: rounding; share of rows without a number that loses a column.
+By hand."""
 _JUMP, _GAP = 150.0, 45.0
-"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened."""
+"""Degrees beyond which angles jump at ±180°, and the gap by which their circle can be opened. By hand."""
 
 
 def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:

@@ -12,15 +12,15 @@ from palpate.core import FloatArray, PalpateError, load_opencv
 from palpate.datasets.recording_images import Item
 
 _GAP = 3.0
-"""Largest time between the samples around an image, over their median period."""
+"""Largest time between the samples around an image, over their median period. By hand."""
 LEAST_SAMPLES = 8
-"""Minimum number of images and samples from which a clock offset is estimated."""
+"""Minimum number of images and samples from which a clock offset is estimated. By hand."""
 _RANGE_S, _FINE = 1.0, 0.25
-"""Largest clock offset that is searched, s, and its step over the time between images."""
+"""Largest clock offset that is searched, s, and its step over the time between images. By hand."""
 _SURE, _BETTER = 0.6, 0.7
-"""Minimum correlation of image change and motion; maximum ratio of residual variances."""
+"""Minimum correlation of image change and motion; maximum ratio of residual variances. By hand."""
 _SMALL = 24
-"""Side of the images whose change is measured, px."""
+"""Side of the images whose change is measured, px. By hand."""
 
 
 class Samples(NamedTuple):

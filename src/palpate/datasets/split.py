@@ -10,7 +10,7 @@ from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, generato
 from palpate.design import TILT_SPACE, PoseSpace
 
 SAME_POSE = 1e-6
-"""Poses nearer than this are one, degrees or mm."""
+"""Poses nearer than this are one, degrees or mm. By hand."""
 
 
 class LeakageError(PalpateError):

@@ -18,6 +18,7 @@ from palpate.datasets.table import Column
 _FILES = (b"\xff\xd8\xff", b"\x89PNG")
 """First bytes of JPEG and PNG files."""
 _LEAST_PX = 8
+"""Minimum side of an image; shorter axes of an array are channels or vectors. By hand."""
 
 
 def holds_images(array: Any) -> bool:

@@ -28,9 +28,11 @@ _NEAR_AXIS = 8.0
 """Degrees from the mean tool axis to a base axis up to which the surface is normal to this axis:
 the mean of 12 tilts of 10° strays by 3°, and a surface set up by hand by 2°."""
 _SPREAD = 75.0
-"""Degrees from a tool axis to their mean above which poses are not those of presses on one surface."""
+"""Maximum degrees from a tool axis to the mean of presses on one surface. By hand."""
 _TURNED = 90.0
+"""Angles up to it (degrees) may be tilts: columns rx and ry are then no tool orientation. By hand."""
 _UNIT_NORM = 0.02
+"""Maximum deviation of a quaternion's norm from 1, for rounding to two decimals."""
 _FLAGS = "Give --orientation rotvec, xyzw, wxyz, matrix or an order of Euler angles such as xyz, and --frame."
 
 

@@ -27,7 +27,7 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
 HOLE = 0.25
-"""Radius of the far end's circle on the unit disc."""
+"""Radius of the far end's circle on the unit disc. By hand."""
 _LEAST_BULGE = 1e-6
 """Minimum ratio of bulge to length; below it, the arc's centre is so distant that rounding matters."""
 _TACLINK = "mesh of the authors' SimTacLS"

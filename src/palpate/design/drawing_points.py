@@ -17,11 +17,11 @@ DRAWINGS = (".dxf", ".svg")
 _MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96, "": 25.4 / 96, "q": 0.25}
 """Length of each unit of SVG in mm (CSS Values and Units 3)."""
 _OUTLINE = 3.0
-"""Circles larger than the median by this factor are outlines, not markers."""
+"""Circles larger than the median by this factor are outlines, not markers. By hand."""
 _SAME_MM = 1e-3
-"""Distance below which two centres are one marker, drawn twice."""
+"""Distance below which two centres are one marker, drawn twice. By hand."""
 _ROUND = 0.02
-"""Relative difference of a curve's area from that of the ellipse of its moments; a square has 0.045."""
+"""Relative difference of a curve's area from that of an ellipse; 0.045 for a square. By hand."""
 _SAMPLES = 8
 """Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
 

@@ -27,16 +27,15 @@ from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.cone import Cone, ConeSpec
 from palpate.design.outline import Outline
 from palpate.design.ray import trace_rays
+from palpate.design.revolved import BEYOND
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 from palpate.design.superellipse import Superellipse
 
 _NEWTON = 20
-"""Maximum number of Newton steps to the nearest point."""
+"""Maximum number of Newton steps to the nearest point. By hand."""
 _SINGULAR = 1e-12
 """Minimum determinant of a Newton matrix over the square of its trace; below, no step is made."""
-_BEYOND = 1.25
-"""Parameter up to which the cone's meridian is continued below the rim."""
 _GAUSS = np.polynomial.legendre.leggauss(16)
 
 
@@ -187,7 +186,7 @@ class FlatPad(Skin):
             step = self._step(points, t, angle)
             if np.abs(step).max(initial=0.0) < 1e-14:
                 break
-            t, angle = np.clip(t + step[:, 0], 0.0, _BEYOND), angle + step[:, 1]
+            t, angle = np.clip(t + step[:, 0], 0.0, BEYOND), angle + step[:, 1]
         return t, angle
 
     def _step(self, points: FloatArray, t: FloatArray, angle: FloatArray) -> FloatArray:

@@ -14,8 +14,10 @@ from palpate.design.markers import MarkerLayout
 from palpate.design.skin import Skin
 
 AZIMUTH_DEG = 15.0
+"""Azimuth of the mark, degrees: on no mirror plane of the presets."""
 _CLEARANCE = 1.4
-"""Distance from the outermost markers, over the diameter of a marker, if the skin is large enough."""
+"""Distance from the outermost markers, over the diameter of a marker, if the skin is large enough.
+By hand."""
 
 
 def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:

@@ -26,7 +26,7 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
 _LONGEST = 0.8
-"""Maximum length of a pin over the height of the dome, so that tips stay apart and above the base."""
+"""Maximum length of a pin over the height of the dome: tips stay above the base. By hand."""
 
 
 @final

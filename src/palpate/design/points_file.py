@@ -15,7 +15,7 @@ from palpate.design.skin import Skin
 MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "in": 25.4}
 """Length of each unit in mm."""
 ON_SURFACE = 0.05
-"""Maximum distance from the inner surface of a point with a height, mm."""
+"""Maximum distance from the inner surface of a point with a height, mm. By hand."""
 
 
 def read_points(path: Path, skin: Skin) -> FloatArray:

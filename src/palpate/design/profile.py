@@ -25,19 +25,19 @@ from palpate.design.spline import Spline, SplineSpec
 _RADIAL, _AXIAL = ("r", "rho", "radius", "x"), ("z", "height", "y")
 """Names of the columns of a table: distance from the axis, height."""
 _CLOSE, _LOOSE = 0.01, 0.05
-"""Deviation from the drawing, mm, that is aimed at, and from which a skin is rejected."""
+"""Deviation from the drawing, mm, that is aimed at, and from which a skin is rejected. By hand."""
 _FAR = 1e5
 """Distance from the origin, mm, from which a point is a wrong number; its curve would fill the memory."""
 _FLATTENING, _JOIN, _SPACING = 0.002, 0.01, 0.02
-"""Chord error of arcs, largest gap between the ends of curves, distance of compared points, mm."""
+"""Chord error of arcs, largest gap between curves, distance of compared points, mm. By hand."""
 _MOST_POINTS = 16
-"""Maximum number of points of a meridian."""
+"""Maximum number of points of a meridian. By hand."""
 _UNEVEN = 0.1
-"""Largest deviation of the drawn thickness from one with a taper, mm."""
+"""Largest deviation of the drawn thickness from one with a taper, mm. By hand."""
 _CORNER = np.radians(25.0)
 """Change of direction from which two segments of a curve meet in a corner."""
 _STEP_POINTS, _TABLE_POINTS = 400, 2000
-"""Number of points that replace an edge of a STEP body, and the smooth curve of a table."""
+"""Number of points that replace an edge of a STEP body, and the smooth curve of a table. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

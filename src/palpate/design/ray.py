@@ -16,9 +16,9 @@ Gap = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 Within = Callable[[FloatArray], BoolArray]
 
 _FIRST, _NEWTON, _MARCH = 4, 8, 60
-"""Steps along a ray: sphere tracing, Newton's method, and sphere tracing if that did not converge."""
+"""Steps along a ray: sphere tracing, Newton's method, sphere tracing without it. By hand."""
 _GRAZING, _HIT_MM = 0.05, 1e-9
-"""Minimum slope of the gap along a ray in a step, and maximum gap of a solution."""
+"""Minimum slope of the gap along a ray in a step, and maximum gap of a solution. By hand."""
 
 
 def trace_rays(gap: Gap, within: Within, origin: FloatArray, rays: FloatArray) -> FloatArray:

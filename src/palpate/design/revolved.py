@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 _TABLE = 2001
-"""Number of points of the tables along the meridian."""
-_BEYOND = 1.25
-"""Parameter up to which the tables extend."""
+"""Number of points of the tables along the meridian. By hand."""
+BEYOND = 1.25
+"""Parameter up to which the tables extend. By hand."""
 _NEWTON, _STILL = 8, 1e-9
 """Maximum number of Newton steps, and a step size after which the next, its square, is negligible."""
 _SECTION = 33
-"""Number of points of the curve for the CAD kernel."""
+"""Number of points of the curve for the CAD kernel. By hand."""
 
 
 class RevolvedSkin(Skin):
@@ -88,7 +88,7 @@ class RevolvedSkin(Skin):
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Parameters (n,), meridian (n, 2) and length (n,) along it."""
-        t = np.linspace(0.0, _BEYOND, _TABLE)
+        t = np.linspace(0.0, BEYOND, _TABLE)
         curve, speed = self.curve(t), np.linalg.norm(self.curve(t, 1), axis=1)
         steps = np.diff(t) * (speed[1:] + speed[:-1]) / 2
         return t, curve, np.concatenate([[0.0], np.cumsum(steps)])
@@ -147,7 +147,7 @@ class RevolvedSkin(Skin):
             gap, slope = place - self.curve(t), self.curve(t, 1)
             fall = (slope**2).sum(axis=1) - (gap * self.curve(t, 2)).sum(axis=1)
             step = (gap * slope).sum(axis=1) / np.where(fall > 0, fall, (slope**2).sum(axis=1))
-            before, t = t, np.clip(t + step, 0.0, _BEYOND)
+            before, t = t, np.clip(t + step, 0.0, BEYOND)
             if np.abs(t - before).max(initial=0.0) < _STILL:
                 break
         return t, direction

@@ -22,19 +22,21 @@ from palpate.core import FloatArray, IntArray, PalpateError, load_extra, provena
 from palpate.design.outline import Arc, Outline, Plan, Point, SmoothCurve
 
 _LINEAR_MM, _ANGULAR_RAD = 0.02, 0.1
-"""Maximum distance and angle between a mesh and its solid."""
+"""Maximum distance and angle between a mesh and its solid. By hand."""
 _FINER = (1.0, 2.0, 4.0, 8.0)
 """Factors by which both are divided until the volume is accurate; smooth curves need more than arcs."""
 _VOLUME = 2e-3
-"""Maximum relative volume error of a mesh."""
+"""Maximum relative volume error of a mesh. By hand."""
 _MERGE_MM = 1e-6
+"""Distance up to which two points are one, mm."""
 _CURVE_POINTS = 40
+"""Points of a curved edge of an outline. By hand."""
 _QUARTER, _BENDS = 33, 9
-"""Points per quarter of a plan, and sections of a bent edge of an outline, for smooth curves."""
+"""Points per quarter of a plan, and sections of a bent edge of an outline, for smooth curves. By hand."""
 _AUTHOR = re.compile(rb"\(\s*'Author'\s*\)\s*,\s*\(\s*'Open CASCADE'\s*\)")
 """Author and organisation in the header of a STEP file, as the kernel writes them."""
 _INTEGRAL = 1e-7
-"""Relative error at which the refinement of a volume integral ends."""
+"""Relative error at which the refinement of a volume integral ends. By hand."""
 
 
 @dataclass(frozen=True)

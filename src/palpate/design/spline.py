@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 _SAMPLES = 400
+"""Points along the meridian at which radius and shape are checked. By hand."""
 _FLAT = 0.01
-"""Ratio of height to radius of curvature at the apex below which it counts as flat."""
+"""Ratio of height to radius of curvature at the apex below which it counts as flat. By hand."""
 _TIGHTEST = 0.9
-"""Maximum ratio of skin thickness to a concave radius of curvature; above 1 the outer surface folds."""
+"""Maximum ratio of skin thickness to a concave radius of curvature; above 1 the outer surface folds.
+By hand."""
 
 
 @final

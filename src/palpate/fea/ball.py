@@ -15,9 +15,9 @@ from palpate.mechanics import Gap, Obstacle, grid_quads, tangents
 from palpate.mesh import Mesh
 
 PATCH = 49
-"""Points along each side of a patch."""
+"""Points along each side of a patch. By hand."""
 _WIDE = 1.0
-"""Maximum angle (rad) from the middle of a ball's patch to its sides."""
+"""Maximum angle (rad) from the middle of a ball's patch to its sides. By hand."""
 
 
 @final

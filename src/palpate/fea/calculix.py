@@ -26,6 +26,7 @@ from palpate.core import FloatArray, PalpateError, Recipe, Spec, parameter
 from palpate.design import Design
 from palpate.fea.branch import Branch
 from palpate.fea.deck_spec import DeckSpec, Dialect
+from palpate.fea.monitor import INVERTED_GAP
 from palpate.fea.press import Press
 from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PressSolver
@@ -38,8 +39,6 @@ from palpate.mechanics import EndReason, OuterSurface, SolverSpec, fill_nodes
 from palpate.mesh import Mesh, MeshSpec, gauss_points, mesh_skin, shape_hexahedron
 
 PROGRAM = "ccx"
-_INVERTED_GAP = 0.1
-"""Gap of the first-contact point over the thickness above which the apex counts as inverted."""
 
 
 class CalculixSpec(Spec):
@@ -231,7 +230,7 @@ def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: Obs
         "contact_energy": nothing,
         "dissipation": nothing,
         "work": PchipInterpolator(depth, force @ wall.approach_axis(mesh)).antiderivative()(depth),
-        "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
+        "branch": np.where(gap > INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], found.peak_stress]),
         "contact_area": parts * area,
         "apex_gap": gap,

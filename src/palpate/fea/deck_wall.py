@@ -15,7 +15,7 @@ from palpate.fea.wall import WallSpec
 from palpate.mesh import Mesh
 
 ROUGH_FRICTION = 10.0
-"""Coefficient of friction used for no slip in CalculiX, which has no rough friction."""
+"""Coefficient of friction used for no slip in CalculiX, which has no rough friction. By hand."""
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,11 @@ from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 _RINGS, _AROUND = 60, 73
+"""Points of the outer surface that start the search, along the meridian and in azimuth. By hand."""
 _ROUNDS = 20
+"""Maximum number of rounds of the search. By hand."""
 _EXACT = 1e-10
-"""Penetration at first contact over the base radius."""
+"""Penetration at first contact over the base radius. By hand."""
 
 
 def find_first_contact(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:

@@ -17,19 +17,21 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray
 from palpate.mechanics import ContactLoading, EndReason, Monitor, Solid, State, smallest_stretch
 
-_SECTORS = 6
+SECTORS = 6
+"""Sectors of half a turn: in each, the radius of a patch is measured, and a ring must touch. By hand."""
 _MIDDLE = 0.9
 """Share of the patch's radius that is stabilised.
 
-With a smaller share, points outside it leave and return without end at T = 1.
+With a smaller share, points outside it leave and return without end at T = 1. By hand.
 """
-_INVERTED_GAP = 0.1
+INVERTED_GAP = 0.1
 """Gap of the first-contact point over the thickness above which the apex counts as inverted.
 
-It is some micrometres on the flat branch.
+It is some micrometres on the flat branch. By hand.
 """
 _PULL, _PULL_FROM = 0.01, 1.5
-"""Stabilising spring over the contact penalty, and the depth over the thickness above which it acts."""
+"""Stabilising spring over the contact penalty, and the depth over the thickness above which it acts.
+From half this depth it keeps a thin dome from inverting: 180 % of force. By hand."""
 _FOLDING_STRETCH = 0.647
 """Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009).
 
@@ -38,7 +40,7 @@ A smooth surface is unstable below 0.544 (Biot 1963). The loss of a branch below
 _STEEP = 0.999
 """Component of a normal along y above which y defines no direction across it."""
 _SHALLOW = 1.0
-"""Depth (mm, times the unit) below which the width of a perturbation is constant."""
+"""Depth (mm, times the unit) below which the width of a perturbation is constant. By hand."""
 
 
 @final
@@ -92,7 +94,7 @@ class SkinMonitor(Monitor):
         return -float(met.obstacle.penetration(met.points[self.probe : self.probe + 1])[0])
 
     def inverted(self, at: float, state: State) -> bool:
-        return self.gap(at, state) > _INVERTED_GAP * self.thickness
+        return self.gap(at, state) > INVERTED_GAP * self.thickness
 
     def stabilisation(self, at: float, state: State) -> FloatArray | None:
         if at <= _PULL_FROM * self.thickness:
@@ -143,15 +145,15 @@ def patch_middle(
     radius. Directions are folded about the tilt plane, so half and whole models agree. Without a `centre` (3,) mm it
     is the mean of the points `touching` along the tilt.
     """
-    if np.count_nonzero(touching) < 4 * _SECTORS:
+    if np.count_nonzero(touching) < 4 * SECTORS:
         return np.zeros(len(place), bool)
     along = tilt_way(normal)
     across = np.cross(normal, along)
     flat = np.column_stack([place @ along, np.abs(place @ across)])
     arm = flat - np.array([flat[touching, 0].mean() if centre is None else centre @ along, 0.0])
     radius = np.hypot(arm[:, 0], arm[:, 1])
-    sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
-    there = [k for k in range(_SECTORS) if (sector == k).any()]  # a quarter model has no other sectors
+    sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * SECTORS).astype(int), SECTORS - 1)
+    there = [k for k in range(SECTORS) if (sector == k).any()]  # a quarter model has no other sectors
     reach = [radius[touching & (sector == k)].max(initial=0.0) for k in there]
     middle: BoolArray = (radius < _MIDDLE * min(reach)) & (place @ normal > 0)
     return middle

@@ -19,7 +19,7 @@ from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design import OFFSET_SPACE, PoseSpace
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.spec import SAME_MM, ObstacleSpec
 from palpate.fea.wall import Plane, refuse_rim_first
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 ARM = 20.0
-"""Distance in mm by which a rotation is converted to a length."""
-_SHORTEST = 1e-6
-"""Length in mm below which two waypoints are equal."""
+"""Distance in mm by which a rotation is converted to a length. By hand."""
 
 
 class Waypoint(NamedTuple):
@@ -204,7 +202,7 @@ def _check(points: tuple[Waypoint, ...]) -> None:
                     "waypoint {number} has {name} = {value}; choose a value from {minimum} to {maximum}",
                     {"number": number, "name": name, "value": f"{value:g}", "minimum": least, "maximum": most},
                 )
-    short = np.flatnonzero(np.diff(_lengths(points)) < _SHORTEST)
+    short = np.flatnonzero(np.diff(_lengths(points)) < SAME_MM)
     if len(short):
         raise PydanticCustomError(
             "waypoint-twice",

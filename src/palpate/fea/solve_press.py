@@ -15,7 +15,7 @@ from palpate.fea.inverted import RING_POINTS, explain_rejection, follow_inverted
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.press import IncrementFields, Press
-from palpate.fea.spec import ObstacleSpec, check_half_model
+from palpate.fea.spec import SAME_MM, ObstacleSpec, check_half_model
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force
 from palpate.material import Material
@@ -31,9 +31,6 @@ from palpate.mechanics import (
     von_mises,
 )
 from palpate.mesh import Mesh, centre_mesh
-
-_SAME_MM = 1e-6
-"""Difference below which two depths are equal."""
 
 
 def solve_press(
@@ -162,7 +159,7 @@ def _draw_back(path: Continuation, goals: list[float], stops: tuple[float, ...])
 
 
 def _is_stop(depth: float, stops: tuple[float, ...]) -> bool:
-    return any(abs(depth - stop) < _SAME_MM for stop in stops)
+    return any(abs(depth - stop) < SAME_MM for stop in stops)
 
 
 def increment_depths(obstacle: ObstacleSpec, deepest: float) -> list[float]:
@@ -170,8 +167,8 @@ def increment_depths(obstacle: ObstacleSpec, deepest: float) -> list[float]:
     count = int(np.floor(deepest / obstacle.depth_step + 1e-9))
     depths = [obstacle.depth_step * (k + 1) for k in range(count)]
     for stop in obstacle.stop_depths:
-        depths = sorted([*(depth for depth in depths if abs(depth - stop) > _SAME_MM), stop])
-    if not depths or deepest - depths[-1] > _SAME_MM:
+        depths = sorted([*(depth for depth in depths if abs(depth - stop) > SAME_MM), stop])
+    if not depths or deepest - depths[-1] > SAME_MM:
         depths.append(deepest)
     return depths
 

@@ -18,9 +18,12 @@ from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
 CELLS = (8, 11, 16, 22, 32)
-"""Cells from pole to rim of a mesh convergence; each mesh has about twice the elements of the last."""
+"""Cells from pole to rim of a mesh convergence; each mesh has about twice the elements of the last.
+By hand."""
 GREATEST_FRICTION = 10.0
-"""Maximum coefficient of friction; above it, choose `NO_SLIP`."""
+"""Maximum coefficient of friction; above it, choose `NO_SLIP`. By hand."""
+SAME_MM = 1e-6
+"""Difference below which two depths or waypoints are equal."""
 _SAME_TURN_DEG = 1e-9
 """Maximum angle in degrees at which an obstacle's plane and a mirror plane of the skin count as equal."""
 

@@ -42,9 +42,9 @@ _POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg"
 WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "curvature", "friction")
 """Names of derivatives of a press by a flat wall, without those of its skin and its material."""
 _STEP = 1e-7
-"""Half the difference of a parameter, mm, degrees or 1; relative for a constant of the material."""
+"""Half the difference of a parameter, mm, degrees or 1; relative for a material constant. By hand."""
 _CURVATURE_STEP = 3e-6
-"""Half the difference of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
+"""Half the difference of a curvature, 1/m: some 1e-7 mm at the edge of a patch. By hand."""
 
 
 @dataclass(frozen=True)

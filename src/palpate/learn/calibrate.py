@@ -15,13 +15,14 @@ from palpate.learn.interval import Interval, TrainedRange, press_quantile
 LEVEL = 0.9
 """Share of true values that an interval covers."""
 FALSE_ALARM = 0.02
-"""Share of images inside the trained range that may be flagged; more where few presses calibrate."""
+"""Share of images inside the trained range that may be flagged; more where few presses calibrate.
+By hand."""
 SHARE = 0.5
-"""Share of the held-out presses that calibrate; coverage is measured on the remaining ones."""
+"""Share of the held-out presses that calibrate; coverage is measured on the remaining ones. By hand."""
 DRAWS = 4
-"""Draws of jitter for each held-out image."""
+"""Draws of jitter for each held-out image, and at each pose of an error bound. By hand."""
 MOST_IMAGES = 4096
-"""Training images on which the error of each depth is measured."""
+"""Training images on which the error of each depth is measured. By hand."""
 LEAST_NOISE_PX = 0.05
 """Noise of a marker's position for a dataset without jitter: that of the detector (px)."""
 LEAST_ERROR = 1e-6

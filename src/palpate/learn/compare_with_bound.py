@@ -11,7 +11,7 @@ from palpate.learn.error_bound import ErrorBound
 from palpate.learn.metrics import Metrics
 
 STANDARD_ERRORS = 3.0
-"""Number of standard errors below the floor from which a jittered RMSE counts as leakage."""
+"""Number of standard errors below the floor from which a jittered RMSE counts as leakage. By hand."""
 
 
 @dataclass(frozen=True)

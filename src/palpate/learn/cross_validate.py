@@ -16,9 +16,9 @@ from palpate.learn.prepare_recording import PreparedRecording
 from palpate.learn.recording_spec import RecordingSpec
 
 MOST_PRESSES = 40
-"""Up to so many presses estimators are cross-validated; above, presses are held out."""
+"""Up to so many presses estimators are cross-validated; above, presses are held out. By hand."""
 _FOLDS, _EACH, _MOST_IMAGES = 10, 20, 1000
-"""Number of folds, number of presses up to which each press is a fold, and maximum number of images."""
+"""Folds, maximum number of presses for one fold each, maximum number of images. By hand."""
 
 
 def count_folds(seen: PreparedRecording, spec: RecordingSpec) -> int:

@@ -14,11 +14,11 @@ from palpate.learn.error_scale import ErrorScale
 MIXTURE, PICTURES = "mixture", "mixture of pictures"
 """Ensembles of all estimators, and of image networks."""
 _LEAST = 0.03
-"""Weight below which an estimator is left out of an ensemble."""
+"""Weight below which an estimator is left out of an ensemble. By hand."""
 _LEAST_MIXED = 30
-"""Minimum number of validation images for an ensemble: fewer do not determine its weights."""
+"""Minimum number of validation images for an ensemble: fewer do not determine its weights. By hand."""
 _GAIN = 0.97
-"""An ensemble is selected if its error is below this share of the best single estimator's."""
+"""An ensemble is selected if its error is below this share of the best single estimator's. By hand."""
 
 
 @dataclass(eq=False)

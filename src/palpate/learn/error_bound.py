@@ -21,19 +21,18 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.datasets import DatasetSpec, sample_poses
+from palpate.learn.calibrate import DRAWS
 from palpate.learn.posterior import BURN_IN, hit_and_run
 from palpate.surrogate import PressField, image_jacobian
 
 POSES = 48
-"""Poses over the disc of tilts at which the bounds are averaged."""
+"""Poses over the disc of tilts at which the bounds are averaged. By hand."""
 FEWEST_IMAGES = 3
 """Minimum number of images for a derivative by depth."""
-DRAWS = 4
-"""Draws of jitter at each pose."""
 ILL_POSED = 1e8
-"""Condition number of a Jacobian beyond which the pose is not determined."""
+"""Condition number of a Jacobian beyond which the pose is not determined. By hand."""
 STEPS = 60
-"""Steps of a random walk after burn-in."""
+"""Steps of a random walk after burn-in. By hand."""
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,11 @@ from palpate.core import FloatArray, IntArray, generator
 from palpate.learn.interval import press_quantile
 
 LEAST_IMAGES, LEAST_PRESSES = 100, 50
-"""Numbers of validation images and presses below which all images get the same interval."""
+"""Numbers of validation images and presses below which all images get the same interval. By hand."""
 _PENALTY, _STEPS, _FOLDS = 4.0, 30, 5
-"""Ridge penalty of a coefficient, Fisher steps, and folds of the normalised errors."""
+"""Ridge penalty of a coefficient, Fisher steps, and folds of the normalised errors. By hand."""
 _FAR = 3.0
-"""Standard deviations to which a feature is limited."""
+"""Standard deviations to which a feature is limited. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,9 +30,9 @@ from palpate.vision import MarkerMatcher, ObservedLayout
 
 ADAPTED, CORRECTED = "adapted", "corrected"
 _HOLD = 0.05
-"""Weight of the regularisation of the linear correction, over the number of training presses."""
+"""Weight of the regularisation of the linear correction, over the number of training presses. By hand."""
 _DENSITY = 2.5
-"""Maximum scale factor between the two rest images."""
+"""Maximum scale factor between the two rest images. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

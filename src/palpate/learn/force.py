@@ -26,6 +26,7 @@ FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
 """Components of a force in the wall's axes, N: along its x and y axes, and along its outward normal."""
 _NETWORK = TrainingSpec(repeats=1)
 _LEAST_N = 1e-6
+"""Addition to the scale of a force, N: avoids a division by zero."""
 
 
 @dataclass(frozen=True, eq=False)

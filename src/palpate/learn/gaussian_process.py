@@ -27,21 +27,21 @@ from palpate.learn.rotation import ANGLES, RotationAugmentation, RotationOperato
 from palpate.learn.training_set import TrainingSet, flat_features
 
 STEPS = 12
-"""Rotations of the group, evenly spaced."""
+"""Rotations of the group, evenly spaced. By hand."""
 COMPONENTS, MOST_TUNED, MOST_ROWS = 60, 300, 1000
 """Maximum number of components, and of images that choose the kernel and that are kept.
 
-Networks are better from some 1 000 presses on, and the time of one estimate grows with the number kept.
+Networks are better from some 1 000 presses on, and the time of one estimate grows with the number kept. By hand.
 """
 _POWERS, _LENGTHS, _NOISES = (0.25, 0.5, 0.75), (0.7, 1.0, 1.5, 2.2, 3.2, 5.0), (1e-4, 1e-3, 1e-2, 1e-1)
 """Kernels that are tried: power of the deviation by which components are scaled, length, noise.
 
-The length is relative to the RMS component. The left-out error chooses.
+The length is relative to the RMS component. The left-out error chooses. By hand.
 """
 _OUTLIER, _MOST_OUTLIERS = 6.0, 0.05
-"""Relative distance of images that are dropped, over the median, and their maximum share."""
+"""Relative distance of images that are dropped, over the median, and their maximum share. By hand."""
 _FEWEST_ROWS, _ANGLE_ROWS = 20, 300
-"""Minimum number of images for choices and for dropping outliers, and maximum number for the symmetry."""
+"""Minimum number of images for choices and outliers, maximum number for the symmetry. By hand."""
 
 
 class Kernel(NamedTuple):

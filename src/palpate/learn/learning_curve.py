@@ -13,11 +13,11 @@ from palpate.learn.member import EnsembleMember, ImageRidge, MarkerNetwork, Mark
 from palpate.learn.training_set import TrainingSet
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
-"""Numbers of training presses, as far as the recording has them."""
+"""Numbers of training presses, as far as the recording has them. By hand."""
 _CLOSED = 1000
-"""Number of presses up to which no network is better than the Gaussian process."""
+"""Number of presses up to which no network is better than the Gaussian process. By hand."""
 _EPOCHS = 150
-"""Epochs of the network of the curve: fewer than the model's, so that its errors are larger."""
+"""Epochs of the network of the curve: fewer than the model's, so that its errors are larger. By hand."""
 
 
 @dataclass(frozen=True)

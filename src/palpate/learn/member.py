@@ -30,9 +30,9 @@ EFFORTS = ("ridge", "fast", "all")
 PENALTIES = tuple(10.0**k for k in range(-4, 4))
 """Ridge penalties that are tried, over the mean square of a feature and the number of images."""
 SIDES = (16, 24, 32)
-"""Sizes to which images are shrunk for ridge, px."""
+"""Sizes to which images are shrunk for ridge, px. By hand."""
 _LONGER = 8 / 3
-"""Passes over rotated images over those over plain ones: augmented data allow longer training."""
+"""Ratio of passes over rotated and plain images: augmented data allow longer training. By hand."""
 _MOST_SHOWN = 250_000
 """Images that these passes show at most, unless plain ones show more: 35 to 50 minutes of a core."""
 _ADDED = "added_"

@@ -17,7 +17,7 @@ import numpy as np
 from palpate.core import FloatArray, kernel
 
 BURN_IN = 20
-"""Steps that let a walk forget that it starts at the true pose."""
+"""Steps that let a walk forget that it starts at the true pose. By hand."""
 
 
 @kernel

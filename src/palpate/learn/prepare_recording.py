@@ -22,9 +22,9 @@ from palpate.learn.training_set import TrainingSet
 from palpate.vision import AssignedMarkers, ObservedLayout, assign_images, choose_reference
 
 _LEAST_GOOD = 0.25
-"""Minimum share of images with assigned markers for estimators on markers."""
+"""Minimum share of images with assigned markers for estimators on markers. By hand."""
 _FIELD = 6
-"""Number of blobs in an image from which they form a field."""
+"""Number of blobs in an image from which they form a field. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

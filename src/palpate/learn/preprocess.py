@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import LARGEST_MPX
 from palpate.core import (
     ArtefactStore,
     BoolArray,
@@ -33,8 +34,9 @@ from palpate.datasets import Recording
 from palpate.vision import Detector, DetectSpec, prepare_detector
 
 CHUNK = 200
+"""Images read at a time, limited by memory. By hand."""
 _LOOKED = 7
-_MOST_MPX = 40.0
+"""Number of images, evenly spaced, in which markers are sought if there is no rest image. By hand."""
 
 Pictures = NDArray[np.uint8]
 
@@ -233,7 +235,7 @@ def _grey(image: NDArray[Any]) -> Pictures:
         raise PalpateError(
             f"An array of shape {image.shape} is not an image.", "Give (h, w) or (h, w, 3).", code="image-shape-wrong"
         )
-    if image.shape[0] * image.shape[1] > _MOST_MPX * 1e6 or min(image.shape[:2]) < 8:
+    if image.shape[0] * image.shape[1] > LARGEST_MPX * 1e6 or min(image.shape[:2]) < 8:
         raise PalpateError(
             f"An image has {image.shape[1]} × {image.shape[0]} px.",
             "Give 8 px a side to 40 million.",

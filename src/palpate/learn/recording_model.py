@@ -35,11 +35,13 @@ from palpate.learn.preprocess import Preprocessor
 from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 4
+"""Name and version in the header of a model."""
 _READ = (3, FORMAT_VERSION)
 """Versions that can be read; files of version 3 have one half-width for all images."""
-_BANK = 200
+BANK = 200
+"""Images that a model keeps as initial guesses of assignments. By hand."""
 _BEYOND = 0.5
-"""Distance beyond the training poses to which estimates are limited, over their range."""
+"""Distance beyond the training poses to which estimates are limited, over their range. By hand."""
 _STORED = ("fields", "seen", "motion", "usual")
 
 
@@ -248,8 +250,8 @@ def write_model(path: Path, model: RecordedModel) -> None:
         )
         if model.layout is not None:
             file["rest_px"] = model.layout.rest_px
-            file["fields"] = np.asarray(model.reference_bank[0][:_BANK], np.float32)
-            file["seen"] = np.asarray(model.reference_bank[1][:_BANK], np.float32)
+            file["fields"] = np.asarray(model.reference_bank[0][:BANK], np.float32)
+            file["seen"] = np.asarray(model.reference_bank[1][:BANK], np.float32)
             file["motion"], file["usual"] = np.asarray(model.reference_bank[2], np.float32), model.reference_bank[3]
         for name, part in model.parts.items():
             for key, values in part.arrays.items():

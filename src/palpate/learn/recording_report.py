@@ -17,10 +17,8 @@ from palpate.learn.learning_curve import extrapolate_learning_curve
 from palpate.learn.select_model import EstimatorScore
 from palpate.learn.train_on_recording import RecordingResult
 
-_SHOWN = 6
-_DPI = 110
-_DIM = 0.6
-"""Brightness of images under the marker displacements."""
+_SHOWN, _DPI, _DIM = 6, 110, 0.6
+"""Number of images shown, resolution, and brightness of images under the marker displacements."""
 
 
 def recording_report(result: RecordingResult) -> dict[str, Any]:

@@ -24,22 +24,23 @@ from palpate.core import BoolArray, FloatArray
 _TURNING, _FIXED, _ODD = ("rx", "ry"), ("depth", "rz", "force"), ("rz",)
 """Axes that rotate with the sensor, invariant ones, and those that a reflection negates."""
 _LEAST_TURNED = 8
-"""Minimum number of images for a clear sense of rotation."""
+"""Minimum number of images for a clear sense of rotation. By hand."""
 COUNT = 36
-"""Number of rotations, evenly spaced."""
+"""Number of rotations, evenly spaced. By hand."""
 MOST_DOTS = 800
-"""Maximum number of markers for this augmentation: the fields' covariance has (2 m)² numbers."""
+"""Maximum number of markers for this augmentation: the fields' covariance has (2 m)² numbers. By hand."""
 _NEAR, _FAR = 12, 0.75
-"""Markers of a local interpolation, and distance over spacing from which the nearest is used."""
+"""Markers of a local interpolation, and distance over spacing from which the nearest is used. By hand."""
 _LEAST_INSIDE = 0.25
-"""Minimum share of markers inside the filled circle."""
+"""Minimum share of markers inside the filled circle. By hand."""
 _MARGIN = 0.3
-"""Tolerance of the filled circle, over the spacing: rings are not quite round."""
+"""Tolerance of the filled circle, over the spacing: rings are not quite round. By hand."""
 _ORDERS = (6, 4, 3, 2)
+"""Orders of symmetry that are tried, the highest first. By hand."""
 _MOST_ALIKE, _ALIKE = 0.9, 0.3
-"""Symmetry of a rotated pattern: minimum share of coinciding markers, tolerance over spacing."""
+"""Symmetry of a rotated pattern: minimum share of coinciding markers, tolerance over spacing. By hand."""
 _RINGS, _CLEAR, _FRAMES = 3, 0.8, 180
-"""Rings of pooled fields, clear residual ratio of the two senses, and angles in half a turn."""
+"""Rings of pooled fields, clear residual ratio of the two senses, and angles in half a turn. By hand."""
 _MIRROR = np.diag([1.0, -1.0])
 
 

@@ -8,8 +8,11 @@ from palpate.core import BoolArray, FloatArray
 from palpate.learn.ridge import solve_ridge
 
 _SHIFTS = (-3, -2, -1, 1, 2, 3)
+"""Offsets that are tried: one to three lost or additional rows. By hand."""
 _FEATURES = 30
+"""Maximum number of principal components in the linear fits. By hand."""
 _BETTER = 0.6
+"""Maximum error over that without offset. By hand."""
 
 
 def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:

@@ -23,7 +23,7 @@ SPACES = {"paper": PAPER_SPACE, "best": BEST_SPACE}
 REDUCTION = 3
 """One in this number of trials is promoted to the next rung."""
 STARTUP = 5
-"""Random settings before proposals by the model."""
+"""Random settings before proposals by the model. By hand."""
 
 
 def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Estimator:

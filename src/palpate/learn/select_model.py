@@ -15,7 +15,7 @@ from palpate.learn.error_scale import fit_scale
 from palpate.learn.member import EnsembleMember
 from palpate.learn.metrics import ErrorSummary
 from palpate.learn.prepare_recording import PreparedRecording
-from palpate.learn.recording_model import RecordedModel
+from palpate.learn.recording_model import BANK, RecordedModel
 from palpate.learn.recording_spec import RecordingSpec
 from palpate.vision import marker_descriptor
 
@@ -25,10 +25,8 @@ _APART, _WORTH, _LEAST_APART = (1.0, 1.5, 2.0, 3.0), 0.95, 20
 """Selection of the maximum disagreement of marker and image ensembles.
 
 Multiples of the 90 % quantile that are tried; maximum ratio of the square error for a limit; minimum number of
-images.
+images. By hand.
 """
-_BANK = 200
-"""Images that a model keeps as initial guesses of assignments."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +168,7 @@ def _bank(seen: PreparedRecording) -> tuple[FloatArray, FloatArray]:
     features = seen.moved[sure].reshape(len(sure), -1)
     chosen = [0]
     near = np.full(len(sure), np.inf)
-    for _ in range(min(_BANK - 1, len(sure) - 1)):
+    for _ in range(min(BANK - 1, len(sure) - 1)):
         near = np.minimum(near, ((features - features[chosen[-1]]) ** 2).sum(axis=1))
         chosen.append(int(np.argmax(near)))
     rows = sure[chosen]

@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from torch import Generator, Tensor
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, MARKER_EPOCHS = 48, 256, 4, 3, 300
-"""Network on markers: principal components read, units and number of hidden layers, members, epochs."""
+"""Network on markers: principal components read, units and number of hidden layers, members, epochs.
+By hand."""
 CHANNELS, DENSE = (16, 32, 64, 96, 128), 256
-"""Network on images: channels of its convolutions, units of its dense layer."""
+"""Network on images: channels of its convolutions, units of its dense layer. By hand."""
 MARKER_NOISE, NOISE, SHIFT, RISE = 0.01, 0.1, 0.024, 0.25
 """Noise, shift and warm-up of a training.
 
@@ -36,11 +37,12 @@ epochs.
 """
 _FINE_TUNING = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, anchor_weight=1e-3)
 _POWER = 0.35
-"""Power of the deviation by which components are scaled: small ones count, but less than large ones."""
+"""Power of the deviation by which components are scaled: small ones count, but less than large ones.
+By hand."""
 _TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
 """Share of rotated batches, and shares of the training between which it falls to zero.
 
-A built sensor is not quite symmetric, and Euler angles do not rotate exactly.
+A built sensor is not quite symmetric, and Euler angles do not rotate exactly. By hand.
 """
 
 Source = Callable[["Tensor", float, "Sequence[Generator]"], "tuple[Tensor, Tensor]"]

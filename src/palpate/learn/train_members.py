@@ -21,9 +21,6 @@ from palpate.core.run import Call, LocalWorkers, Outcome, Progress, Status
 from palpate.learn.member import EnsembleMember, TrainingRun
 from palpate.learn.training_set import TrainingSet
 
-_WAIT_S = 0.5
-"""Waiting time for the pool, s."""
-
 
 @dataclass(frozen=True, eq=False)
 class TrainingJob:
@@ -131,7 +128,7 @@ def _train_in_processes(
             while queue and len(running) < workers:
                 job = queue.pop(0)
                 running[pool.submit(job.train, threads, _draft(store, job), progress=progress)] = job
-            for call, outcome in pool.wait(_WAIT_S):
+            for call, outcome in pool.wait():
                 job = running.pop(call)
                 yield job, _trained(job, outcome), outcome.seconds
 

@@ -28,9 +28,9 @@ from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
 from palpate.learn.train_members import TrainingJob, train_members
 
 _LEAST_SAMPLES = 4
-"""Minimum number of training images of an estimator."""
+"""Minimum number of training images of an estimator. By hand."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
-"""Error ratio to the mean pose: limits of a failed training, and of a search for a row offset."""
+"""Error ratio to the mean pose: limits of a failed training, of a search for a row offset. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 MATRIX_BETA, POLYNOMIAL, POLYNOMIAL_STEPS = 0.95, (3.4445, -4.7750, 2.0315), 3
 """Constants of Muon (Jordan et al. 2024); three steps train as well as their five."""
 WARM_UP = 200
-"""Steps over which the learning rate of the cosine schedule rises, at most a fifth of all."""
+"""Steps over which the learning rate of the cosine schedule rises, at most a fifth of all. By hand."""
 _BETWEEN_S = 5.0
 """Time between two checkpoints, s."""
 

@@ -66,7 +66,8 @@ _STRESS_UNITS = {unit.lower(): unit for unit in StressUnit} | {
 _GAUGE_LENGTHS = (5.0, 250.0)
 """Gauge lengths of specimens, mm (ISO 37: 10 to 25; D412: 25 to 33; long strips and blocks)."""
 _ALIKE = 0.02
-"""Maximum difference of a true strain from the logarithm of the stretch for the two columns to agree."""
+"""Maximum difference of a true strain from the logarithm of the stretch for the two columns to agree.
+By hand."""
 MAX_STRAIN = 12.0
 """Strain at rupture of the softest silicones; a larger one without a unit may be in per cent."""
 

@@ -10,11 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.material.loading import find_sweeps
+from palpate.material.loading import MIN_ROWS, find_sweeps
 from palpate.material.sample import Loading, Sample
 
-_MIN_ROWS = 4
-"""Minimum number of rows of a loading: machines write tens or more, a sudden return gives one or two."""
 _SAME_LEVEL = 0.03
 """Peaks nearer than this share of the range are one level; crossheads repeat a peak to about 1 %."""
 
@@ -78,9 +76,9 @@ def select_cycle(sample: Sample, cycle: int | None) -> tuple[Sample, ...]:
 def _loadings(away: FloatArray) -> list[IntArray]:
     """Rows of each loading of a cyclic test: sweeps out and back in turn, each of several rows."""
     sweeps = find_sweeps(away)
-    if len(sweeps) < 3 or min(map(len, sweeps[:-1])) < _MIN_ROWS:
+    if len(sweeps) < 3 or min(map(len, sweeps[:-1])) < MIN_ROWS:
         return []
-    return [sweep for sweep in sweeps if away[sweep[-1]] > away[sweep[0]] and len(sweep) >= _MIN_ROWS]
+    return [sweep for sweep in sweeps if away[sweep[-1]] > away[sweep[0]] and len(sweep) >= MIN_ROWS]
 
 
 def _levels(loadings: list[IntArray], away: FloatArray) -> list[list[IntArray]]:

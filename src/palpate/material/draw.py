@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PANEL_INCH = (4.4, 3.6)
+"""Size of a panel, inches."""
 DOTS_PER_INCH = 160
-_POINTS = 200
+"""Resolution of a figure."""
+POINTS = 200
+"""Points of a drawn curve."""
 _SAMPLE, _MEAN, _MODEL = "0.55", "black", "#c1272d"
 
 
@@ -92,7 +95,7 @@ def _draw_panel(axis: Axes, samples: Sequence[Sample], fit: Fit, scale: float) -
         band = (scale * (mean.mean - mean.spread), scale * (mean.mean + mean.spread))
         axis.fill_between(mean.stretch, *band, color=_MEAN, alpha=0.15, linewidth=0, label="± one deviation")
         axis.plot(mean.stretch, scale * mean.mean, color=_MEAN, linestyle="--", linewidth=1.1, zorder=4, label="mean")
-    grid = np.linspace(min(low, 1.0), max(high, 1.0), _POINTS)
+    grid = np.linspace(min(low, 1.0), max(high, 1.0), POINTS)
     axis.plot(grid, scale * fit.nominal(samples[0].mode, grid), color=_MODEL, linewidth=1.8, label=fit.model.name)
     axis.axhline(0, color="0.8", linewidth=0.6, zorder=0)
     axis.legend(fontsize=8, frameon=False)

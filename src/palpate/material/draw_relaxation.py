@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.material.draw import POINTS
 from palpate.material.fit_relaxation import RelaxationFit
 from palpate.material.relaxation_history import relax_history
 from palpate.material.relaxation_test import RelaxationTest
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _INCH = (5.0, 3.8)
-_POINTS = 200
+"""Size of the figure, inches."""
 _SAMPLE, _MODEL = "0.55", "#c1272d"
 
 
@@ -51,7 +52,7 @@ def draw_relaxation(tests: Sequence[RelaxationTest], fit: RelaxationFit) -> Figu
             color=_SAMPLE,
             label="measured" if number == 0 else None,
         )
-    grid = np.geomspace(fit.first, fit.last, _POINTS)
+    grid = np.geomspace(fit.first, fit.last, POINTS)
     axis.plot(
         grid,
         fit.relaxation.relaxation_function(grid),

@@ -16,11 +16,11 @@ from palpate.material.curve import Mode, stretches
 from palpate.material.law import Law
 
 LOW, HIGH = 0.05, 20.0
-"""Uniaxial stretches between which a law is scanned, if data do not go further."""
+"""Uniaxial stretches between which a law is scanned, if data do not go further. By hand."""
 _POINTS = 400
-"""Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
+"""Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale. By hand."""
 _WIDTH = 1e-11
-"""Width at which the bisection of the stability limit ends."""
+"""Width at which the bisection of the stability limit ends. By hand."""
 _ROUNDING = 1e-12
 """Relative rounding of the smallest eigenvalue (Ogden's law with a large exponent), over the largest."""
 

@@ -26,16 +26,17 @@ from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec, Weighting
 
 _LEAST_SHARE = 0.01
-"""Minimum stress of relative weights, over a mode's maximum stress."""
+"""Minimum stress of relative weights, over a mode's maximum stress. By hand."""
 _MARGIN = 1e-3
-"""Minimum stiffness of a stable fit, over that of the neo-Hookean fit in the same state."""
+"""Minimum stiffness of a stable fit, over that of the neo-Hookean fit in the same state. By hand."""
 _STATES = 400
-"""Stretches of each mode at which stability is required."""
+"""Stretches of each mode at which stability is required. By hand."""
 _GOOD_STARTS = 3
-"""Number of best starts that are searched to the end."""
+"""Number of best starts that are searched to the end. By hand."""
 _AT_BOUND = 1e-6
+"""Relative distance from a bound up to which a constant is at it. By hand."""
 _FEWEST_SAMPLES = 3
-"""Minimum number of samples per test for intervals from their differences."""
+"""Minimum number of samples per test for intervals from their differences. By hand."""
 
 
 class _Data(NamedTuple):

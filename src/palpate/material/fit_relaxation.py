@@ -19,15 +19,16 @@ from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.material.relaxation import MOST_TERMS, Moduli, Relaxation
 from palpate.material.relaxation_test import RelaxationTest
 
-_BINS_PER_DECADE = 20
-_GRID_PER_DECADE = 10
+_BINS_PER_DECADE, _GRID_PER_DECADE = 20, 10
+"""Means of the data, and relaxation times of a first fit, per decade of time. By hand."""
 _KNOT = 0.01
-"""Maximum error of the piecewise linear strain history, over the held strain."""
+"""Maximum error of the piecewise linear strain history, over the held strain. By hand."""
 _LEAST_WEIGHED = 0.2
-"""Minimum stress of the weights, over a test's maximum stress."""
+"""Minimum stress of the weights, over a test's maximum stress. By hand."""
 _AT_BOUND = 1e-4
+"""Strength up to which a term is at its bound. By hand."""
 _LEAST_END = 1e-3
-"""Minimum long-term share that is distinguished from a slow term."""
+"""Minimum long-term share that is distinguished from a slow term. By hand."""
 
 
 @dataclass(frozen=True)
@@ -253,9 +254,7 @@ def _search(rows: Sequence[_Rows], start: FloatArray, ends: tuple[float, float])
         np.clip(guess, low + 1e-9, high - 1e-9),
         bounds=(low, high),
         x_scale="jac",
-        xtol=1e-12,
-        ftol=1e-12,
-        gtol=1e-12,
+        **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12),
     )
     off = found.fun / np.concatenate([each.weight * each.stress for each in rows])
     held = np.concatenate([each.held for each in rows])

@@ -14,10 +14,11 @@ from palpate.core import FloatArray
 _CUTS = 40
 """Rounds of cutting planes; four or five are usual."""
 _ENOUGH = 1e-8
+"""Violation of the margin of stability up to which a state is stable. By hand."""
 _PLANES = 60
-"""Planes added in a round, those of the worst states."""
+"""Planes added in a round, those of the worst states. By hand."""
 _SINGULAR = 1e6
-"""Condition number beyond which constants are held small."""
+"""Condition number beyond which constants are held small. By hand."""
 
 
 def solve_linear(A: FloatArray, b: FloatArray) -> FloatArray:

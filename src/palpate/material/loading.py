@@ -13,17 +13,19 @@ from palpate.core import FloatArray, IntArray
 from palpate.material.sample import Loading, Sample
 
 _BROKEN = 0.8
-"""A later stress below this share of the maximum is that of a broken specimen."""
+"""A later stress below this share of the maximum is that of a broken specimen. By hand."""
 _TURN = 0.02
-"""Share of the range by which the stretch must reverse to end a sweep; less is noise of the machine."""
+"""Share of the range by which the stretch must reverse to end a sweep; less is noise of the machine.
+By hand."""
 _IN_SWEEPS = 0.6
 """Minimum share of the rows within sweeps, not at their ends: of shuffled rows it is a third."""
 _ROUGHER = 2.0
-"""Ratio of the roughness of sorted rows to that of the sweeps from which there are several branches."""
-_FEWEST = 4
-"""Minimum number of rows before the one of maximum stretch in a loading branch."""
+"""Ratio of the roughness of sorted rows to that of the sweeps from which there are several branches.
+By hand."""
+MIN_ROWS = 4
+"""Minimum number of rows of a loading: machines write tens or more. By hand."""
 _SMOOTH = 2e-3
-"""Roughness over the maximum stress below which there is a single branch."""
+"""Roughness over the maximum stress below which there is a single branch. By hand."""
 
 
 def loading_branch(sample: Sample) -> Sample:
@@ -48,7 +50,7 @@ def loading_branch(sample: Sample) -> Sample:
         sample = sample.where(np.arange(len(sample.stretch))[::-1])
         far = len(sample.stretch) - 1 - far
     sorted_rows = np.argsort(outward * sample.stretch, kind="stable")
-    if len(sweeps) == 1 or (far >= _FEWEST and _is_two_valued(sample, sweeps, sorted_rows)):
+    if len(sweeps) == 1 or (far >= MIN_ROWS and _is_two_valued(sample, sweeps, sorted_rows)):
         before = _before_break(sample.where(np.arange(far + 1)), outward)
         return before.where(np.argsort(outward * before.stretch, kind="stable"))
     return _before_break(sample.where(sorted_rows), outward)
@@ -84,7 +86,7 @@ def _is_two_valued(sample: Sample, sweeps: list[IntArray], sorted_rows: IntArray
 
     Two sweeps, out and back, always are.
     """
-    if len(sweeps) == 2 and min(map(len, sweeps)) > _FEWEST:
+    if len(sweeps) == 2 and min(map(len, sweeps)) > MIN_ROWS:
         return True
     along, across = np.full((2, len(sample.stretch)), np.nan)
     for sweep in sweeps:

@@ -9,14 +9,14 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.loading import loading_branch
+from palpate.material.read_test_file import LEAST_ROWS
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
-_LEAST_ROWS = 5
 _TOE, _TOE_STRAIN = 0.15, 0.15
-"""Share of the strain within which a toe is sought, and maximum strain of a toe."""
+"""Share of the strain within which a toe is sought, and maximum strain of a toe. By hand."""
 _TOE_WINDOW = 5
-"""Rows over which the slope of a toe is taken."""
+"""Rows over which the slope of a toe is taken. By hand."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
         sample = replace(sample, stretch=1 + spec.strain_factor * (sample.stretch - 1))
         notes.append(f"strain times {spec.strain_factor:g}")
     sample = sample.where((sample.stretch >= spec.min_stretch) & (sample.stretch <= spec.max_stretch))
-    if len(sample.stretch) < _LEAST_ROWS:
+    if len(sample.stretch) < LEAST_ROWS:
         raise PalpateError(
             f"{sample.name}: {len(sample.stretch)} rows are left between stretch {spec.min_stretch:g} and "
             f"{spec.max_stretch:g}.",

@@ -17,16 +17,16 @@ from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec
 
 _AS_GOOD = 10.0
-"""Maximum ratio of a peer model's error to that of the best model."""
+"""Maximum ratio of a peer model's error to that of the best model. By hand."""
 _SHARE, _BENCHES, _UPPER = 0.7, 0.05, 3.0
 """Error estimate: share of the distance of models, difference of machines, ratio of the upper end.
 
 Fitted to five rubbers and checked by leaving each out (docs/results/materials).
 """
 _UNDETERMINED = 1e8
-"""Condition number beyond which the data do not determine the constants."""
+"""Condition number beyond which the data do not determine the constants. By hand."""
 _POINTS = 60
-"""Stretches at which models are compared."""
+"""Stretches at which models are compared. By hand."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ _TIME = re.compile(r"time|zeit|temps|时间|時間|\bt\b|\bt[ _(\[]", re.I)
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
 _STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
+"""Seconds a unit."""
 _UNITS = {
     "ms": "ms",
     "s": "s",

@@ -16,8 +16,9 @@ from palpate.material.sample import Loading, Sample
 from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
 
 LEAST_ROWS = 5
-"""Minimum number of rows of a curve."""
+"""Minimum number of rows of a curve. By hand."""
 _MOST_SAMPLES = 100
+"""Maximum number of samples in a file. By hand."""
 _WORDS = {
     Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull|单轴拉伸|拉伸|引張",
     Loading.COMPRESSION: r"compress|druck|d395|d575|iso[ _-]?7743|stauchversuch|压缩|圧縮",
@@ -52,6 +53,7 @@ _MPA = {
 """MPa a unit, or N a unit of force."""
 _FORCES = tuple(_MPA)[list(_MPA).index(StressUnit.MILLINEWTON) :]
 _INCH = 25.4
+"""Millimetres an inch."""
 _MODULI = (1e-3, 200.0)
 """Young's moduli of elastomers in MPa: from gels of 1 kPa to polyurethanes of 200 MPa, with a margin."""
 _ASSUMED_MODULUS = 0.01

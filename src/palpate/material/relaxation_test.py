@@ -9,16 +9,18 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 
 LEAST_ROWS = 8
-"""Minimum number of rows of a relaxation curve."""
+"""Minimum number of rows of a relaxation curve. By hand."""
 _DECADE = 10.0
+"""Minimum ratio of the last time to the first. By hand."""
 _RISES = 0.02
-"""Share of the maximum stress by which a held stress may increase, by noise of the machine."""
+"""Share of the maximum stress by which a held stress may increase, by noise of the machine. By hand."""
 _RAMP = 0.5
-"""Share of the maximum stress below which the first value shows that the strain was still increasing."""
+"""Share of the maximum stress below which the first value shows that the strain was still increasing.
+By hand."""
 _WHOLE, _NOTHING = 0.99, 0.01
-"""Shares of the held strain, or of the maximum stress, at which the ramp ends and begins."""
+"""Shares of the held strain, or of the maximum stress, at which the ramp ends and begins. By hand."""
 _BINS = 8
-"""Intervals of log time whose means are tested for an increase."""
+"""Intervals of log time whose means are tested for an increase. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

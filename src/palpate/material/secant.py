@@ -15,10 +15,11 @@ from palpate.material.fit import Fit
 from palpate.material.sample import Loading, Sample
 
 STRAIN = 0.1
-"""Strain to which the secant is drawn."""
+"""Strain to which the secant is drawn. By hand."""
 _NEAR = 0.5
-"""Share of that strain within which rows count for the secant."""
+"""Share of that strain within which rows count for the secant. By hand."""
 _FEWEST = 3
+"""Minimum number of rows of a secant by a parabola. By hand."""
 SECANT_TOLERANCE = 0.15
 """Maximum relative difference between the secants of fit and data: that between two test machines."""
 

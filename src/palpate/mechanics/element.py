@@ -22,9 +22,8 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, kernel
 
-NODES = 27
-DOFS = 81
-PRESSURES = 4
+NODES, DOFS, PRESSURES = 27, 3 * 27, 4
+"""Nodes, degrees of freedom and pressures of a cell: Q2/P1."""
 
 
 class Cells(NamedTuple):

@@ -15,7 +15,7 @@ from palpate.core import BoolArray, FloatArray
 from palpate.mechanics.obstacle import Obstacle
 
 _SWEPT = 2.0 / 3.0
-"""Share of its free slide that a point makes before the edge of the sticking region reaches it."""
+"""Share of its free slide that a point makes until it sticks, derived in docs/theory/contact.md."""
 
 
 class ContactLaw(NamedTuple):

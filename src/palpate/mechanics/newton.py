@@ -16,15 +16,15 @@ from palpate.mechanics.solid import Body, State
 from palpate.mechanics.term import Assembly, Term
 
 _TRIALS = 5
-"""Maximum number of trials of a line search."""
+"""Maximum number of trials of a line search. By hand."""
 _SLOPE_FALL = 0.5
-"""Share of the first slope at which a line search ends."""
+"""Share of the first slope at which a line search ends. By hand."""
 _CLOSE = 1e3
-"""Residual over the tolerance below which the maximum number of iterations is doubled."""
+"""Residual over the tolerance below which the maximum number of iterations is doubled. By hand."""
 _BLOW_UP = 10.0
-"""Maximum slope after a step over the first slope, if that is positive."""
+"""Maximum slope after a step over the first slope, if that is positive. By hand."""
 _FIRST_SHIFT, _SHIFTS = 1e-3, 8
-"""First shift of an indefinite tangent, over mu/T² and the nodal volume, and maximum number of shifts."""
+"""First shift of an indefinite tangent, over mu/T² and nodal volume; maximum number. By hand."""
 
 
 class SolveOutcome(StrEnum):

@@ -34,14 +34,16 @@ from palpate.mechanics.obstacle import Obstacle
 from palpate.mechanics.solid import Solid, State
 
 _SIDES = (1.0, -1.0)
+"""Signs of a central difference."""
 _STEP = 1e-5
-"""Half the difference of the path's own parameter, mm."""
+"""Half the difference of the path's own parameter, mm. By hand."""
 _SLOWEST = 0.02
-"""Minimum approach rate of a point to the obstacle, over the maximum; slower points take this rate."""
+"""Minimum approach rate of a point to the obstacle, over the maximum. By hand."""
 _EDGE_POWER = 1.5
-"""Power of the distance from sticking points by which the derivative of a free point's place varies."""
+"""Power of the distance from sticking points by which the derivative of a free point's place varies.
+By hand."""
 _LIMIT_ROUNDS = 3
-"""Number of rounds in which the friction limit is updated by the derivative of the pressure."""
+"""Number of rounds in which the friction limit is updated by the derivative of the pressure. By hand."""
 
 
 @dataclass(frozen=True)

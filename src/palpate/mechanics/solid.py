@@ -27,6 +27,7 @@ from palpate.mechanics.linear import Pattern
 from palpate.mesh import gauss_points, shape_hexahedron
 
 GAUSS = (3, 3, 3)
+"""Gauss points of a cell: exact for the products of shape functions of an undistorted cell."""
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,10 @@ from palpate.core import FloatArray, IntArray
 from palpate.mesh.disc import DiscGrid
 
 SHELLS = 3
-"""Number of cells between the skin and the block."""
+"""Number of cells between the skin and the block. By hand."""
 _SIZE, _BOX = 0.5, 0.6
-"""Size of the block over that of the hollow, and weight of a box shape against that of the hollow."""
+"""Size of the block over that of the hollow, and weight of a box shape against that of the hollow.
+By hand."""
 
 
 class Filling(NamedTuple):

@@ -12,8 +12,10 @@ from palpate.mesh.hexahedron import shape_quadrilateral
 from palpate.mesh.mesh import Mesh
 
 _SURFACE_DISTANCE_MM = 0.05
+"""Maximum distance of a point from the surface of the mesh. By hand."""
 _CANDIDATES = 24
-"""Number of candidate faces by distance of their centres; faces may be ten times as long as wide."""
+"""Number of candidate faces by distance of their centres; faces may be ten times as long as wide.
+By hand."""
 _INSIDE = 1.0 + 1e-9
 """Maximum of local coordinate plus residual of a point inside a face."""
 _MARGIN = 0.3

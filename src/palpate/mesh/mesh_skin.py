@@ -19,17 +19,18 @@ from palpate.mesh.tube import CELLS, CORE, grid_tube
 _MOST_CELLS_OF_A_CORE = 36
 """Maximum cells of a meridian for which half a turn needs only four cells (docs/design_notes/mesh.md)."""
 _LOW = 0.75
-"""Height over base radius below which a skin is low."""
+"""Height over base radius below which a skin is low. By hand."""
 _FARTHEST_POLE = 0.35
 """Maximum displacement of the pole, over the radius of the disc: at 0.5 the grid folds."""
 _GRADING_HIGH, _GRADING_LOW = 0.2, -0.3
 """Share by which cells at the pole are smaller than the mean, and those at the rim larger.
 
 The first is for a skin at least as high as its base radius, which bears the contact at its pole; the second for one
-at most half as high, which bears it at its clamp.
+at most half as high, which bears it at its clamp. By hand.
 """
 _FILLED_CELLS, _FILLED_CORE = 10, 3
-"""Cells of a meridian of a filled skin, and its core, under which the block of the filling stands."""
+"""Cells of a meridian of a filled skin, and its core, under which the block of the filling stands.
+By hand."""
 _CELLS, _MORE_CELLS, _THICK = 14.0, 40.0, 0.1
 """Cells per radian of a thin skin's meridian, additional cells over T/r, and T/r at which they begin.
 

@@ -19,12 +19,15 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 
 CELLS, CORE = 24, 3
-"""Default cells along the meridian, and a quarter of those along half a turn."""
+"""Default cells along the meridian, and a quarter of those along half a turn. By hand."""
 _AROUND = 0.6
-"""Share A by which cells are narrower in azimuth at the contact than the mean, and wider opposite."""
+"""Share A by which cells are narrower in azimuth at the contact than the mean, and wider opposite.
+By hand."""
 _ALONG, _WIDTH = 2.0, 0.15
-"""Additional density B of cells along the meridian at the contact, and its width W over the length."""
+"""Additional density B of cells along the meridian at the contact, and its width W over the length.
+By hand."""
 _TABLE = 4001
+"""Points of the table from even to concentrated shares of the meridian. By hand."""
 
 
 class TubeGrid(NamedTuple):

@@ -24,9 +24,9 @@ from palpate.optimise.spec import CameraChoice, RequirementsSpec
 from palpate.surrogate import Twin
 
 _DISTANCES, _DIAMETERS, _POSES = 4, 4, 24
-"""Numbers of camera distances and marker diameters tried, and of poses by which rings are chosen."""
+"""Numbers of camera distances and marker diameters tried, and of poses for the rings. By hand."""
 _GRAIN_MM = 0.05
-"""Step of a marker diameter, mm."""
+"""Step of a marker diameter, mm. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

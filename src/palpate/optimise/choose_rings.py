@@ -24,17 +24,17 @@ from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
 from palpate.surrogate import Twin
 
 _SWEEPS = 12
-"""Maximum number of exchange rounds."""
+"""Maximum number of exchange rounds. By hand."""
 _DIFFERENCE = 1e-4
-"""Finite-difference step of a ring's share."""
+"""Finite-difference step of a ring's share. By hand."""
 _CLOSE = 2e-3
-"""Relative gap of the expected square error at which the bound is accepted."""
+"""Relative gap of the expected square error at which the bound is accepted. By hand."""
 _MARK_ROOM = 1.4
-"""Space for the orientation mark beyond the outermost ring, over the marker diameter."""
+"""Space for the orientation mark beyond the outermost ring, over the marker diameter. By hand."""
 _SLACK_MM = 0.01
-"""Tolerance of a place that is known to 0.1 mm."""
+"""Tolerance of a place that is known to 0.1 mm. By hand."""
 _SPREADS = (1.0, 0.7)
-"""Shares of the meridian over which the initial rings are spread."""
+"""Shares of the meridian over which the initial rings are spread. By hand."""
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ from palpate.surrogate import Twin, read_twin
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the coarse presses of the search.
 
-The finalists are evaluated again by the presses of a twin that reads images.
+The finalists are evaluated again by the presses of a twin that reads images. By hand.
 """
 _EVALUATED_BY = (
     "seed",
@@ -71,11 +71,11 @@ _EVALUATED_BY = (
 )
 """Requirements that change the evaluation of a skin; the remaining ones only select among evaluations."""
 _LOOKED_AT, _LOOKED_AT_FULLY = 3, 20
-"""Units whose rest images are read before a layout is offered: coarse, and at full fidelity."""
+"""Units whose rest images are read before a layout is offered: coarse, and at full fidelity. By hand."""
 _FIRST_UNIT = 1001
 """First of these units; no validation simulates it."""
 _SETTINGS = 3
-"""Number of best settings in which rings are exchanged until a layout is readable."""
+"""Number of best settings in which rings are exchanged until a layout is readable. By hand."""
 
 
 @dataclass(frozen=True)

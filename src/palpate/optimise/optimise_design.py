@@ -40,9 +40,9 @@ _LOCK = "search.lock"
 _SEARCHED = ("error", "force", "size")
 """Objectives that depend on the skin; each skin offers options over the remaining ones."""
 _SLACK = 0.005
-"""Relative tolerance of the required depth."""
+"""Relative tolerance of the required depth. By hand."""
 _ROUNDS = 3
-"""Rounds of finalists: skins that break a limit at full fidelity are replaced by the next ones."""
+"""Rounds of finalists: skins that break a limit at full fidelity are replaced. By hand."""
 
 
 def optimise_design(

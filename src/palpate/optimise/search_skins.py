@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     import optuna
 
 BATCH = 4
-"""Places per batch."""
+"""Places per batch. By hand."""
 _STARTUP = 8
-"""Places drawn at random before the process is fitted."""
+"""Places drawn at random before the process is fitted. By hand."""
 Sampler = Literal["gp", "random"]
 
 

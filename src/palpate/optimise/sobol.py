@@ -19,11 +19,13 @@ from palpate.optimise.front import SkinTrial
 from palpate.optimise.space import SkinSpace
 
 _FEWEST = 4
-"""Minimum number of skins per variable for a result."""
+"""Minimum number of skins per variable for a result. By hand."""
 _LEAST_EXPLAINED = 0.5
-"""Minimum explained share of the cross-validated variance for a statement on importance."""
+"""Minimum explained share of the cross-validated variance for a statement on importance. By hand."""
 _SMOOTHING = 1e-3
+"""Smoothing of the spline through the evaluated skins (`RBFInterpolator`). By hand."""
 _SAMPLES = 1024
+"""Samples of a variable in Saltelli's scheme, a power of two for the Sobol sequence. By hand."""
 
 
 @dataclass(frozen=True)

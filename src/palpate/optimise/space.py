@@ -9,7 +9,7 @@ from palpate.design import SkinSpec, skin_from_data
 from palpate.optimise.spec import FIELDS, RequirementsSpec
 
 _GRAIN = {"height": 0.1, "base_radius": 0.1, "thickness": 0.05, "aspect": 0.02, "taper": 0.05}
-"""Rounding steps of a drawing, mm, and of the ratios."""
+"""Rounding steps of a drawing, mm, and of the ratios. By hand."""
 Place = Mapping[str, float | str]
 
 

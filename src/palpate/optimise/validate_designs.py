@@ -39,11 +39,11 @@ from palpate.study import PressTask, Task, TwinTask, find_artefact, plan_study, 
 from palpate.surrogate import read_twin
 
 UNITS = 20
-"""Simulated units of each design."""
+"""Simulated units of each design. By hand."""
 _MOST_KNOWN = 5
-"""Maximum number of calibration presses on the bench."""
+"""Maximum number of calibration presses on the bench. By hand."""
 _FINALISTS = 2
-"""Finalists that are simulated with the winner if there is one objective."""
+"""Finalists that are simulated with the winner if there is one objective. By hand."""
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from palpate.core import FloatArray, generator
 from palpate.core.report import Report
 
 _DRAWS = 4000
-"""Bootstrap samples of the simulated units."""
+"""Bootstrap samples of the simulated units. By hand."""
 _SURE = 0.95
-"""Share of the bootstrap samples that must agree on the order of two designs."""
+"""Share of the bootstrap samples that must agree on the order of two designs. By hand."""
 
 
 @dataclass(frozen=True)

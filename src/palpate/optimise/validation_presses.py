@@ -20,7 +20,7 @@ They are near the nodes of the three-point Gauss rule over all tilts, and at nod
 gaps: at mid-gap the error of the twin is largest.
 """
 _STEP_SHARE = 0.8
-"""Depth step over the twin's, so that depths between its increments are covered."""
+"""Depth step over the twin's, so that depths between its increments are covered. By hand."""
 _FRICTIONS = (0.2113, 0.7887)
 """Quantiles of the tolerance's frictions: nodes of the two-point Gauss rule.
 

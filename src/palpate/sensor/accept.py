@@ -14,7 +14,8 @@ from palpate.sensor.score import COMPONENTS, Score, score_readings
 from palpate.sensor.spec import AcceptanceSpec
 
 _DOUBT = 0.05
-"""Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count."""
+"""Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count.
+By hand."""
 
 
 @dataclass(frozen=True)

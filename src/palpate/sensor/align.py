@@ -33,14 +33,17 @@ from palpate.sensor.tool_offset import find_tool_offset
 
 NextImage = Callable[[], "NDArray[Any] | PalpateError"]
 """Return an image taken after the call, or an error if none could be taken."""
-_STRIDES = (0.5, 1.0)
-_ARRIVED_MM = 0.2
+_STRIDES, _ARRIVED_MM = (0.5, 1.0), 0.2
+"""Shares of the remaining depth by which it is approached, and remaining depth at which it is reached.
+By hand."""
 _BACK_MM = 0.5
+"""Retreat from the deepest image that was read, if the next one is not. By hand."""
 _LIFT_MM, _MOST_LIFTS = 1.0, 4
+"""Retreat after a touch that may be a camera motion, and maximum number of retreats. By hand."""
 _LONGER = 1.5
-"""Factor of the step that follows a press too light to be distinguished from a camera motion."""
+"""Factor of the step that follows a press too light to be distinguished from a camera motion. By hand."""
 _BEFORE_MM = 1.0
-"""Distance from the last known wall position at which the next search begins."""
+"""Distance from the last known wall position at which the next search begins. By hand."""
 OFFSET_TURNS = tuple((60.0 * k, 3.0 * (-1) ** k) for k in range(6))
 """Default rotations (degrees) of `Aligner.find_offset`: about the drill's axis, and across it."""
 

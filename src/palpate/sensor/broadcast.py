@@ -15,7 +15,7 @@ from typing import Any
 Row = dict[str, Any]
 """Reading as plain data, by `palpate.sensor.reading_columns`, with `camera`."""
 QUEUE = 120
-"""Maximum number of readings queued for one client: two seconds at 60 images per second."""
+"""Maximum number of readings queued for one client: two seconds at 60 images per second. By hand."""
 
 
 class Listener:

@@ -14,7 +14,7 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 
 LEAST_IMAGES = 3
-"""Minimum number of images for a zero."""
+"""Minimum number of images for a zero. By hand."""
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,11 @@ LONGEST_S = 60.0
 The camera is then predicted within 0.06 px; after a pause twice as long within 0.15 px, which can hide a jump.
 """
 _PACE_PX_S = 1e-4 / FRAME_S
-"""Initial standard deviation of the drift rate, px rms/s: 7 px per hour."""
+"""Initial standard deviation of the drift rate, px rms/s: 7 px per hour. By hand."""
 _CHANGE_PX_S = 2e-6 / FRAME_S**1.5
-"""Standard deviation of the rate's change in a second, px rms/s^1.5: 2e-6 px per image at `FRAME_S`."""
+"""Standard deviation of the rate's change, px rms/s^1.5: 2e-6 px per image. By hand."""
 _UNTOLD_PX = 0.05
-"""Noise of a mode, px rms, above which it is not tracked, because images do not determine it."""
+"""Noise of a mode, px rms, above which it is not tracked, because images do not determine it. By hand."""
 _MEASURED = np.array([1.0, 0.0, 1.0])
 
 

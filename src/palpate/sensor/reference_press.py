@@ -18,8 +18,9 @@ from palpate.sensor.unit import Unit
 from palpate.vision import MarkerAssignment, PressFit, disambiguate_by_press, register_dome
 
 _CELLS = 10
-"""Cells of a coarse mesh, solved in seconds; its error is below that of the unknown friction."""
+"""Cells of a coarse mesh, solved in seconds; its error is below that of the unknown friction. By hand."""
 _IMAGE_STEP = 0.5
+"""Depth step of the press, mm. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,27 +38,29 @@ _MOVES = {
     "centre_x_px": 0.5,
     "centre_y_px": 0.5,
 }
-"""Camera parameters that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
+"""Camera parameters that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel.
+By hand."""
 _LENGTHS = ("offset_x", "offset_y", "distance")
 """Parameters in mm, for a skin of the size in `palpate.calibration.scale`, as are the depths below."""
 _TOUCHES = ((0.05, 0.15, 0.35, 0.7), (0.0, 5.0, 10.0), 8)
-"""Depths (mm), tilts (degrees) and number of azimuths of contacts distinguished from drift."""
+"""Depths (mm), tilts (degrees) and number of azimuths of contacts distinguished from drift. By hand."""
 _MOST_STEPS = 10.0
-"""Approximate maximum camera motion in steps of `_MOVES`: 1 mm or 2°; larger ones mimic contacts."""
+"""Approximate maximum camera motion in steps of `_MOVES`: 1 mm or 2°; larger ones mimic contacts.
+By hand."""
 _LOST_PX = 0.01
-"""Maximum part of a contact that its principal directions may omit, px rms."""
+"""Maximum part of a contact that its principal directions may omit, px rms. By hand."""
 _SEEN_PX = 0.002
-"""Minimum motion at rest per step of a combination of camera parameters that is tracked, px rms."""
+"""Minimum motion at rest per step of a tracked combination of parameters, px rms. By hand."""
 _KNOCK_PX = 0.15
-"""Deviation from the tracked rest above which the camera has jumped, px rms."""
+"""Deviation from the tracked rest above which the camera has jumped, px rms. By hand."""
 _SURE = 5.0
-"""Standard deviations above which a contact or a jump is significant."""
+"""Standard deviations above which a contact or a jump is significant. By hand."""
 _NOISY_PX = 0.1
-"""Residual of an unloaded image that is accepted in any case, px rms of a coordinate."""
+"""Residual of an unloaded image that is accepted in any case, px rms of a coordinate. By hand."""
 _LOUDER = 1.5
-"""Factor on the minimum noise variance of all images: residuals of deep contacts are not noise."""
+"""Factor on the minimum noise variance of images: residuals of deep contacts are no noise. By hand."""
 _NOTHING_PX = 0.01
-"""Drift below which it is not removed from marker positions, px rms."""
+"""Drift below which it is not removed from marker positions, px rms. By hand."""
 
 
 class RestDrift(NamedTuple):

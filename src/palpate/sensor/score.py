@@ -19,8 +19,9 @@ from palpate.learn import ErrorSummary
 COMPONENTS = tuple((item.label, item.unit) for item in TILT_SPACE.components)
 """Names and units of rx, ry and depth in the paper."""
 LEVEL = 0.95
-"""Coverage of the intervals."""
+"""Coverage of the intervals. By hand."""
 _DRAWS = 2000
+"""Bootstrap samples of the presses. By hand."""
 
 PAPER_TABLE_3 = {
     "roll": ErrorSummary(rmse=0.58, mae=0.49, max=1.62, sd=0.54, bias=float("nan")),

@@ -49,9 +49,10 @@ from palpate.vision import (
 )
 
 _FOUND, _DIRT = (0.8, 1.5), 10
-"""Accepted number of blobs: minimum and maximum share of the markers, and a number of false blobs."""
+"""Accepted blobs: minimum and maximum share of the markers, and number of false ones. By hand."""
 _SPARE = 1.3
-"""Factor on the widest gap of the design's image, as markers may be missing and the camera tilted."""
+"""Factor on the widest gap of the design's image, as markers may be missing and the camera tilted.
+By hand."""
 
 
 @dataclass(frozen=True, eq=False)

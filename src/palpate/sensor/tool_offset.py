@@ -26,9 +26,9 @@ from palpate.sensor.placement import Placement, rotation_from_vector, tilt_from_
 from palpate.sensor.tool import Tool
 
 _PRIOR_DEG = 3.0
-"""Prior standard deviation of the sensor's rotation about each axis."""
+"""Prior standard deviation of the sensor's rotation about each axis. By hand."""
 _FAR = 5.0
-"""Maximum RMS residual, in standard deviations, of presses of one wall."""
+"""Maximum RMS residual, in standard deviations, of presses of one wall. By hand."""
 
 
 def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> Tool:

@@ -15,6 +15,7 @@ from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
+"""Size of a page, inches (ISO 216)."""
 _CHECKS = ("figure", "value", f"{LEVEL:.0%} interval", "tolerance", "result")
 _PAPER = "the paper's RMSE / MAE / max / SD"
 

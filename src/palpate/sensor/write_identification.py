@@ -16,7 +16,7 @@ from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.sensor import Sensor
 
 _KNOWN, _OPEN = 0.5, 0.9
-"""Ratio of posterior to prior SD below which a parameter is identified, and above which it is open."""
+"""Ratio of posterior to prior SD: maximum of an identified, minimum of an open parameter. By hand."""
 
 
 def write_identification(folder: Path, found: IdentificationResult, sensor: Sensor, robot: RobotUncertainty) -> None:

@@ -44,13 +44,14 @@ from palpate.surrogate import Twin
 WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
 """Tolerances of units, with friction of walls from 0.2 and lateral robot errors during a touch."""
 _LENGTH_MM = 120.0
-"""Distance from the flange to the centre of the skin's base."""
+"""Distance from the flange to the centre of the skin's base. By hand."""
 _STANDOFF_MM = 5.0
-"""Distance from the assumed wall at the start of an alignment."""
+"""Distance from the assumed wall at the start of an alignment. By hand."""
 _JIG = RobotUncertainty(0.02, 0.02)
 _REFERENCE_DEG = 2.0
-"""Tilt of the wall by which the tool offset is measured."""
+"""Tilt of the wall by which the tool offset is measured. By hand."""
 _DEPTHS = (2.5, 4.0, 5.5)
+"""Depths of these presses, mm. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

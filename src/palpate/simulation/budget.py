@@ -19,7 +19,8 @@ from palpate.simulation.run_trial import VirtualBench, run_unit_trial
 from palpate.simulation.trial import UnitTrial
 
 DRAWS = 2
-"""Units of opposite signs and different marker errors, for an imperfection without its own presses."""
+"""Units of opposite signs and different marker errors, for an imperfection without its own presses.
+By hand."""
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ from palpate.simulation.trial import (
 from palpate.surrogate import Twin
 
 FINER = 9.0 / 8.0
-"""Cells along a meridian of a built unit's presses, over those of the training."""
+"""Cells along a meridian of a built unit's presses, over those of the training. By hand."""
 _INVERTED_CORE = 2
 """Core of the meshes of inverted units (see `palpate.study.accuracy_task`)."""
 

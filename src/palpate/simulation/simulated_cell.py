@@ -18,7 +18,7 @@ from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.surrogate import LATERAL
 
 _REST_NOISES = 12
-"""Number of noise seeds for rest images."""
+"""Number of noise seeds for rest images. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,11 @@ from palpate.sensor import Placement, Robot, rotation_from_vector
 from palpate.simulation.spec import SimulatedRobotSpec
 
 _SAME = 1e-9
+"""Motion (mm or degrees) that counts as none."""
 _ROUNDS = 30
 """Maximum iterations between force and compliance.
 
-Each removes most of the residual if the robot is stiffer than the skin.
+Each removes most of the residual if the robot is stiffer than the skin. By hand.
 """
 
 

@@ -17,10 +17,11 @@ from palpate.sensor import Unit
 from palpate.simulation.simulated_unit import SimulatedUnit
 
 _CELLS = 10
-"""Coarse mesh, solved in seconds, accurate enough for display."""
+"""Coarse mesh, solved in seconds, accurate enough for display. By hand."""
 _REST_IMAGES = 10
+"""Number of images before the first press. By hand."""
 _STEP = 0.2
-"""Travel of the wall between two images, mm."""
+"""Travel of the wall between two images, mm. By hand."""
 LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
 
 

@@ -25,7 +25,9 @@ from palpate.study.mass import MassProperties, compute_mass_properties
 OPTICAL_FROM_BODY = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 """REP 103: x, y, z of a camera's body in its optical frame, as columns."""
 _STRAIGHT_DEG = 1e-6
+"""Tilt up to which a wall counts as untilted."""
 _TERMS = 3
+"""Terms of the polynomial of force over depth. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,12 +14,11 @@ from typing import Any
 from uuid import uuid4
 
 from palpate.core import PalpateError, load_extra, worker_process
-from palpate.core.run import WORKER_DIED, Call, Outcome, Progress, Status, WorkerPool, run_call
+from palpate.core.run import MOST_WORKERS, WORKER_DIED, Call, Outcome, Progress, Status, WorkerPool, run_call
 from palpate.study.task import EstimatorTask
 
-MOST_WORKERS = 1024
 CONNECT_S = 30.0
-"""Timeout for a scheduler and its first worker to answer, s."""
+"""Timeout for a scheduler and its first worker to answer, s. By hand."""
 
 GPU = "GPU"
 """Dask resource of workers with a GPU: ``dask worker --resources GPU=1``."""

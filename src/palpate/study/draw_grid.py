@@ -13,11 +13,13 @@ from matplotlib.figure import Figure
 from palpate.study.panel import CurvePanel, Panel
 
 CELL_INCH = 0.85
+"""Side of a cell of a heat map."""
 PANEL_INCH = 1.9
 """Minimum width of a panel for its title and the name of its axis."""
 TITLE_INCH = 3.9
 """Minimum width of a figure for its title."""
 DOTS_PER_INCH = 160
+"""Resolution of an image."""
 COLOURS = "viridis"
 FEW = 0.1
 """Limit below which numbers have three decimals."""

@@ -22,10 +22,11 @@ from palpate.core import PalpateError, rename_columns
 from palpate.study.grid import Cell, Row, SpecificationGrid
 
 SCHEMA_VERSION = 2
+"""Version of the tables."""
 APPLICATION = 0x70616C70
 """Application id of the file, in its header: "palp"."""
 WAIT_S = 30.0
-"""Timeout for another writer, s."""
+"""Timeout for another writer, s. By hand."""
 
 KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ()}
 """Columns of each table of details, after the design's number."""

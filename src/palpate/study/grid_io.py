@@ -12,7 +12,7 @@ from palpate.study.grid_database import check_schema_version, read_database, wri
 from palpate.study.plot_grid import draw_plot, plot_file_name
 
 FORMAT, FORMAT_VERSION = "palpate specification grid", 2
-
+"""Name and version in the header of a grid."""
 DATABASE = "grid.sqlite"
 
 BUILT = (("heat", "built_rmse_deg"), ("heat", "calibrated_p95_deg"))

@@ -15,6 +15,7 @@ _GAUSS = (5, 5, 5)
 _CELLS, _CORE = 32, 8
 """Cells of the mesh: the error of a hemispherical shell's mass is 4e-7."""
 _ROUNDING = 1e-12
+"""Share of the largest component below which one is zero."""
 
 
 class MassProperties(NamedTuple):

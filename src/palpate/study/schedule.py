@@ -14,18 +14,16 @@ from palpate.core.run import Call, Outcome, Progress, Status, WorkerPool
 from palpate.study.task import MissingArtefactError, Task
 
 MOST_REMADE = 2
-"""Maximum number of times that a broken artefact is made again in one run."""
+"""Maximum number of times that a broken artefact is made again in one run. By hand."""
 
 BUSY_S = 1.0
-"""Time between two looks at an artefact that another run makes, s."""
+"""Time between two looks at an artefact that another run makes, s. By hand."""
 
-POLL_S = 0.5
-"""Waiting time for the pool, s."""
 
 NEVER_CAME = "an artefact that it needs is neither there nor to be made"
 
 LEAST_LIMIT_S, LIMIT_OVER_COST = 3600.0, 200.0
-"""Default time limit of a task: the sum of this time and this multiple of its expected cost."""
+"""Default time limit of a task: the sum of this time and this multiple of its expected cost. By hand."""
 
 
 def time_limit(task: Task) -> float:
@@ -226,7 +224,7 @@ def run_task_graph(
         if not work.running and not work.busy:
             work.finish(schedule.cancel_all(NEVER_CAME), progress)
             return schedule.outcomes
-        for call, outcome in pool.wait(POLL_S):
+        for call, outcome in pool.wait():
             work.finish(_settle(schedule, work, work.running.pop(call), outcome), progress)
 
 

@@ -186,7 +186,7 @@ class AsBuiltSpec(Spec):
 
 
 AZIMUTHS_DEG = (0.0, 30.0, 60.0, 90.0)
-"""Azimuths at which a skin with two mirrors is pressed."""
+"""Azimuths at which a skin with two mirrors is pressed. By hand."""
 
 
 def _read_obstacle(given: Any) -> Any:

@@ -28,11 +28,11 @@ _WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
 _WEIGHT_POWER = np.array([0.0, 1.0, -1.0, 1.0, 1.0, 0.0])
 """Exponents by which these changes scale with `Skin.size`."""
 _LOST_MM = 1.2e-3
-"""Maximum RMS contribution of all omitted modes over all presses, mm, on a skin of size 1."""
+"""Maximum RMS contribution of all omitted modes over all presses, mm, on a skin of size 1. By hand."""
 _FEWEST, _FEWEST_DEPTHS = 3, 4
 """Minimum number of tilts, and of frictions if there are several; of depths.
 
-Three tilts and their mirror images are five.
+Three tilts and their mirror images are five. By hand.
 """
 
 

@@ -24,10 +24,11 @@ from palpate.fea import Press
 ComplexArray = NDArray[np.complex128]
 """Coefficients of Fourier series."""
 SAMPLES = 96
-"""Points on a circle."""
+"""Points on a circle. By hand."""
 ORDERS = 40
-"""Orders 0 … 39 of the series are kept: wave lengths down to 9° of azimuth."""
+"""Orders 0 … 39 of the series are kept: wave lengths down to 9° of azimuth. By hand."""
 QUARTER_TURN = np.pi / 2
+"""Difference between the azimuths of mesh and press."""
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from palpate.surrogate.tilt_runs import SAME_DEPTH_MM
 from palpate.surrogate.twin import Twin
 
 _CIRCLES, _AROUND = 12, 24
-"""Number of circles of the inner surface, and of points on each, at which it is evaluated."""
+"""Number of circles of the inner surface, and of points on each, at which it is evaluated. By hand."""
 _OUTERMOST = 0.9
-"""Radius of the outermost circle over the maximum radius."""
+"""Radius of the outermost circle over the maximum radius. By hand."""
 
 
 def measure_interpolation_error(twin: Twin, presses: Sequence[Press]) -> float:

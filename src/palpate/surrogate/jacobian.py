@@ -9,6 +9,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.surrogate.press_field import PressField
 
 ANGLE_STEP_DEG = 0.25
+"""Half the difference of a rotation, degrees. By hand."""
 
 
 def image_jacobian(

@@ -24,6 +24,7 @@ from palpate.surrogate.tilt_runs import TiltRuns
 NodalRead = Callable[[Press, Mesh], FloatArray]
 """Reads a nodal field (i, n, c) of a press on another mesh of its skin; a vector if c = 3."""
 _SAME_MM = 1e-6
+"""Maximum distance of a node from the mirror image of another."""
 
 
 class Series(Protocol):

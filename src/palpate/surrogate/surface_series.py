@@ -24,11 +24,11 @@ from palpate.mesh import locate_inner, marker_displacement, marker_displacement_
 from palpate.surrogate.circle import QUARTER_TURN
 
 ORDERS = 14
-"""Orders 0 … 13 of the series are kept: wave lengths down to 28° of azimuth."""
+"""Orders 0 … 13 of the series are kept: wave lengths down to 28° of azimuth. By hand."""
 CIRCLES = 33
-"""Circles from the apex to the rim."""
+"""Circles from the apex to the rim. By hand."""
 _HALF = 32
-"""Equal parts of half a circle."""
+"""Equal parts of half a circle. By hand."""
 
 
 def place_circles() -> FloatArray:

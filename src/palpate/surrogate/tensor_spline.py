@@ -10,9 +10,9 @@ from scipy.interpolate import make_interp_spline
 from palpate.core import FloatArray, kernel
 
 DEGREE = 3
-"""Degree of the splines."""
+"""Degree of the splines. By hand."""
 BEYOND = 0.25
-"""Extrapolation range of a spline, over the last distance of its knots."""
+"""Extrapolation range of a spline, over the last distance of its knots. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

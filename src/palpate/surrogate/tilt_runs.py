@@ -22,8 +22,8 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.fea import Press
 
-SAME_TILT_DEG = 1e-9
-SAME_DEPTH_MM = 1e-6
+SAME_TILT_DEG, SAME_DEPTH_MM = 1e-9, 1e-6
+"""Differences up to which two tilts and two depths are equal: rounding of sums of steps."""
 
 
 @dataclass(frozen=True)

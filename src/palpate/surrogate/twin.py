@@ -31,7 +31,7 @@ LATERAL = ("lateral_x", "lateral_y", "twist_deg")
 TWIN_STATE = (*TILT_SPACE.names, "inverse_friction", "thickness", "curvature", *LATERAL)
 """Arguments of a twin: pose, 1/µ, thickness deviation (mm), wall curvature (1/m), lateral motion."""
 STRAIGHT_DEG = 1e-3
-"""Tilt below which a wall counts as untilted; its derivatives are evaluated there."""
+"""Tilt below which a wall counts as untilted; its derivatives are evaluated there. By hand."""
 FORCES = 3
 """Number of amplitudes after the modes: force up the slope, along the skin's and tilt's axes, N."""
 

@@ -59,7 +59,7 @@ _NOT_SO_DEEP = "not pressed so deep at every azimuth"
 _TURNS = np.linspace(0.0, np.pi / 2, 181)
 """Azimuths in rad among which the highest and the lowest first contact are searched."""
 _LEVELS = 2
-"""Levels a depth step."""
+"""Levels a depth step. By hand."""
 
 
 @final

@@ -12,6 +12,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.material import LAWS, DeckLine, Law, Material, Mode, Model, read_material, stretches, write_material
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+"""Indices of the components of a symmetric tensor."""
 
 
 class LawSuite:

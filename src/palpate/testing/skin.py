@@ -9,6 +9,7 @@ from palpate.core import FloatArray
 from palpate.design import Rim, Skin, Symmetry, rotation_vector, skin_from_data, wall_normal
 
 _COUNT = 200
+"""Number of random points on a skin."""
 
 
 class SkinSuite:

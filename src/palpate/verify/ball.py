@@ -23,7 +23,7 @@ from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS, YEOH
 
 _CORE = 0.45
-"""Half side of the square core of the section over the radius."""
+"""Half side of the square core of the section over the radius. By hand."""
 _STIFF = 400.0
 """Penalty over E and the contact radius: penetration stays near two thousandths of the depth."""
 

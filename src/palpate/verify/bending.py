@@ -25,8 +25,9 @@ RADIUS, LENGTH = 10.0, 1.0
 HEIGHT, SPAN, WIDTH = 4.0, 20.0, 1.0
 """Block under bending, mm; half its span is solved."""
 _THIN, _HALF_WIDTH = 0.1, 0.05
+"""Cantilever: height, half its width (mm)."""
 _INERTIA = 2 * _HALF_WIDTH * _THIN**3 / 12
-"""Cantilever: height, half its width (mm), and the moment of inertia of the whole, mm⁴."""
+"""Moment of inertia of the whole cantilever, mm⁴."""
 _LOAD = "load_parameter(PL2/EI or ML/EI)"
 
 

@@ -20,17 +20,19 @@ from palpate.verify.read_reference import Reference, read_reference
 FLAT_TO = {(20, 1): 7.2, (20, 2): 8.0, (20, 3): 8.0, (20, 4): 8.0, (10, 2): 6.4, (30, 2): 8.0}
 """Height and thickness (mm) of every dome with a reference, and its flat range of depth in mm."""
 _PROBES = (25, 50, 75)
-"""Percent of the inner meridian, from the apex, at which the displacement is compared."""
+"""Percent of the inner meridian, from the apex, at which the displacement is compared. By hand."""
 _FINER = {(20, 4): MeshSpec(layers=2)}
 """Thick skins have two layers of cells; all others have the default mesh."""
 _CALCULIX_MESH = MeshSpec(cells=24)
 _STIFF = 500.0
 """Penalty over E/T of presses on other meshes; by default, contact stores 1 % of the energy at 0.8 mm."""
 _SOLID_TOLERANCE = 1e-2
+"""Tolerance of force, energy and displacement on the flat branch. By hand."""
 _STEP_MM, _ONSET_MM = 0.1, 0.1
-"""Depth step of the reference during unloading, and tolerance of the onset of the inverted branch."""
+"""Depth step of the reference during unloading, and tolerance of the onset of the inverted branch.
+By hand."""
 _NEAR_MM = 0.2
-"""Distance from the onset within which the gap, a square root, is not compared."""
+"""Distance from the onset within which the gap, a square root, is not compared. By hand."""
 _RING_TOLERANCE, _RING_ENERGY = 3e-2, 5e-3
 """Tolerances of force and energy: the reference's contact ring is narrow, its force scatters by 3 %."""
 _SOFT_BULK = 100.0

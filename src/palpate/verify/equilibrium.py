@@ -22,10 +22,11 @@ from palpate.mechanics import (
 from palpate.verify.mapped import Grid
 
 TOLERANCE = 1e-8
-"""Maximum residual over mu and the square of a body's size."""
+"""Maximum residual over mu and the square of a body's size. By hand."""
 ITERATIONS = 40
+"""Maximum Newton steps. By hand."""
 LOAD_TOLERANCE = 1e-6
-"""Maximum residual under dead loads over the maximum nodal load."""
+"""Maximum residual under dead loads over the maximum nodal load. By hand."""
 
 
 def make_solid(grid: Grid, material: Material, fixed: BoolArray) -> Solid:

@@ -30,8 +30,8 @@ _MODELS = {
 }
 _LARGEST_EXPONENT = 200.0
 """Maximum exponent: the reference's fits have exponents up to 155; palpate's default is 30."""
-_SEEDS = 1000
-_NOISE = 0.01
+_SEEDS, _NOISE = 1000, 0.01
+"""Number of fits to noisy data, and noise over the maximum stress. By hand."""
 
 
 def treloar_parameters() -> list[Row]:

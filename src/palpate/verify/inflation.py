@@ -26,6 +26,7 @@ from palpate.verify.rubber import MATERIALS
 INNER, OUTER = 18.0, 20.0
 """Radii of the undeformed wall, mm."""
 _LAYERS = 3
+"""Cells through the wall, or along the slice."""
 _HEIGHT = 2.0
 """Height of the slice of a cylinder, mm."""
 

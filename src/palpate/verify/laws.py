@@ -14,7 +14,7 @@ from palpate.verify.mapped import Turn, even
 from palpate.verify.properties import SILICONE
 
 _DEPTHS = (0.2, 0.5, 1.0)
-"""Displacement of the plate over a tenth of the radius."""
+"""Displacement of the plate over a tenth of the radius. By hand."""
 
 
 def scaling() -> list[Row]:

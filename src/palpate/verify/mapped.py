@@ -19,9 +19,9 @@ Map = Callable[[FloatArray], FloatArray]
 """Map of points (n, 3) of the unit cube, or (n, 2) of the unit square, to points in mm."""
 
 _CORE = 0.5
-"""Half side of the square in the middle of an O-grid over the radius of its circle."""
+"""Half side of the square in the middle of an O-grid over the radius of its circle. By hand."""
 _JOIN = 1e-7
-"""Distance over the body's size within which nodes are one."""
+"""Distance over the body's size within which nodes are one. By hand."""
 _OUTER_FACE = np.arange(18, 27)
 _QUARTER_TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 

@@ -17,7 +17,7 @@ from palpate.verify.rubber import YEOH
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 """Silicone of the paper, K/mu = 2000."""
 _NOISE = 0.04
-"""Random displacement of the nodes of a distorted mesh over the size of its cells."""
+"""Random displacement of the nodes of a distorted mesh over the size of its cells. By hand."""
 
 
 def distorted_cube(cells: int, *, inside: bool) -> Grid:

@@ -23,22 +23,25 @@ from palpate.verify.read_reference import Reference, read_reference
 RADIUS = 100.0
 """Mean radius, mm."""
 _PENALTY, _WIDTH = 120.0, 1e-3
-"""Contact stiffness over E/h and width of its start over h, as in a press of a dome."""
+"""Contact stiffness over E/h and width of its start over h, as in a press of a dome. By hand."""
 
 
 _POISSON = (0.3, 0.5)
+"""Poisson's ratios of the shells."""
 RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
 """Tolerance of forces, and R/h up to which h/R is added, the error of thin shells (Koiter 1960)."""
 _ONSET, _EXACT = 0.1, 0.02
-"""Tolerance of the onset depth of the inverted cap, over h; last increments of unloading, over h/2."""
+"""Tolerance of the onset depth of the inverted cap, over h; last increments of unloading, over h/2.
+By hand."""
 _DRAWN_BACK, _ITERATIONS = 3.0, 20
-"""Displacement over h from which the plate is retracted; Newton steps of an increment at most."""
+"""Displacement over h from which the plate is retracted; Newton steps of an increment at most.
+By hand."""
 _CELLS = {"flat": 40, "dimple": 110}
-"""Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
+"""Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch. By hand."""
 _TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
-"""Displacements of the plate over the thickness at which forces are compared."""
+"""Displacements of the plate over the thickness at which forces are compared. By hand."""
 
 
 def make_shell(thickness: float, cells: int) -> Grid:

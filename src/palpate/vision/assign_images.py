@@ -19,14 +19,14 @@ _REPORTED = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Number of images for the fit of motions, shares fitted per round, and their minimum number.
 
-The last value is the number of similar images whose displacements are tried as guesses.
+The last value is the number of similar images whose displacements are tried as guesses. By hand.
 """
 
 
 _NOISE = 0.02
-"""Minimum noise of a marker position, over the spacing."""
+"""Minimum noise of a marker position, over the spacing. By hand."""
 _PLAIN = 0.9
-"""Share of confident images with a smooth field alone, from which no motions are fitted."""
+"""Share of confident images with a smooth field alone, from which no motions are fitted. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,18 +19,18 @@ from numpy.typing import NDArray
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.vision.fit_free_pattern import fit_free_pattern
 from palpate.vision.fit_ring_pattern import fit_ring_pattern
-from palpate.vision.pattern import MarkerPattern, PatternFit
+from palpate.vision.pattern import MarkerPattern, PatternFit, wrap_deg
 
 _CHANCE = 5e-3
-"""Maximum probability of all other symmetries for the mark to decide."""
+"""Maximum probability of all other symmetries for the mark to decide. By hand."""
 _MARK_REACH = 3.0
-"""Maximum distance of the mark from its predicted position, in standard deviations."""
+"""Maximum distance of the mark from its predicted position, in standard deviations. By hand."""
 _SEEN = 20.0
-"""Prior of the share of hidden blobs: number of prints of one blob, of which one is hidden."""
+"""Prior of the share of hidden blobs: number of prints of one blob, of which one is hidden. By hand."""
 _MIRROR = 0.05
-"""Prior share of cameras that mirror the image."""
+"""Prior share of cameras that mirror the image. By hand."""
 _LEAST_SHARE = 0.55
-"""Minimum share of markers with a blob."""
+"""Minimum share of markers with a blob. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: PatternFit) -> Mar
     turn = _turn_deg(pattern.expected_px * [1.0, -1.0 if laid.mirrored else 1.0], laid.places_px)
     choices, mark = _find_mark(blobs, pattern, laid)
     # the pattern moved by a symmetry fits as well: the whole then is turned by as much less
-    turns = (turn + pattern.turns_deg[choices] + 180.0) % 360.0 - 180.0
+    turns = wrap_deg(turn + pattern.turns_deg[choices])
     namings = []
     for rank in np.lexsort([np.abs(turns), pattern.mirrored[choices]]):
         # the dot at the place of marker i is marker order[i]

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
 from palpate.vision.opencv import blur
-from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
+from palpate.vision.segment import MEDIAN_SD, Blobs, Segments, heights, measure_noise, segment
 from palpate.vision.spec import DetectSpec
 
 Image = NDArray[np.float32]
@@ -27,39 +27,41 @@ _CLEAN, _MANY, _LEAST = 0.45, 12, 6
 
 The last value is the minimum number of blobs of any field. Real fields (`docs/sensor.md`) have shares of 0.51 to
 0.99, a skin with a bright rim and surrounding clutter 0.2 to 0.8. Clutter without a field has 0.2 to 0.7, but no
-regularity.
+regularity. By hand.
 """
 _HALF = 0.8
 """Minimum fullness of a blob: a disc has 1, two touching discs 0.9, a ring 0.7."""
 _NEIGHBOURS, _HALF_WAY = 6, 0.15
-"""Number of neighbours; maximum offset of a midpoint blob, over the distance of its two neighbours."""
+"""Number of neighbours; maximum offset of a midpoint blob, over the distance of its two neighbours.
+By hand."""
 AT_RANDOM = 0.092
 """Share of random blobs midway between two of their neighbours (measured, 40 fields of 60)."""
 _ORDERED = 2.5
-"""Standard deviations of regularity by which a regular field must exceed the cleanest one."""
+"""Standard deviations of regularity by which a regular field must exceed the cleanest one. By hand."""
 _ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
-"""Blobs for the regularity: minimum axis ratio and fullness, maximum log ratio to the tried size."""
+"""Regular blobs: minimum axis ratio and fullness, maximum log ratio to the tried size. By hand."""
 
 _IN_ORDER, _ABOVE_CHANCE = 0.25, 5.0
 """Minimum share of midpoint blobs of a regular field, and its excess in standard deviations.
 
-Public images of markers have 0.32 and 6.0 or more, except one with similar blobs; grain has up to 0.2.
+Public images of markers have 0.32 and 6.0 or more, except one with similar blobs; grain has up to 0.2. By hand.
 """
 _DISTINCT = 30.0
-"""Minimum contrast over pixel noise, times diameter in px; a faint weave has less, faint markers 44."""
+"""Minimum contrast over pixel noise, times diameter in px; a faint weave has less, faint markers 44.
+By hand."""
 _AT_BORDER, _NOT_LONG = 0.25, 0.59
 """Maximum share of blobs at the image border, and minimum median axis ratio.
 
-A weave extends beyond the image, and its pieces are long; public images have at most 0.08 and at least 0.69.
+A weave extends beyond the image, and its pieces are long; public images have at most 0.08 and at least 0.69. By hand.
 """
 _ONE_WAY = 0.7
-"""Maximum alignment of the arms between neighbours with one direction."""
+"""Maximum alignment of the arms between neighbours with one direction. By hand."""
 _DISC = 0.95
-"""Median axis ratio above which blobs are discs and not threads, whatever their alignment."""
+"""Median axis ratio above which blobs are discs and not threads, whatever their alignment. By hand."""
 _EQUAL, _FEWEST, _OVAL = 0.06, 8, 0.75
 """Similar blobs: maximum spread of log contrast, minimum number, minimum median axis ratio.
 
-Up to seven lamps around a skin are as similar as printed markers.
+Up to seven lamps around a skin are as similar as printed markers. By hand.
 """
 
 
@@ -192,4 +194,4 @@ def _in_one_direction(points: FloatArray) -> float:
 
 def _spread(values: FloatArray) -> float:
     """Return the standard deviation estimated from the median absolute deviation."""
-    return float(1.4826 * np.median(np.abs(values - np.median(values))))
+    return float(MEDIAN_SD * np.median(np.abs(values - np.median(values))))

@@ -21,19 +21,19 @@ from palpate.vision.stray_blobs import find_strays
 
 Image = NDArray[np.float32]
 _ROUNDS, _ROUNDS_TO_MEASURE = (1, 1), (8, 0)
-"""Steps with free, and with fixed size and blur: in each image, and once to measure the blur."""
+"""Steps with free, and with fixed size and blur: in each image, and once to measure the blur. By hand."""
 _EDGE_PX = 0.8
-"""Initial blur of an edge: pixel width and a lens in focus."""
+"""Initial blur of an edge: pixel width and a lens in focus. By hand."""
 _GAP = 2.6
-"""Minimum accepted gap between markers of one field, over the median nearest-neighbour distance."""
+"""Minimum gap between markers of one field, over the median nearest-neighbour distance. By hand."""
 _CLEAR = 40.0
-"""Ratio of a blob's summed contrast to its noise at which half of its elongation is used."""
+"""Ratio of a blob's summed contrast to its noise at which half of its elongation is used. By hand."""
 
 
 _LUMA = np.array([0.114, 0.587, 0.299], np.float32)
 """Weights of blue, green and red (ITU-R BT.601), in OpenCV's order."""
 _SMALLEST_PX = 8
-"""Minimum side length of an image."""
+"""Minimum side length of an image. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

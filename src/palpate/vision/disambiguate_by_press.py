@@ -14,23 +14,23 @@ from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError
 from palpate.vision.assign_markers import MarkerAssignment
+from palpate.vision.tracker import REACH
 
 _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: 1 mm of error of first contact at 4 mm depth is a quarter."""
-_REACH = 0.45
-"""Maximum distance of a marker's blob, over the marker spacing at rest."""
 _CANDIDATES, _ROUNDS = 0.8, 3
-"""Share of markers used in the first comparison, as some may be lost; number of fits."""
+"""Share of markers used in the first comparison, as some may be lost; number of fits. By hand."""
 _STRAY, _STRAY_PX = 4.0, 0.5
-"""Maximum distance of a blob from its prediction, over the median distance, if more than these pixels."""
+"""Maximum distance of a blob from its prediction, over the median distance, if more than these pixels.
+By hand."""
 _APART_PX = 0.12
-"""Root mean square difference of two motions below which the press does not distinguish them."""
+"""Root mean square difference of two motions below which the press does not distinguish them. By hand."""
 _SURE = 0.2
-"""Minimum of `PressFit.sureness` for an assignment to be ruled out; 0.5 is the maximum."""
+"""Minimum of `PressFit.sureness` for an assignment to be ruled out; 0.5 is the maximum. By hand."""
 _EXPLAINED = 0.35
-"""Maximum misfit of the best assignment over the motion; above it, the press has another pose."""
+"""Maximum misfit of the best assignment over the motion, for a press of this pose. By hand."""
 _LEAST_MOTION_PX = 1.0
-"""Minimum motion of a press that is compared."""
+"""Minimum motion of a press that is compared. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def disambiguate_by_press(
     motions = np.stack([_by_dot(choice, motion) for choice, motion in zip(choices, motions_px, strict=True)])
     rest = _by_dot(naming, naming.positions_px)
     pressed_px = np.asarray(pressed_px, float).reshape(-1, 2)
-    reach = _REACH * spacing_px
+    reach = REACH * spacing_px
     best, gain = _begin(rest, motions, pressed_px, reach)
     for _ in range(_ROUNDS):
         seen = _match(rest + gain * motions[best], pressed_px, reach) - rest

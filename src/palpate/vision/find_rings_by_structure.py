@@ -22,6 +22,7 @@ from palpate.vision.fit_ring import (
     LEAST_REACH,
     LEAST_REACH_PX,
     NEXT,
+    PREDICTED_REACH,
     REACH,
     STRAY,
     RingFitter,
@@ -33,54 +34,53 @@ from palpate.vision.ring_seeds import seed_rings
 from palpate.vision.rings import Rings, ring_harmonics
 
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
-"""Minimum share of the innermost ring and its centre for a seed, in a first and a second attempt."""
+"""Minimum share of the innermost ring and its centre for a seed, in two attempts. By hand."""
 _SEEDS = 40
-"""Maximum number of seeds, from the centre of the blobs outwards."""
+"""Maximum number of seeds, from the centre of the blobs outwards. By hand."""
 _LEAST_RING = 0.4
-"""Minimum share of a ring's blobs that must be found."""
+"""Minimum share of a ring's blobs that must be found. By hand."""
 _FULL_RING, _FULL = 0.75, 0.6
-"""Shares of a ring, and of all, at which the search ends,"""
+"""Shares of a ring, and of all, at which the search ends, By hand."""
 _FEW = 3
-"""if the rings are even and contain no more than so many other blobs."""
+"""if the rings are even and contain no more than so many other blobs. By hand."""
 _GAPS = (0.35, 2.3)
-"""Bounds of the distance to the next ring, over that given by the last ring and the design's radii."""
+"""Bounds of the distance to the next ring, over that given by the last ring and the design's radii.
+By hand."""
 _WHOLE = 0.85
-"""Share of the blobs above which half of `_SURE` suffices."""
+"""Share of the blobs above which half of `_SURE` suffices. By hand."""
 _SURE = -80.0
-"""Log10 of the number of false alarms below which a print is accepted without alternatives."""
+"""Log10 of the number of false alarms below which a print is accepted without alternatives. By hand."""
 _NEIGHBOURS = 0.3
-"""Steps of a shifted ring, over the distance to the ring inside."""
-_LAW_REACH = 0.16
-"""Maximum distance of blobs from a ring predicted by the ring model, over the distance of neighbours."""
+"""Steps of a shifted ring, over the distance to the ring inside. By hand."""
 _PASSES = 3
-"""Passes over poor rings."""
+"""Passes over poor rings. By hand."""
 _OUTSIDE, _FAR_PX = 0.35, 20.0
 """Search of the outermost ring: steps of centre and rotation, and range of its centre.
 
-The steps are over the distance of its neighbours, the range is from the centre of the blobs, px.
+The steps are over the distance of its neighbours, the range is from the centre of the blobs, px. By hand.
 """
 _FEW_DOTS, _TEMPTING, _AGREED = 4, 0.6, 0.05
 """Limits of an unreliable ring: maximum number of blobs, distance of a false blob, centre offset.
 
 A ring of so few blobs is unreliable if a false blob is nearer than this to an empty place (over the spacing on the
-ring), unless its centre is nearer than this to that of the next ring.
+ring), unless its centre is nearer than this to that of the next ring. By hand.
 """
-_LOPSIDED, _LEAST_LEFT, _INNERMOST = 0.25, 4, 6
-"""Limits of a distorted ring: distance of a blob, and bounds of the number of blobs.
+_LOPSIDED, _INNERMOST = 0.25, 6
+"""Limits of a distorted ring: distance of a blob, and maximum number of blobs.
 
-The distance is that from an ellipse through the remaining blobs, over the spacing on the ring. Rings of more than the
-first and at most the second number of blobs are tested.
+The distance is that from an ellipse through the remaining blobs, over the spacing on the ring. Rings of more than
+`_FEW_DOTS` and at most this number of blobs are tested. By hand.
 """
 _TELLING = 3
-"""Maximum number of blobs that cannot determine both a ring's shape and membership."""
+"""Maximum number of blobs that cannot determine both a ring's shape and membership. By hand."""
 _GAPPY = 0.85
-"""Share of its blobs below which a ring is searched again."""
+"""Share of its blobs below which a ring is searched again. By hand."""
 _SIZE = 0.15
-"""Relative standard deviation of the innermost ring's size, by print and camera."""
-_MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
+"""Relative standard deviation of the innermost ring's size, by print and camera. By hand."""
+_MIDDLE_MM, _MIDDLE = 0.25, 0.45
 """Centre marker: prior scatter of ring centres, mm, and maximum distance.
 
-The distance is in standard deviations, and over the radius of the innermost ring.
+The distance is over the radius of the innermost ring, and below `STRAY` standard deviations. By hand.
 """
 
 
@@ -211,7 +211,7 @@ class RingFinder:
                 pitch = 2.0 * np.pi * ring.radius_px / len(where)
                 distance, blob = self.settler.tree.query(where)
                 spread = STRAY * ring.residual_px / np.sqrt(2.0) if ring.count else 0.0
-                reach = min(max(spread, LEAST_REACH * pitch, LEAST_REACH_PX), _LAW_REACH * pitch)
+                reach = min(max(spread, LEAST_REACH * pitch, LEAST_REACH_PX), PREDICTED_REACH * pitch)
                 good = (distance < reach) & (own[blob] == first + np.arange(len(where)))
                 first += len(where)
                 blob, weights = np.where(good, blob, -1), ring.weights
@@ -265,7 +265,7 @@ class RingFinder:
         terms = ring_harmonics(phi, 7)
         prior = prior_rows(weights, INSIDE)
         for _ in range(3):
-            blob, left = self.settler.nearest(terms @ weights, _LAW_REACH * pitch, taken)
+            blob, left = self.settler.nearest(terms @ weights, PREDICTED_REACH * pitch, taken)
             have = blob >= 0
             if not have.any():
                 break
@@ -278,7 +278,7 @@ class RingFinder:
         weights = np.vstack([law.centre(0.0), np.zeros((6, 2))])
         blob = np.full(len(self.angles[0]), -1)
         distance, dot = self.settler.tree.query(weights[:1])
-        reach = min(_MIDDLE_SD * law.centre_sd_px(_MIDDLE_MM * self.pixel), _MIDDLE * rings[0].radius_px)
+        reach = min(STRAY * law.centre_sd_px(_MIDDLE_MM * self.pixel), _MIDDLE * rings[0].radius_px)
         if len(blob) and distance[0] < reach and not taken[dot[0]]:
             blob[0] = dot[0]
             weights[0] = self.blobs[dot[0]]
@@ -311,7 +311,7 @@ class RingFinder:
         """Return the first ring of few blobs one of which is far from the ellipse of the remaining ones, or 0."""
         for number, ring in enumerate(fit.rings[1:], 1):
             there = np.flatnonzero(ring.blob >= 0)
-            if not _LEAST_LEFT < len(there) <= _INNERMOST:
+            if not _FEW_DOTS < len(there) <= _INNERMOST:
                 continue
             terms, seen = ring_harmonics(self.angles[number][there], 3), self.blobs[ring.blob[there]]
             hat = terms @ np.linalg.pinv(terms)

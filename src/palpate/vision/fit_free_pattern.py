@@ -19,35 +19,35 @@ from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
 from palpate.core import FloatArray, IntArray
+from palpate.vision.fit_ring import LEAST_REACH_PX, MARK_PX, PRINT_REACH, REACH, STRAY
 from palpate.vision.grow_assignment import grow_largest, mutual_nearest, spread_starts
 from palpate.vision.motion import interpolate_motion
 from palpate.vision.observed_layout import ObservedLayout
 from palpate.vision.pattern import MarkerPattern, PatternFit
+from palpate.vision.segment import MEDIAN_DISTANCE, MEDIAN_SD
 
 _PATCH, _PATCHES, _INNER = 11, 3, 0.75
-"""Markers per patch, number of patches, and maximum distance from the centre over the layout's radius."""
+"""Markers per patch, number of patches, and maximum distance from the centre over the layout's radius.
+By hand."""
 _SCALES, _ANGLE_STEP_DEG = (0.8, 0.9, 1.0, 1.1, 1.25), 4.0
-"""Scales and angle step of the placements of a patch."""
+"""Scales and angle step of the placements of a patch. By hand."""
 _TRIES = 12
-"""Number of blobs per patch from which an assignment is grown."""
+"""Number of blobs per patch from which an assignment is grown. By hand."""
 _STEP, _LEAST_GROWN, _ROUNDS = 0.4, 0.4, 8
-"""Reach of a step of the growth, minimum share of the markers for a fit, and maximum number of fits."""
-_REACH, _PRINT_REACH = 0.3, 0.22
-"""Maximum distance of a blob from its prediction, in all fits and in the last, over the spacing."""
-_STRAY, _LEAST_REACH_PX = 4.5, 0.7
-"""Maximum distance in the last fit over the spread of all blobs, and the reach that is always allowed."""
+"""Reach of a step of the growth, minimum share of the markers, maximum number of fits. By hand."""
 _ROUGH = 0.12
-"""Maximum residual over the spacing."""
+"""Maximum residual over the spacing. By hand."""
 _STRANGE, _STRANGE_SHARE = 5, 0.03
-"""Maximum number of unassigned blobs in and around the print: constant, and per assigned marker."""
+"""Maximum number of unassigned blobs in and around the print: constant, and per marker. By hand."""
 _CHANCE, _RIVAL = 1e-8, 0.94
-"""Maximum probability that random blobs fit as well, and maximum relative size of a rival fit."""
-_LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
-"""Standard deviation of the orientation mark about its place: minimum, and maximum over the spacing."""
+"""Maximum probability that random blobs fit as well; maximum relative size of a rival fit. By hand."""
+_MOST_MARK = 0.05
+"""Maximum standard deviation of the orientation mark about its place, over the spacing. By hand."""
 
 _POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+"""Powers of x and y of the terms up to third order."""
 _LEAST_FREE = 6
-"""Excess of blobs over unknowns from which the residuals determine the spread."""
+"""Excess of blobs over unknowns from which the residuals determine the spread. By hand."""
 
 
 class _Grown(NamedTuple):
@@ -100,7 +100,7 @@ class _Placements:
         grid = np.ones(np.ceil(np.ptp(blobs, axis=0)).astype(int)[::-1] + 2 * margin + 2, bool)
         cells = np.rint(blobs - self.origin).astype(int)
         grid[cells[:, 1], cells[:, 0]] = False
-        self.likely = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * self.pitch)) ** 2)
+        self.likely = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (REACH * self.pitch)) ** 2)
 
     def lay(self, anchor: int) -> Iterator[tuple[FloatArray, IntArray]]:
         """Yield placements (m, 2) of the template by a patch that covers most blobs, with these blobs (m,)."""
@@ -121,7 +121,7 @@ class _Placements:
         for number in first:
             whole = (self.template - self.template[anchor]) @ moves[best[number]] + self.blobs[number]
             start = np.full(len(whole), -1)
-            start[patch] = mutual_nearest(whole[patch], self.tree, np.full(len(patch), _REACH * self.pitch))
+            start[patch] = mutual_nearest(whole[patch], self.tree, np.full(len(patch), REACH * self.pitch))
             yield whole, start
 
     def fit(self, blob: IntArray, mirror: bool) -> _Grown:
@@ -131,12 +131,12 @@ class _Placements:
             if (blob >= 0).sum() < 4 or np.array_equal(blob, before):
                 break
             before, places = blob, self._predict(blob)
-            blob = mutual_nearest(places, self.tree, _REACH * self.step)
+            blob = mutual_nearest(places, self.tree, REACH * self.step)
         if (blob >= 0).sum() < 4:
             return _Grown(blob, places, np.inf, mirror)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)
-        spread = 1.4826 / 1.1774 * float(np.median(left[blob >= 0]))
-        reach = np.minimum(max(_STRAY * spread, _LEAST_REACH_PX), _PRINT_REACH * self.step)
+        spread = MEDIAN_SD / MEDIAN_DISTANCE * float(np.median(left[blob >= 0]))
+        reach = np.minimum(max(STRAY * spread, LEAST_REACH_PX), PRINT_REACH * self.step)
         blob = mutual_nearest(places, self.tree, reach)
         left = np.linalg.norm(self.blobs[blob] - places, axis=1)[blob >= 0]
         return _Grown(blob, places, float(np.sqrt(np.mean(left**2) / 2.0)) if len(left) else np.inf, mirror)
@@ -172,7 +172,7 @@ def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
     if strange > _STRANGE + _STRANGE_SHARE * best.named:
         return f"{strange} other blobs lie between and around them"
     area = max(float(np.prod(np.ptp(blobs, axis=0))), 1.0)
-    one = 1.0 - np.exp(-len(blobs) * np.pi * (_PRINT_REACH * spacing) ** 2 / area)
+    one = 1.0 - np.exp(-len(blobs) * np.pi * (PRINT_REACH * spacing) ** 2 / area)
     chance = float(binom.sf(best.named - 4, len(best.blob) - 3, one)) if best.named > 3 else 1.0
     return "" if chance < _CHANCE else f"random blobs fit as well with a probability of {chance:.0e}"
 
@@ -186,7 +186,7 @@ def _marks(best: _Grown, blobs: FloatArray, pattern: MarkerPattern) -> tuple[Flo
     flip = np.array([1.0, -1.0 if best.mirror else 1.0])
     warp = fit_warp(pattern.expected_px[have] * flip, blobs[best.blob[have]], terms, pattern.expected_px * flip)
     marks = warp(pattern.marks_px * flip)
-    sd = np.maximum(warp.deviation_px(pattern.marks_px * flip), _LEAST_MARK_PX)
+    sd = np.maximum(warp.deviation_px(pattern.marks_px * flip), MARK_PX)
     sd = np.minimum(sd, _MOST_MARK * pattern.spacing_px)
     return marks, sd[:, None, None] * np.eye(2)
 
@@ -241,7 +241,9 @@ def fit_warp(points: FloatArray, pixels: FloatArray, terms: int, whole: FloatArr
     free = len(points) - terms
     left = pixels - design @ weights
     # a false dot taken for a marker must not widen what is believed: the median forgives it
-    spread = 1.4826 * float(np.median(np.abs(left))) * np.sqrt(len(points) / free) if free >= _LEAST_FREE else np.inf
+    spread = (
+        MEDIAN_SD * float(np.median(np.abs(left))) * np.sqrt(len(points) / free) if free >= _LEAST_FREE else np.inf
+    )
     return Warp(middle, size, weights, inverse, spread)
 
 

@@ -17,35 +17,38 @@ from scipy.special import gammaln
 from palpate.core import BoolArray, FloatArray
 from palpate.vision.ring_model import RingFit
 from palpate.vision.rings import ring_harmonics
+from palpate.vision.segment import MEDIAN_DISTANCE, MEDIAN_SD
 
 _TRIED = 4
-"""Number of radii and shifts of the next ring that are fitted."""
-_SCORE = 0.22
-"""Reach in the comparison of places, over the distance of neighbours on the ring."""
+"""Number of radii and shifts of the next ring that are fitted. By hand."""
 _LEAST_RADIUS_PX = 0.25
-"""Minimum distance of a blob from its place in the number of false alarms."""
+"""Minimum distance of a blob from its place in the number of false alarms. By hand."""
 REACH = 0.3
-"""Maximum distance of a blob from its place during the fit, over the distance of neighbours."""
-_PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
-"""Bounds of this distance after the fit: maximum, minimum, and minimum in px."""
+"""Maximum distance of a blob from its place during the fit, over the distance of neighbours. By hand."""
+PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
+"""Bounds of this distance after the fit (the maximum also between places): maximum, minimum, in px.
+By hand."""
 STRAY = 4.5
-"""Maximum distance of a blob from its ring, in standard deviations."""
-_DOT_PX = 0.3
-"""Standard deviation of a printed marker."""
+"""Maximum distance of a blob from its place after the fit, in standard deviations. By hand."""
+MARK_PX = 0.2
+"""Minimum standard deviation of the orientation mark about its place. By hand."""
+DOT_PX = 0.3
+"""Standard deviation of a printed marker, px. By hand."""
 _FLAT = 0.1
-"""Standard deviation of the ratio of a ring's axes."""
+"""Standard deviation of the ratio of a ring's axes. By hand."""
 _SMALL, DROP = 60, 3.0
 """Trial without each blob: maximum size of a ring, and gain that keeps a blob of the innermost ring.
 
-The gain is in powers of ten of the number of false alarms.
+The gain is in powers of ten of the number of false alarms. By hand.
 """
-_OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
-"""Trial in further rings: distances at which a blob is dropped, and degrees of freedom of the fit.
+PREDICTED_REACH = 0.16
+"""Maximum distance of a blob from its place in a ring predicted without it, over the spacing. By hand."""
+_OFF, _SPENT = 6.0, 8.0
+"""Trial in further rings: distance at which a blob is dropped, and degrees of freedom of the fit.
 
-The distances are from the ring through the remaining blobs, in their standard deviations and over the spacing.
+The distance is from the ring through the remaining blobs, in their standard deviations. By
+hand.
 """
-_MORE = 0.5
-"""Share of blobs between a ring's places at which it is another ring, of more blobs."""
 
 
 class RingPrior(NamedTuple):
@@ -88,7 +91,7 @@ class RingFitter:
         places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
         distance, blob = self.tree.query(places)
         pitch = 2.0 * np.pi * growths * last.radius_px / len(phi)
-        reach = (_SCORE * pitch)[:, None, None]
+        reach = (PRINT_REACH * pitch)[:, None, None]
         score = np.where((distance < reach) & ~taken[blob], 1.0 - (distance / reach) ** 2, 0.0).sum(axis=-1)
         tried, by_growth = [], score.max(axis=1)
         for _ in range(_TRIED):
@@ -112,8 +115,13 @@ class RingFitter:
             pitch = 2.0 * np.pi * radius / len(phi)
             reach = REACH * pitch
             if again > 3 and (blob >= 0).sum() > 3:
-                spread = 1.4826 * np.nanmedian(left) / 1.1774 * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
-                reach = min(max(STRAY * spread, LEAST_REACH_PX, LEAST_REACH * pitch), _PRINT_REACH * pitch)
+                spread = (
+                    MEDIAN_SD
+                    * np.nanmedian(left)
+                    / MEDIAN_DISTANCE
+                    * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
+                )
+                reach = min(max(STRAY * spread, LEAST_REACH_PX, LEAST_REACH * pitch), PRINT_REACH * pitch)
             blob, left = self.nearest(places, reach, taken)
             have = blob >= 0
             if again == 5 or have.sum() < 3:
@@ -154,13 +162,13 @@ class RingFitter:
             far, fit, kept, off = tried[which]
             spread = np.sqrt(np.sum(off[kept >= 0] ** 2) / max(2.0 * len(have) - 2.0 - _SPENT, 2.0))
             pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-            drop = far > max(_OFF * spread, _OFF_PITCH * pitch, LEAST_REACH_PX)
+            drop = far > max(_OFF * spread, PREDICTED_REACH * pitch, LEAST_REACH_PX)
         if not drop:
             return None
         _, fit, kept, off = tried[which]
         away, dot = self.tree.query(terms[have[which]] @ fit)
         pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-        if dot != blob[have[which]] and dot not in kept and away < max(_OFF_PITCH * pitch, LEAST_REACH_PX):
+        if dot != blob[have[which]] and dot not in kept and away < max(PREDICTED_REACH * pitch, LEAST_REACH_PX):
             kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
@@ -176,7 +184,7 @@ class RingFitter:
             between = np.concatenate([phi + step * part for part in range(1, parts)])
             pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
             distance = self.tree.query(ring_harmonics(between, 7) @ weights)[0]
-            if np.mean(distance < REACH * pitch) > _MORE:
+            if np.mean(distance < REACH * pitch) > 0.5:
                 return True
         return False
 
@@ -205,7 +213,7 @@ def prior_rows(weights: FloatArray, hold: RingPrior) -> tuple[FloatArray, FloatA
     """Return the rows of a least-squares fit, and their right sides, that hold a ring near its prediction."""
     radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
     sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
-    ridge = _DOT_PX / sd
+    ridge = DOT_PX / sd
     return np.diag(ridge), ridge[:, None] * weights
 
 

@@ -6,31 +6,28 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.vision.find_rings_by_structure import RingFinder, mark_turns
+from palpate.vision.fit_ring import MARK_PX
 from palpate.vision.pattern import MarkerPattern, PatternFit
-from palpate.vision.ring_model import TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
+from palpate.vision.ring_model import BENT, TWIST, RingFit, RingsFit, extrapolate_ring, fit_ring_model
 from palpate.vision.rings import Rings, ring_harmonics
 
 _CHANCE = -7.5
-"""Maximum log10 of the number of false alarms of a print."""
+"""Maximum log10 of the number of false alarms of a print. By hand."""
 _BEYOND = 0.6
-"""Share of the places of one additional ring at which the print is of another design."""
+"""Share of the places of one additional ring at which the print is of another design. By hand."""
 _RIVAL = 2.0
-"""Minimum lead over a print of another centre, in powers of ten."""
+"""Minimum lead over a print of another centre, in powers of ten. By hand."""
 _STRANGE, _STRANGE_SHARE = 12, 0.1
-"""Maximum number of unassigned blobs inside the print: constant, and per assigned blob."""
-_MARK_PX = 0.2
-"""Minimum standard deviation of the mark about its place."""
+"""Maximum number of unassigned blobs inside the print: constant, and per assigned blob. By hand."""
 _DOT_MM, _DOT_BELIEF = 0.06, 6
-"""Prior standard deviation of each coordinate of a printed marker, and its weight in blobs."""
+"""Prior standard deviation of each coordinate of a printed marker, and its weight in blobs. By hand."""
 _ASIDE_MM = 0.1
-"""Standard deviation of the offset of a whole print from the axis, in each direction."""
+"""Standard deviation of the offset of a whole print from the axis, in each direction. By hand."""
 _MARK_STRETCH, _MARK_BENT = 0.02, 0.06
 """Radial standard deviation of the mark over its distance from the outermost ring.
 
-The values are those of an even print, and the increase for a distorted one.
+The values are those of an even print, and the increase for a distorted one. By hand.
 """
-_BENT = 0.08
-"""Deviation of a ring's radius from the design's at which a print counts as distorted."""
 
 
 def fit_ring_pattern(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> PatternFit | None:
@@ -98,10 +95,10 @@ def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[F
     length = np.linalg.norm(out, axis=1, keepdims=True)
     out /= length
     factor = law.rho / finder.rings.rho[1:]
-    bent = min(float(np.abs(factor - 1.0).max()) / _BENT, 1.0) if len(factor) > 1 else 1.0
+    bent = min(float(np.abs(factor - 1.0).max()) / BENT, 1.0) if len(factor) > 1 else 1.0
     outside = float(length.mean()) - outer.radius_px
     scale = law.zoom * float(finder.profile.scale(np.hypot(*pattern.mark[:2])))
-    along = np.hypot(max(_MARK_PX, _scatter(outer, scale * _DOT_MM)), aside)
+    along = np.hypot(max(MARK_PX, _scatter(outer, scale * _DOT_MM)), aside)
     stretch = (_MARK_STRETCH + bent * _MARK_BENT) * outside
     shift = _ASIDE_MM * law.steeper(outer.radius_px, float(length.mean()))
     far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2 + shift**2))

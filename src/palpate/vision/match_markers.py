@@ -30,27 +30,29 @@ from palpate.vision.neighbours import largest_group
 from palpate.vision.observed_layout import ObservedLayout
 
 GRID = 20
-"""Cells per side of the histogram of blob positions by which similar images are found."""
+"""Cells per side of the histogram of blob positions by which similar images are found. By hand."""
 _NEAR, _WIDE = 0.42, 0.55
-"""Maximum distance of a blob from its prediction in last and first iteration, over the spacing."""
+"""Maximum distance of a blob from its prediction, last and first iteration, over spacing. By hand."""
 _TURNS, _STIFF = 6, 0.02
-"""Maximum number of iterations, and weight of a field's roughness relative to one blob."""
+"""Maximum number of iterations, and weight of a field's roughness relative to one blob. By hand."""
 _SURE, _BELIEVED, _APART = 0.97, 0.86, 0.02
-"""Agreement above which no alternative is searched, above which one is accepted, and its minimum lead."""
+"""Agreement above which no alternative is searched, above which one is accepted, and its minimum lead.
+By hand."""
 _CALM, _ROUGH = 0.035, 0.06
-"""Maximum RMS distance from the smooth field, over the spacing, of confident and of accepted images."""
+"""Maximum RMS distance from the smooth field, over the spacing, of confident and of accepted images.
+By hand."""
 _STEP, _TORN = 0.45, 0.16
-"""Maximum relative distance of a blob from its neighbours' prediction: in growth, in consistent parts."""
+"""Maximum relative distance from the neighbours' prediction: growth, consistent parts. By hand."""
 _MAX_RESIDUAL = 0.2
-"""Distance from the prediction by its neighbours, over theirs, from which a blob is not of the layout."""
+"""Minimum distance of a false blob from its neighbours' prediction, over theirs. By hand."""
 _LESS = 0.08
-"""Maximum deficit of agreement of an accepted image relative to confident ones."""
+"""Maximum deficit of agreement of an accepted image relative to confident ones. By hand."""
 _REACH = 4.5
-"""Maximum displacement that is tried for a start, over the spacing."""
+"""Maximum displacement that is tried for a start, over the spacing. By hand."""
 _STARTS, _INNER, _ALIKE, _KEPT = 5, 0.65, 4, 400
 """Number of start markers, and their maximum distance from the centre over the layout's radius.
 
-Then the number of assignments and similar images that are refined, and of images stored as guesses.
+Then the number of assignments and similar images that are refined, and of images stored as guesses. By hand.
 """
 
 

@@ -17,11 +17,11 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray
 
 _NEIGHBOURS, _QUADRATIC_FROM = 14, 9
-"""Number of neighbours for a smooth motion, and minimum number for a quadratic one (else linear)."""
+"""Neighbours for a smooth motion, and minimum number for a quadratic one (else linear). By hand."""
 _NOISE_PX = 0.3
-"""Minimum misfit of a fitted model, px: noise of a blob and truncation of the modes."""
+"""Minimum misfit of a fitted model, px: noise of a blob and truncation of the modes. By hand."""
 _MOST, _ROUNDS = 48, 3
-"""Maximum number of modes, also limited to a third of the images; rounds of weighting."""
+"""Maximum number of modes, also limited to a third of the images; rounds of weighting. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

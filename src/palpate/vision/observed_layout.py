@@ -16,11 +16,11 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 from palpate.core import FloatArray, IntArray, PalpateError
 
 NEIGHBOURS = 8
-"""Maximum number of neighbours of a marker."""
+"""Maximum number of neighbours of a marker. By hand."""
 LEAST_DOTS = 6
-"""Minimum number of markers of a layout."""
+"""Minimum number of markers of a layout. By hand."""
 _LONGEST = 1.7
-"""Maximum length of an edge to a neighbour, over the median of the marker's shortest three."""
+"""Maximum length of an edge to a neighbour, over the median of the marker's shortest three. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

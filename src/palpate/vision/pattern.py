@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from scipy.spatial import cKDTree
 from palpate.core import BoolArray, FloatArray
 from palpate.vision.rings import Rings, find_rings
 
+Angle = TypeVar("Angle", float, FloatArray)
 _SAME = 1e-6
 """Maximum distance of coincident markers, over the layout's size."""
 
@@ -126,6 +128,11 @@ def _move(points: FloatArray, turn: float, mirror: bool) -> FloatArray:
     x, y, z = np.moveaxis(np.asarray(points, float), -1, 0)
     y = -y if mirror else y
     return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z], axis=-1)
+
+
+def wrap_deg(angle_deg: Angle) -> Angle:
+    """Return angles in degrees within ±180°."""
+    return (angle_deg + 180.0) % 360.0 - 180.0
 
 
 def _candidate_turns(positions: FloatArray, mirror: bool) -> list[float]:

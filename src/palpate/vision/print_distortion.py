@@ -17,20 +17,22 @@ from scipy.optimize import least_squares
 from palpate.camera import Camera
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
+from palpate.vision.fit_ring import DOT_PX
 from palpate.vision.rings import Rings
 
 _SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
 """Prior standard deviations of a ring's distortion.
 
 They are those of growth, centre x and y (mm), ellipse (two parameters), rotation, and sliding of its markers along
-it, of second order (two parameters): a stretched pad causes sliding, a sagging skin does not.
+it, of second order (two parameters): a stretched pad causes sliding, a sagging skin does not. By hand.
 """
 _POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
-"""Prior standard deviations of the camera offset x, y (mm), distance (mm), tilts and roll (degrees)."""
-_DOT_PX, _FORGIVEN = 0.3, 5.0
-"""Standard deviation of a printed marker, and residual over it beyond which the loss is linear."""
+"""Prior standard deviations of the camera offset x, y (mm), distance (mm), tilts and roll (degrees).
+By hand."""
+_FORGIVEN = 5.0
+"""Residual over the standard deviation of a marker beyond which the loss is linear. By hand."""
 _STEP = 1e-5
-"""Step of the finite differences, over the standard deviations."""
+"""Step of the finite differences, over the standard deviations. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +107,7 @@ def fit_print_distortion(
     def miss(values: FloatArray) -> FloatArray:
         places = _printed(rings, layout, skin, values[6:])[which]
         left = np.nan_to_num(posed(values[:6]).project(places) - pixels, nan=1e3)
-        return np.concatenate([left.ravel() / _DOT_PX, (values - prior) / sd])
+        return np.concatenate([left.ravel() / DOT_PX, (values - prior) / sd])
 
     def slopes(values: FloatArray) -> FloatArray:
         """Return finite differences, for all rings at once, as a ring's parameters move its own markers only."""
@@ -126,7 +128,7 @@ def fit_print_distortion(
         return found
 
     fit = least_squares(miss, first, jac=slopes, x_scale=sd, loss="soft_l1", f_scale=_FORGIVEN)
-    left = miss(fit.x)[: pixels.size].reshape(-1, 2) * _DOT_PX
+    left = miss(fit.x)[: pixels.size].reshape(-1, 2) * DOT_PX
     rms = float(np.sqrt(np.mean((left**2).sum(axis=1))))
     return fit.x[:6], _law(rings, layout, skin, fit.x[6:], rms)
 

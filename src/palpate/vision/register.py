@@ -24,6 +24,7 @@ from palpate.camera import LENSES, Camera, CameraSpec, build_camera, flat_marker
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
 from palpate.vision.assign_markers import MarkerAssignment
+from palpate.vision.pattern import wrap_deg
 from palpate.vision.print_distortion import PrintDistortion, fit_print_distortion
 from palpate.vision.rings import find_rings
 
@@ -31,15 +32,16 @@ _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_d
 _LEAST_MARKERS = 6
 """Minimum number of markers for a pose: twice the three that six parameters need."""
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
-"""Prior standard deviations of refined focal length (relative) and centre: variation between lenses."""
+"""Prior standard deviations of refined focal length (relative) and centre: variation between lenses.
+By hand."""
 _EVEN = 0.05
-"""Maximum residual over the distance of neighbours."""
+"""Maximum residual over the distance of neighbours. By hand."""
 _LEAST_BENT_PX, _BETTER = 0.5, 0.5
-"""Distorted print: minimum residual (px) of the pose alone, and maximum share of it that remains."""
+"""Distorted print: minimum residual (px) of the pose alone, maximum remaining share. By hand."""
 _MOST_BENT, _MOST_GROWN = 0.2, 0.13
-"""Maximum deviation of a ring's radius, and of the overall size, of the same design."""
+"""Maximum deviation of a ring's radius, and of the overall size, of the same design. By hand."""
 _FORGIVEN_PX = 1.0
-"""Distance beyond which the loss of a misprint is linear."""
+"""Distance beyond which the loss of a misprint is linear. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +129,7 @@ def register_dome(
     normals = skin.normal(points)
     edges = flat_marker_outlines(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
-    start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
+    start[5] = wrap_deg(start[5] - naming.turn_deg)
     about = _posed(nominal, start)
     where = points, seen, project_markers(about, edges).centres - about.project(points)
     held = fit = _fit(nominal, start, where)
@@ -240,7 +242,7 @@ def _lens_of(nominal: CameraSpec) -> FloatArray:
 def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
     """Return the camera of a pose and of the parameters listed in `_lens_of`."""
     chosen: dict[str, Any] = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
-    chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0
+    chosen["roll_deg"] = wrap_deg(chosen["roll_deg"])
     focal, column, row, *refined = (float(value) for value in values[6:])
     lens = LENSES.get(nominal.lens)
     named = dict(zip(lens.parameters(), nominal.distortion, strict=True)) | dict(

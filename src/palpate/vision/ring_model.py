@@ -17,35 +17,36 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray
 
 _EVEN = 0.07
-"""Maximum residual of a ring's blobs over the distance of neighbours."""
+"""Maximum residual of a ring's blobs over the distance of neighbours. By hand."""
 _PRIOR = 2.0
-"""Weight of the prior scatter of centres, in rings."""
+"""Weight of the prior scatter of centres, in rings. By hand."""
 _FLAT = 1e-6
 """Difference of height over the radius below which a skin is flat."""
 _BEYOND = 1.3
-"""Extent of the profile, over the outermost known radius."""
+"""Extent of the profile, over the outermost known radius. By hand."""
 _ASIDE_MM = 4.0
-"""Standard deviation of the camera's offset from the axis, in each direction."""
-_LEAST_OFF_PX, _OFF, _BENT = 0.1, 3.0, 0.08
+"""Standard deviation of the camera's offset from the axis, in each direction. By hand."""
+_LEAST_OFF_PX, _OFF, BENT = 0.1, 3.0, 0.08
 """Standard deviation of ring centres about their line: minimum (px), and slope.
 
-The slope is in mm per relative error of the radii, which is limited to the last value.
+The slope is in mm per relative error of the radii, which is limited to the last value. By hand.
 """
 _RIM = 0.98
-"""Maximum radius of a print, over that of the meridian."""
+"""Maximum radius of a print, over that of the meridian. By hand."""
 _STEP = 0.05
-"""Half the difference of radii for the slope of the profile, mm."""
+"""Half the difference of radii for the slope of the profile, mm. By hand."""
 _ZOOM_SHARE = 0.2
 """Share of a common growth of all rings that is attributed to the camera.
 
-Its distance is known to 4 %, a print's size to 8 %.
+Its distance is known to 4 %, a print's size to 8 %. By hand.
 """
 _ZOOM_SD = 0.035
-"""Standard deviation of the remaining zoom error."""
+"""Standard deviation of the remaining zoom error. By hand."""
 _NESTED = 0.7
-"""Distance of neighbouring ring centres over that of their radii, at which they count as crossing."""
+"""Distance of ring centres over that of their radii, at which they count as crossing. By hand."""
 TWIST, _TWIST_POWER = 0.25, 20.0
-"""Maximum rotation between neighbouring rings over the marker step; penalty of a step, powers of ten."""
+"""Maximum rotation between neighbouring rings over the marker step; penalty of a step, powers of ten.
+By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +257,7 @@ def fit_ring_model(
     centres = np.stack([ring.weights[0] for ring in rings])
     scale = zoom * profile.scale(rho)
     bent = float(np.abs(rho / design_rho - 1.0).max())
-    drift, sd = _drift(centres, scale, np.sqrt(rho / rho.max()), min(bent, _BENT) * _OFF)
+    drift, sd = _drift(centres, scale, np.sqrt(rho / rho.max()), min(bent, BENT) * _OFF)
     left = centres - drift[0] - scale[:, None] * drift[1]
     return RingModel(profile, zoom, rho, drift, left, sd)
 

@@ -9,15 +9,15 @@ from palpate.vision.fit_ring import RingFitter
 from palpate.vision.rings import ring_harmonics
 
 _NEAR = 8
-"""Number of a blob's neighbours among which those on the innermost ring are searched."""
+"""Number of a blob's neighbours among which those on the innermost ring are searched. By hand."""
 _SIDES = (0.65, 1.55)
-"""Bounds of the ratio of two distances of neighbours on the innermost ring."""
+"""Bounds of the ratio of two distances of neighbours on the innermost ring. By hand."""
 _AXES = 1.5
-"""Maximum axis ratio of the innermost ring through three of its blobs."""
+"""Maximum axis ratio of the innermost ring through three of its blobs. By hand."""
 _SIZES = (0.55, 1.8)
-"""Bounds of its radius over the design's in the nominal image."""
+"""Bounds of its radius over the design's in the nominal image. By hand."""
 _SEED = 0.3
-"""Maximum distance of a blob from its prediction by three others of its ring, over the radius."""
+"""Maximum distance of a blob from its prediction by three of its ring, over the radius. By hand."""
 
 
 def seed_rings(

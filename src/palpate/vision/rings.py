@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from palpate.core import FloatArray
 
 _SAME = 1e-4
-"""Tolerance of radii (over the layout's size) and azimuth steps of a ring."""
+"""Tolerance of radii (over the layout's size) and azimuth steps of a ring. By hand."""
 _LEAST_DOTS = 4
-"""Minimum number of markers of a ring."""
+"""Minimum number of markers of a ring. By hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,8 @@ from palpate.core import BoolArray, FloatArray, kernel
 from palpate.vision.opencv import blur, box, close, components, dilate, local_maxima
 
 Image = NDArray[np.float32]
+MEDIAN_SD, MEDIAN_DISTANCE = 1.4826, 1.1774
+"""Normal numbers: standard deviation over median magnitude, median distance in a plane over it."""
 _NOISE_ROWS = 24
 """Rows in which the noise is measured: rows of 346 px give it to 2 %."""
 

@@ -20,11 +20,11 @@ _LEAST_AREA, _LARGEST_AREA = 1.4, 2.6
 _ROUNDEST = 0.75
 """Axis ratio above which a blob is single: two discs half a diameter apart have 0.71."""
 _WAIST = 0.9
-"""Maximum height summed across the middle, over that across the two centres."""
+"""Maximum height summed across the middle, over that across the two centres. By hand."""
 _MARGIN_PX = 3
-"""Margin around the blob that is assigned to the nearer centre, to exclude it from the second fit."""
+"""Margin around the blob that goes to the nearer centre, not to the second fit. By hand."""
 _BETWEEN_PX = 1.0
-"""Half width of the strip that belongs to neither of two parts, because both blur into each other."""
+"""Half width of the strip between two parts that blur into each other. By hand."""
 
 
 def split_merged(segments: Segments, height: Image, wanted: BoolArray) -> Segments:

@@ -12,39 +12,39 @@ from palpate.core import BoolArray, FloatArray, IntArray
 _NEIGHBOURS, _HEXAGON = 7, 1.35
 """Number of neighbours; maximum of the sixth distance over the first in a hexagonal lattice.
 
-It is 1 for a hexagon, 1.41 for a square. Corners of a pressed square field end too few lines.
+It is 1 for a hexagon, 1.41 for a square. Corners of a pressed square field end too few lines. By hand.
 """
-_OFF, _SIZE = 0.22, 1.4
-_OFF_STRICT, _SIZE_STRICT = 0.14, 1.25
+_OFF, _SIZE, _OFF_STRICT, _SIZE_STRICT = 0.22, 1.4, 0.14, 1.25
 """Limits of a blob that continues the lattice: distance from a line, and ratio of diameters.
 
 The distance is from the extrapolated line of two neighbours, over theirs. The strict limits are for corners of rows.
+By hand.
 """
 _LINES, _REGULAR, _LEAST, _LOOKED = 4, 0.8, 40, 60
 """Lines that an inner marker ends, and minimum share of such markers.
 
-Then the minimum number of blobs, and the number of inner markers tested.
+Then the minimum number of blobs, and the number of inner markers tested. By hand.
 """
 _BEYOND, _WIDTH = 0.2, 2.3
 """Distance beyond the hull of a rejected blob, and width of the tested border.
 
-Both are over the lattice step.
+Both are over the lattice step. By hand.
 """
 _ROW, _GAP, _SLOPE = 5, (0.75, 1.4), 30.0
 """Minimum number of markers of a row along the border, limits of their distances, slope of a row.
 
-The distances are over the lattice step, the slope is in degrees.
+The distances are over the lattice step, the slope is in degrees. By hand.
 """
 _CORNER, _NEAR = 3, 1.3
 """Lines that end at a marker, or neighbours within `_NEAR` lattice steps.
 
-So many keep a marker without a row, such as at a corner of the field.
+So many keep a marker without a row, such as at a corner of the field. By hand.
 """
 _ROWS, _UNEVEN, _STEEP, _MARKS = 0.7, 0.06, 0.15, 4
 """Limits of rows: share of markers near the border, median deviation of their gaps, median slope.
 
-Gaps are over the lattice step. Rings and grids have slopes below 0.14, scattered markers and rings that
-the image cuts slopes above 0.17. Then the maximum number of printed marks outside the field.
+Gaps are over the lattice step. Rings and grids have slopes below 0.14, scattered markers and rings that the image
+cuts slopes above 0.17. Then the maximum number of printed marks outside the field. By hand.
 """
 
 

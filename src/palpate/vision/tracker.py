@@ -23,18 +23,21 @@ from palpate.vision.motion import MotionModel
 from palpate.vision.neighbours import agree, nearest, nearest_distance
 from palpate.vision.segment import Blobs
 
-_REACH = 0.45
-"""Maximum distance of a blob from its prediction, over the distance to the nearest other marker."""
+REACH = 0.45
+"""Maximum distance of a blob from its prediction, over the distance to the nearest other marker.
+By hand."""
 _JUMP = 0.25
-"""Median distance of blobs from predictions, over the spacing, above which the markers have jumped."""
+"""Median distance of blobs from predictions, over the spacing, of a jump of the markers. By hand."""
 _SURE, _SURE_SHARE = 0.2, 0.9
-"""Predictions need no correction if the second share of them has a blob within the first of a spacing."""
+"""Predictions need no correction if the second share of them has a blob within the first of a spacing.
+By hand."""
 _ROUGH = 0.6
-"""Roughness of the motion above which two markers have changed places, as they differ by a spacing."""
+"""Roughness of the motion above which two markers have changed places, as they differ by a spacing.
+By hand."""
 _ALONE_PX, _LEAST_ROOM_PX = 50.0, 2.0
-"""Bounds of the distance to the nearest other marker."""
+"""Bounds of the distance to the nearest other marker. By hand."""
 _ROUNDS, _NEIGHBOURS = 3, 7
-"""Rounds of the joint correction, and number of markers that determine it."""
+"""Rounds of the joint correction, and number of markers that determine it. By hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +163,7 @@ class Tracker:
             agreed = agree(predicted, blobs_px, self._near, 0.6 * space, _ROUNDS)
             offset = float(np.median(np.linalg.norm(agreed - predicted, axis=1) / space))
             predicted, space, (number, distance) = agreed, _room(agreed), nearest(agreed, blobs_px)
-        blob = _assign(predicted, blobs_px, _REACH * space, np.where(distance < _REACH * space, number, -1))
+        blob = _assign(predicted, blobs_px, REACH * space, np.where(distance < REACH * space, number, -1))
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():

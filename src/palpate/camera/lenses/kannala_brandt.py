@@ -23,7 +23,9 @@ from palpate.camera.lens import Lens, fold_of, folded
 from palpate.core import FloatArray
 
 _HALVINGS = 60
+"""Halvings of the angle: more than the 53 bits of a number."""
 _SMALL = 1e-12
+"""Normalised radius below which a point lies on the axis."""
 
 
 @final

@@ -13,8 +13,9 @@ from palpate.camera.sources.capture import open_capture
 from palpate.core import PalpateError
 
 _MISSES = 10
-"""Number of missing images in a row after which a camera counts as disconnected."""
+"""Number of missing images in a row after which a camera counts as disconnected. By hand."""
 _PATIENCE_S = 0.05
+"""Waiting time after a missing image, s. By hand."""
 
 
 @final
