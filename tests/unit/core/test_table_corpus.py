@@ -177,3 +177,10 @@ def test_images_of_a_truth_are_found_below_its_folder(tmp_path: Path) -> None:
     assert [Path(name).name for name in (*found.rest, *found.images)] == names
     with refused("images-missing", "rest.png"):
         read_ground_truth(path).locate(tmp_path / "recording" / "none")
+
+
+@pytest.mark.parametrize("text", ["{}\n{}\n", "[]"])
+def test_objects_without_a_name_are_no_table(text: str, tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text(text)
+    with refused("table-empty"):
+        read_table(tmp_path / "a.json")

@@ -61,3 +61,13 @@ def test_equal_errors_give_equal_scales() -> None:
     _, scale = fit_scale(features, errors, np.arange(800), LEVEL)
     assert scale is not None
     assert scale.expected(features).std() < 0.15 * scale.expected(features).mean()
+
+
+def test_features_are_relative_to_the_range_of_the_training() -> None:
+    low, high = np.array([-20.0, 1.0]), np.array([20.0, 5.0])
+    (found,) = image_features(
+        np.array([[10.0, 5.0]]), low, high, np.array([3.0]), np.array([0.9]), np.array([[4.0, 0.2]])
+    )
+    spread = (4.0 / 40.0 + 0.2 / 4.0) / 2
+    wanted = [0.5, 1.0, 0.25, 1.0, np.log(4.0), np.log(1.0), np.log(spread + 1e-4)]
+    assert found == pytest.approx(wanted)

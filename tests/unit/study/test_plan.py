@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -204,3 +205,12 @@ def test_a_prediction_leaves_the_images_of_a_study_as_they_are() -> None:
 def test_the_steps_of_a_twin_are_equal_and_reach_its_depth(depth: float, step: float) -> None:
     study = Study.model_validate({"name": "a", "obstacle": {"depth": depth}})
     assert {press.obstacle.depth_step for press in plan_study(study).built[0].twin.presses} == {step}
+
+
+def test_a_whole_mesh_costs_twice_a_half_and_a_filled_skin_ten_times_a_hollow_one() -> None:
+    (task, *_) = plan_study(Study(name="a")).designs[0].dataset.presses
+    half, whole, filled = (
+        replace(task, mesh=task.mesh.model_copy(update=change)).cost
+        for change in ({"whole": False}, {"whole": True}, {"filled": True})
+    )
+    assert [whole / half, filled / half] == pytest.approx([2.0, 10.0])

@@ -10,7 +10,14 @@ from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from errors import refused
 from palpate.core.run import Progress
-from palpate.vision import MarkerMatcher, MatchFault, assign_images, number_markers, prepare_detector
+from palpate.vision import (
+    MarkerMatcher,
+    MatchFault,
+    assign_images,
+    choose_reference,
+    number_markers,
+    prepare_detector,
+)
 
 STILL = np.zeros((4, 2))
 SHAPE = (420, 420)
@@ -161,3 +168,8 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
 def test_too_few_dots_at_rest_are_refused(tmp_path: Path) -> None:
     with refused("rest-markers-few", "3"):
         number_markers(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]]))
+
+
+def test_images_with_hardly_a_blob_give_no_layout() -> None:
+    with refused("markers-few", "picture"):
+        choose_reference([np.ones((2, 2)), np.ones((3, 2)), np.ones((40, 2))], 3)
