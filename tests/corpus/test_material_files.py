@@ -55,3 +55,21 @@ def test_a_faulty_row_is_no_statistic(tmp_path: Path) -> None:
     path.write_text(table("Strain,Stress (MPa)", STRAIN, STRESS, end="broken,0.5\n"))
     with refused("value-not-number"):
         read_test_file(path, TestFileSpec(loading=Loading.TENSION))
+
+
+def test_a_rate_is_no_strain_and_a_lot_of_a_chemical_no_stress(tmp_path: Path) -> None:
+    path = tmp_path / "test.csv"
+    path.write_text(
+        table(
+            "Extension (mm),Stress (MPa),dε/dt (1/s),Sigma-Aldrich lot", TRAVEL_MM, STRESS, 0.01 + 0 * STRAIN, STRAIN
+        )
+    )
+    (sample,) = read_test_file(path, TestFileSpec(loading=Loading.TENSION, gauge_length=GAUGE_MM))
+    assert sample.stretch == pytest.approx(STRETCH, abs=1e-6)
+
+
+def test_samples_named_like_a_statistic_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "test.csv"
+    rows = [f"{name},{a:.6g},{b:.6g}" for name in ("L", "max") for a, b in zip(STRAIN, STRESS, strict=True)]
+    path.write_text("\n".join(["Sample,Strain (mm/mm),Stress (MPa)", *rows]))
+    assert [len(one.stretch) for one in read_test_file(path, TestFileSpec(loading=Loading.TENSION))] == [41, 41]

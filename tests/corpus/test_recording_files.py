@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from errors import refused
 from palpate.core import PalpateError
-from palpate.datasets import ColumnMapping, Recording, read_recording
+from palpate.datasets import ColumnMapping, Recording, RecordingTable, read_recording, to_surface
 
 COUNT, PRESSES = 24, 8
 RANDOM = np.random.default_rng(7)
@@ -291,15 +291,6 @@ ROBOTS: dict[str, tuple[str, np.ndarray]] = {
         np.hstack([PLACES, DOWN.as_euler("ZYX", degrees=True)]),
     ),
     "FANUC": ("X,Y,Z,W,P,R", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
-    "ROS, metres": (
-        ",".join([*(f"pose.position.{a}" for a in "xyz"), *(f"pose.orientation.{a}" for a in "xyzw")]),
-        np.hstack([np.zeros((COUNT, 2)), POSES[:, 2:] / 1e3, QUATERNIONS]),
-    ),
-    "end effector": (
-        ",".join([*(f"ee_pos_{a}" for a in "xyz"), *(f"ee_quat_{a}" for a in "wxyz")]),
-        np.hstack([np.zeros((COUNT, 2)), POSES[:, 2:] / 1e3, QUATERNIONS[:, [3, 0, 1, 2]]]),
-    ),
-    "letters": ("px,py,pz,rx_deg,ry_deg", np.hstack([PLACES[:, :2], POSES[:, [2, 0, 1]]])),
 }
 
 
@@ -315,6 +306,43 @@ def test_poses_of_a_robot_without_units_are_relative_to_the_surface(robot: str, 
         cv2.imwrite(str(tmp_path / f"{at}.png"), image)
     recording = read_recording(tmp_path)
     assert [f"{one.axis}_{one.unit}" for one in recording.poses] == list(NAMES)
-    shallowest = POSES[:, 2].min() if "Z" in names else 0.0  # the depth of positions begins there
-    wanted = POSES - [0, 0, shallowest]
+    wanted = POSES - [0, 0, POSES[:, 2].min()]  # the depth of positions begins at the shallowest
     assert recording.targets == pytest.approx(wanted, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {
+            "tilt": POSES[:, 0] + 20,
+            "rx": np.pi - 0.01 * POSES[:, 0] ** 2,
+            "ry": 0.03 * POSES[:, 1],
+            "rz": POSES[:, 0] / 90,
+        },
+        {
+            "rx_deg": POSES[:, 0],
+            "ry_deg": POSES[:, 1],
+            "height": np.linspace(480, 490, COUNT),
+            "depth": POSES[:, 2] / 1e4,
+        },
+        {"rx_deg": POSES[:, 0], "ry_deg": POSES[:, 1], "x": POSES[:, 0] / 900, "depth": POSES[:, 2]},
+    ],
+)
+def test_a_unit_that_only_another_column_hints_at_is_asked_for(
+    columns: dict[str, np.ndarray], tmp_path: Path
+) -> None:
+    rows = [
+        f"{at}.png,{press}," + ",".join(f"{values[at]:.6f}" for values in columns.values())
+        for at, press in enumerate(PRESS)
+    ]
+    (tmp_path / "poses.csv").write_text("\n".join(["image,press," + ",".join(columns), *rows]))
+    for at, image in enumerate(IMAGES):
+        cv2.imwrite(str(tmp_path / f"{at}.png"), image)
+    with refused("column-unit-unknown", "names no unit"):
+        read_recording(tmp_path)
+
+
+@pytest.mark.parametrize("names", ["x,y,z,a (N),b (N),c (N)", "x,y,z,w,p,r", "X,Y,Z,A (N),B (N),C (N)"])
+def test_letters_that_are_no_angles_of_a_robot_keep_their_names(names: str, tmp_path: Path) -> None:
+    table = RecordingTable("t", {name: 3.0 * POSES[:, at % 3] for at, name in enumerate(names.split(","))}, {})
+    assert set(to_surface(table, ColumnMapping(), ()).columns) == set(names.split(","))

@@ -22,11 +22,11 @@ _NUMBERS_WITHIN = re.compile(r"[-+\d.,][;,|\t ]+[-+\d.,]|[\d.][;,|\t]$|^\d+[.,]\
 _MIN_ROWS = 5
 """Fewer rows after the table may be a footer. By hand."""
 _SUMMARY = re.compile(
-    r"(?:mean|average|avg|median|std\b.*|st\w* ?dev\w*|sd|cv|coefficient of variation|max\w*|min\w*|range|sum|total"
-    r"|mittel\w*|s|x|moyenne|[ée]cart[ -]type|平均\w*|最大\w*|最小\w*|标准差|標準偏差)\W*",
+    r"mean|average|median|st(?:andar)?d\.? ?dev(?:iation)?\.?|max(?:imum)?|min(?:imum)?|mittelwert|std\.?-?abw\.?"
+    r"|standardabweichung|moyenne|[ée]cart[ -]type|平均值?|最大值?|最小值?|标准差|標準偏差",
     re.I,
 )
-"""First cells of the rows of statistics below a table."""
+"""First cells of the rows of statistics below a table, in a column of numbers."""
 _CELLS = 4096
 """Number of cells whose kind is remembered: every dialect looks at the first lines several times."""
 _TRUTH_VALUES = {"true": 1.0, "false": 0.0}
@@ -86,7 +86,7 @@ class Dialect:
     def split(self, text: str) -> list[str]:
         """Cells of a line, without the spaces and quotes around them."""
         if '"' in text:
-            text = text.replace('="', '"')  # a text of a spreadsheet
+            text = re.sub(rf'(^|{re.escape(self.delimiter)})="', r'\1"', text)  # a text of a spreadsheet
             if self.delimiter == " ":
                 text = " ".join(text.split())
             try:
@@ -256,14 +256,19 @@ def _finish(lines: list[Line], dialect: Dialect, blocks: list[Block], widths: li
             pass
         elif len(block.rows) >= _MIN_ROWS or not _is_footer(lines, dialect, block, last):
             block.header, block.units = last.header, last.units
-        while len(block.rows) > 1 and _SUMMARY.fullmatch(
-            next(filter(None, dialect.split(lines[block.rows[-1]][1])), "")
-        ):
+        while len(block.rows) > 1 and _is_summary(lines, dialect, block):
             block.rows.pop()
         if block.header:
             block.width = 0
         last = block if block.rows else last
     return [block for block in blocks if block.rows] or [Block([], [])]
+
+
+def _is_summary(lines: list[Line], dialect: Dialect, block: Block) -> bool:
+    """Whether the last row is a statistic: its name is in a column of numbers."""
+    last = next(filter(None, dialect.split(lines[block.rows[-1]][1])), "")
+    below = Block([], block.rows[-1:])
+    return bool(_SUMMARY.fullmatch(last)) and _is_footer(lines, dialect, below, Block([], block.rows[:1]))
 
 
 def _is_footer(lines: list[Line], dialect: Dialect, block: Block, above: Block) -> bool:

@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 
 _ONE = (
-    r"(?:%|‰|°|[µμu](?:ε|strain)|microstrain|[kMGmµμuc]?(?:Pa|N|m|g|s|V|A|Hz|rad|J|W)|in(?:ch(?:es)?)?|ft|psi|ksi|bar|kgf|gf|kp|lbf?|ozf?|[sS]ec|[sS]ek|SEC"
+    r"(?:%|‰|°|[µμu](?:ε|[sS]train)|ue|[mM]icrostrain|[kMGmµμuc]?(?:Pa|N|m|g|s|V|A|Hz|rad|J|W)|in(?:ch(?:es)?)?|ft|psi|ksi|bar|kgf|gf|kp|lbf?|ozf?|[sS]ec|[sS]ek|SEC"
     r"|[kmKM]?[nN][-·*.]?[mM]{1,2}|min|h|hr|hours?|minutes?|seconds?|deg(?:rees?)?|radians?|°[CF]|[CKF]|stretch|log|percent|pct|px|mpa|kpa|PSI"
     r"|MPA|KPA|pa|PA|n|kn|KN|kgf|Kgf|KGF|LBF|Lbf|MM|Mm|秒|毫米|兆帕|千帕|牛|牛顿|百分比|度|弧度)"
 )

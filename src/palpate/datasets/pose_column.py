@@ -17,7 +17,7 @@ _ANGLE = re.compile(
     r"([_ \d]|$)|angle"
 )
 _LENGTH = re.compile(
-    r"(^|[_ .])([xyz]|[tdp][xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
+    r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
     r"|tiefe|profondeur|深"
 )
 FACTORS = {
@@ -37,7 +37,6 @@ FACTORS = {
 AXES = {
     **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
     **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
-    **{"px": "x", "py": "y", "pz": "depth"},
     **{f"{word}_{axis}": f"r{axis}" for word in ("euler", "rot", "rotation", "angle") for axis in "xyz"},
     **dict.fromkeys(
         ("z", "penetration", "indentation", "tiefe", "eindringtiefe", "profondeur", "深度", "深さ"), "depth"
@@ -46,10 +45,8 @@ AXES = {
 """Alternative names of axes, used if no column has the name itself."""
 _TURN = 3.5
 """Angles that stay below it may be radians, lengths that stay below a tenth of it metres. By hand."""
-_CIRCLE, _LONG = 7.0, 10.0
-"""Radians and metres beyond which the columns of a table without units are in deg and mm. By hand."""
-_TINY = 0.05
-"""Range in mm that no presses have: numbers within it are metres. By hand."""
+_CIRCLE = 7.0
+"""Radians beyond which roll, pitch and yaw without units are in degrees: just over one turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,16 +106,13 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
             return PoseColumn(name, short_name(low), "1", values, f"Column {name} is in {unit}; it is kept.")
         if _ANGLE.search(low):
             clear = most > _TURN and not _fits_circle(values)
-            unit = choice.angles or ("deg" if clear or _exceeds(table, _ANGLE, _CIRCLE) else "")
+            unit = choice.angles or ("deg" if clear or _are_degrees(table, low) else "")
             other, flag = (
                 "radians or degrees",
                 "--angles deg or --angles rad; near π, the tool points down in radians",
             )
         elif _LENGTH.search(low):
-            clear = most > _TURN / 10 or _exceeds(table, _LENGTH, _LONG)
-            unit = choice.lengths or (
-                "mm" if clear else "m" if 0 < np.ptp(values[np.isfinite(values)]) < _TINY else ""
-            )
+            unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"
         else:
             return PoseColumn(
@@ -138,18 +132,12 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     return PoseColumn(name, short_name(bare), target, values * factor, note)
 
 
-def _exceeds(table: RecordingTable, kind: re.Pattern[str], limit: float) -> bool:
-    """Whether a column without a unit that holds an angle or a length has a number beyond a limit."""
-    names = [
-        name
-        for name in table.columns
-        if split_unit(low := name.strip().lower())[1] not in FACTORS and kind.search(low)
-    ]
-    return any(
-        np.nanmax(np.abs(as_numbers(table.columns[name])), initial=0.0) > limit
-        for name in names
-        if table.is_numeric(name)
-    )
+def _are_degrees(table: RecordingTable, low: str) -> bool:
+    """Whether a column is one of the three angles of an orientation without units, and another exceeds a turn."""
+    group = {name: AXES.get(short_name(name.strip().lower()), "") for name in table.columns if table.is_numeric(name)}
+    group = {name: axis for name, axis in group.items() if axis in ("rx", "ry", "rz")}
+    most = [np.nanmax(np.abs(as_numbers(table.columns[name])), initial=0.0) for name in group]
+    return AXES.get(short_name(low), "") in group.values() and len(group) == 3 and max(most) > _CIRCLE
 
 
 def _fits_circle(values: FloatArray) -> bool:
@@ -161,6 +149,5 @@ def _fits_circle(values: FloatArray) -> bool:
 
 def short_name(name: str) -> str:
     """Return the name of an axis without prefixes: ``pose_Rx`` is ``rx``."""
-    prefixes = r"^(?:(?:pose|robot|tcp|tool|ee|eef|pos|position|trans|translation|sensor|target|gt|label)[_. ]+)+"
-    short = re.sub(prefixes, "", name.strip(" _[]()"))
+    short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"

@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 from palpate.core import FloatArray, PalpateError
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
-from palpate.datasets.pose_column import PoseColumn, short_name
+from palpate.datasets.pose_column import FACTORS, PoseColumn, short_name
 from palpate.datasets.quantities import find_angles_and_lengths
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _EULER = ("roll", "pitch", "yaw")
-_ROBOTS = {("a", "b", "c"): ("yaw", "pitch", "roll"), ("w", "p", "r"): ("roll", "pitch", "yaw")}
+_ROBOTS = {("A", "B", "C"): ("yaw", "pitch", "roll"), ("W", "P", "R"): ("roll", "pitch", "yaw")}
 """Letters of angles in poses XYZABC of KUKA and XYZWPR of FANUC → angles about fixed axes."""
 _QUATERNION = re.compile(r"(?:^|[_. ])(?:q|quat|quaternion|orientation|rot|rotation|ori)[_. \[]*([wxyz]|\d)\]?$")
 _MATRIX = re.compile(r"^(.*?)[_. ]*\[?([0-4])[\]_, ]*\[?([0-4])\]?$")
@@ -63,7 +63,7 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
     """
     if any("=" in text for text in choice.targets):
         return table
-    table = _name_robot_angles(table, choice)
+    table = _name_robot_angles(table, choice, taken)
     angles = find_angles_and_lengths(table, choice, taken)
     found = _quaternions(table, choice) or _matrices(table, choice) or _three_angles(table, angles, choice)
     frame = _frame(choice.frame)
@@ -95,12 +95,17 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
     return replace(table, columns={**columns, **new}, notes=(*table.notes, *notes))
 
 
-def _name_robot_angles(table: RecordingTable, choice: ColumnMapping) -> RecordingTable:
-    """The table with roll, pitch and yaw as names of angles, if letters of a robot (`_ROBOTS`) name them."""
-    bare = {split_unit(name.strip().lower())[0]: name for name in table.columns if table.is_numeric(name)}
-    for letters, words in _ROBOTS.items() if not choice.targets else ():
-        if all(letter in bare for letter in (*letters, *"xyz")):
-            units = [split_unit(bare[letter].strip())[1] for letter in letters]
+def _name_robot_angles(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
+    """The table with roll, pitch and yaw as names of angles, if capital letters of a robot (`_ROBOTS`) name them."""
+    bare = {
+        split_unit(name.strip())[0]: name for name in table.columns if table.is_numeric(name) and name not in taken
+    }
+    named = {short_name(name.lower()) for name in bare} & {"roll", "pitch", "yaw", "rx", "ry", "rz"}
+    for letters, words in _ROBOTS.items() if not (choice.targets or named) else ():
+        if all(letter in bare for letter in (*letters, *"XYZ")):
+            units = [split_unit(bare[letter].strip())[1].lower() for letter in letters]
+            if any(unit and FACTORS.get(unit, ("", 0.0))[0] != "deg" for unit in units):
+                continue
             new = {bare[a]: f"{b} ({unit})" if unit else b for a, b, unit in zip(letters, words, units, strict=True)}
             note = f"Columns {', '.join(new)} are read as {', '.join(words)}"
             columns = {new.get(name, name): values for name, values in table.columns.items()}

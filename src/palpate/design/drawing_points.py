@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.core import BoolArray, FloatArray, PalpateError, load_extra
 
 DRAWINGS = (".dxf", ".svg")
 """Endings of the files that are read as drawings."""
@@ -29,7 +29,8 @@ _SAMPLES = 8
 def read_circles(path: Path) -> FloatArray:
     """Read the centres (n, 2) mm of the circles of a drawing, by distance from the axis, then by azimuth.
 
-    Ellipses count as well, also as closed paths, polylines and splines, into which programs convert them.
+    In a drawing without circles, ellipses count, also as closed paths, polylines and splines, into which programs
+    convert circles.
 
     The axis of the skin is the origin of a DXF file and the middle of the page of an SVG file, whose y axis is turned
     upward. Circles larger than three times the median are outlines and left out. Points count if there is no circle.
@@ -59,7 +60,8 @@ def read_circles(path: Path) -> FloatArray:
     place = np.round(centres / _SAME_MM)
     centres = centres[np.sort(np.unique(place, axis=0, return_index=True)[1])]
     radius = np.round(np.hypot(*centres.T) / _SAME_MM)
-    azimuth = np.where(radius > 0, np.mod(np.arctan2(centres[:, 1], centres[:, 0]), 2 * np.pi), 0.0)
+    y, x = (np.round(centres[:, at] / _SAME_MM) for at in (1, 0))
+    azimuth = np.where(radius > 0, np.mod(np.arctan2(y, x), 2 * np.pi), 0.0)
     return np.asarray(centres[np.lexsort((np.round(azimuth, 6), radius))])
 
 
@@ -94,24 +96,34 @@ def dxf_entities(path: Path) -> tuple[list[Any], float]:
 
 
 def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
-    """Centre and radius of circles, mm; of points in a drawing without circles."""
+    """Centre and radius of circles, mm; without circles of points, else of curves that are ellipses."""
     entities, scale = dxf_entities(path)
-    make_path = load_extra("ezdxf.path", "cad").make_path
-    found, arcs = [], dict[tuple[float, ...], float]()
-    for one in entities:
-        if one.dxftype() == "CIRCLE":
-            found.append((*one.dxf.center.vec2, one.dxf.radius))
-        elif one.dxftype() == "ARC":
-            key = (*np.round([*one.dxf.center.vec2, one.dxf.radius], 6),)
-            arcs[key] = arcs.get(key, 0.0) + (one.dxf.end_angle - one.dxf.start_angle) % 360.0
-        elif one.dxftype() in ("ELLIPSE", "LWPOLYLINE", "POLYLINE", "SPLINE"):
-            curve = make_path(one)
-            points = [point.vec2 for point in curve.flattening(1.0, _SAMPLES)] if curve.is_closed else []
-            found += _ellipse(np.array(points).reshape(-1, 2))
-    found += [key for key, angle in arcs.items() if angle > 359.0]
+    found = [(*one.dxf.center.vec2, one.dxf.radius) for one in entities if one.dxftype() == "CIRCLE"]
     found = found or [(*one.dxf.location.vec2, 0.0) for one in entities if one.dxftype() == "POINT"]
-    for x, y, radius in found:
+    for x, y, radius in found or _dxf_curves(entities):
         yield scale * x, scale * y, scale * radius
+
+
+def _dxf_curves(entities: list[Any]) -> Iterator[tuple[float, float, float]]:
+    """Centre and mean radius of ellipses, of closed polylines and splines like them, and of arcs of whole circles."""
+    paths = load_extra("ezdxf.path", "cad")
+    arcs: dict[tuple[float, ...], BoolArray] = {}
+    for one in entities:
+        if one.dxftype() == "ARC":
+            centre = one.ocs().to_wcs(one.dxf.center)
+            key = (*np.round([centre.x, centre.y, one.dxf.radius], 5).tolist(),)
+            along = (np.arange(360) + 0.5 - one.dxf.start_angle) % 360.0 < (
+                one.dxf.end_angle - one.dxf.start_angle
+            ) % 360.0
+            arcs[key] = arcs.get(key, np.zeros(360, bool)) | along
+        elif one.dxftype() in ("ELLIPSE", "LWPOLYLINE", "POLYLINE", "SPLINE"):
+            try:
+                curve = paths.make_path(one)
+            except (TypeError, ValueError, ArithmeticError, LookupError):
+                continue  # a mesh, or a spline without points
+            if curve.is_closed:
+                yield from _ellipse(np.array([[*point.vec2] for point in curve.flattening(1.0, _SAMPLES)]))
+    yield from ((x, y, radius) for (x, y, radius), covered in arcs.items() if covered.all())
 
 
 def _ellipse(points: FloatArray) -> list[tuple[float, float, float]]:
@@ -161,10 +173,13 @@ def _svg_circles(path: Path) -> Iterator[tuple[float, float, float]]:
     page = np.array(
         [[scale, 0, -scale * (box[0] + box[2] / 2)], [0, -scale, scale * (box[1] + box[3] / 2)], [0, 0, 1]]
     )
-    yield from _svg_children(path, root, page)
+    yield from [*_svg_children(path, root, page, paths=False)] or _svg_children(path, root, page, paths=True)
 
 
-def _svg_children(path: Path, node: ElementTree.Element, matrix: FloatArray) -> Iterator[tuple[float, float, float]]:
+def _svg_children(
+    path: Path, node: ElementTree.Element, matrix: FloatArray, paths: bool
+) -> Iterator[tuple[float, float, float]]:
+    """Circles and ellipses, or also paths that are such."""
     for child in node:
         kind = str(child.tag).rpartition("}")[2]
         if kind in ("defs", "clipPath", "mask", "symbol", "marker") or child.get("display") == "none":
@@ -175,14 +190,14 @@ def _svg_children(path: Path, node: ElementTree.Element, matrix: FloatArray) -> 
             x, y, size = ((_length(path, value) or 0.0) / _MM["px"] for value in values)
             x, y, _ = own @ [x, y, 1.0]
             yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
-        elif kind == "path" and "z" in child.get("d", "").lower():
+        elif paths and kind == "path" and "z" in child.get("d", "").lower():
             curves = load_extra("svgelements", "cad").Path(child.get("d")).as_subpaths()
             for curve in curves:
                 parts = [part for part in curve if type(part).__name__ not in ("Move", "Close")]
                 along = np.arange(_SAMPLES) / _SAMPLES
                 points = np.array([[*part.point(t)] for part in parts for t in along]).reshape(-1, 2)
                 yield from _ellipse(points @ own[:2, :2].T + own[:2, 2])
-        yield from _svg_children(path, child, own)
+        yield from _svg_children(path, child, own, paths)
 
 
 def _length(path: Path, text: str | None) -> float | None:

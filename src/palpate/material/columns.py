@@ -14,7 +14,7 @@ from palpate.core.units import split_unit
 from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
 _STRAIN = re.compile(
-    r"strain|stretch|lambda|λ|ε|ϵ|epsilon|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement"
+    r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement"
     r"|deforma[zc]i[oó]ne?\b|deformação|allungamento|alargamiento|应变|伸长|拉伸比|ひずみ|歪|伸び",
     re.I,
 )
@@ -23,6 +23,11 @@ _TRAVEL = re.compile(
     r"|deslocamento|位移|变形|変位|ストローク",
     re.I,
 )
+_LETTERS = {
+    kind: re.compile(rf"(?:{letter})(?:[_ ](?:eng|nom|true)\w*)?\s*(?:[\[(/,].*)?$", re.I)
+    for kind, letter in (("strain", "^ε|^ϵ|^epsilon"), ("stress", "^σ|^sigma"))
+}
+"""Letters of strain and stress, which count in a table without such words."""
 _SELDOM = re.compile(
     r"stroke|separation|deflection|distance|\bhub\b|l[äa]ngen[äa]nderung|verl[äa]ngerung|verformung|\bcourse\b|行程",
     re.I,
@@ -30,12 +35,13 @@ _SELDOM = re.compile(
 """Names of travel that other columns of the same file may have too."""
 _UNNAMED = re.compile(r"(?:ch|channel|col|column|value|signal|d?[a-z])?[ _-]?\d*", re.I)
 """Names that state no quantity."""
-_STRESS = re.compile(r"stress|sigma|spannung|contrainte|sforzo|esfuerzo|tensão|应力|応力|σ", re.I)
+_STRESS = re.compile(r"stress|spannung|contrainte|sforzo|esfuerzo|tensão|应力|応力|σ", re.I)
 _FORCE = re.compile(
     r"force|load|kraft|\blast\b|\bcharge\b|\bcarico\b|\bcarga\b|forza|fuerza|força|载荷|荷重|力", re.I
 )
 _NOT_STRAIN = re.compile(
-    r"rate\b|geschwindigkeit|vitesse|lateral|transverse?al|\btransverse|quer|break|bruch|速|横|max", re.I
+    r"rate\b|geschwindigkeit|vitesse|velocid|velocit|tasa|lateral|transverse?al|\btransverse|quer|break|bruch|速|横|max",
+    re.I,
 )
 _TRUE = re.compile(r"\btrue\b|_true|true_|wahre|\bvraie?\b|真|cauchy|hencky|\blog(?:arithmi\w*)?\b|\bln\b", re.I)
 _SAMPLE = re.compile(r"sample|specimen|probe|éprouvette|试样|試験片", re.I)
@@ -158,8 +164,8 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     PalpateError
         If a column is missing or ambiguous, or its unit is not stated; the message lists the columns.
     """
-    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL, _SELDOM))
-    stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE))
+    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL, _SELDOM, _LETTERS["strain"]))
+    stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE, _LETTERS["stress"]))
     if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
         raise _several(table, kind, several)
@@ -305,7 +311,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
     if len(units) == 1:
         return (*units.pop(), False)
     maximum = np.nanmax(np.abs(table.numbers(column)), initial=0.0)
-    if not units and _STRAIN.search(name):
+    if not units and (_STRAIN.search(name) or _LETTERS["strain"].search(name)):
         if _is_ratio(table, column):
             return StrainUnit.RATIO, 1.0, False
         if maximum <= MAX_STRAIN:

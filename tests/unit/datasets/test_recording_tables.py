@@ -104,7 +104,7 @@ def test_euler_angles_become_the_rotation_vector_of_the_tilt(tmp_path: Path) -> 
     ("head", "cells", "choice", "sentence"),
     [
         ("rx,ry_deg", waves(0.4, 9), {}, ("column-unit-unknown", "rx", "0.4")),
-        ("z,rx_deg", waves(0.2, 9), {}, ("column-unit-unknown", "z", "0.2", "mm")),
+        ("z,rx_deg", waves(0.005, 9), {}, ("column-unit-unknown", "z", "0.005", "mm")),
         ("rx_deg", waves(9), {"targets": ("ry_deg",)}, ("column-unknown", "ry_deg", "image, rx_deg")),
         ("rx_deg", [[1.0]] * COUNT, {"targets": ("rx_deg",)}, ("column-not-trainable", "rx_deg", "1")),
         ("rx_deg", [["n/a"]] * 3 + waves(9)[3:], {"targets": ("rx_deg",)}, ("column-not-trainable", "n/a", "line 2")),
