@@ -109,7 +109,7 @@ def _find_lens(name: str, content: dict[str, Any]) -> Lens:
             "Add a line `distortion_coefficients: [0, 0, 0, 0, 0]` for a lens without distortion.",
             code="lens-coefficient-count",
         )
-    kind = lens_from_model("plumb_bob" if named in (None, "") else str(named))
+    kind = lens_from_model("plumb_bob" if named in (None, "") or not values.any() else str(named))
     if not named and len(values) == 4 and np.abs(values[2:]).max() > _TANGENTIAL:
         raise PalpateError(
             f"{name} has 4 coefficients and names no lens model: they may be k1, k2, p1, p2 or those of a fisheye.",

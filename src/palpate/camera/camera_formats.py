@@ -27,7 +27,7 @@ _NAMES = {
     "camera_matrix": ("k", "cameramatrix", "camera_matrix", "mtx", "intrinsic_matrix"),
     "distortion_coefficients": (
         *("d", "distcoeffs", "dist_coeffs", "dist_coeff", "dist", "distortion_coefficients", "distortion"),
-        *("distortion_coeffs", "distcoefs", "coeffs"),
+        *("distortion_coeffs", "distcoefs", "coeffs", "distortion_parameters"),
     ),
     "image_width": ("image_width", "width", "w"),
     "image_height": ("image_height", "height", "h"),
@@ -185,6 +185,12 @@ def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
         for key, names in _NAMES.items()
         if any(low.get(own) is not None for own in names)
     }
+    if (model := str(low.get("model_type", "pinhole"))).lower() != "pinhole":
+        raise PalpateError(
+            f"{name} has the camera model {model}, which palpate does not support.",
+            "Calibrate with a pinhole model.",
+            code="lens-model-unknown",
+        )
     if float(low.get("fisheye_model", 0) or 0):
         found["distortion_model"] = "equidistant"
     if "image_size" in found:

@@ -133,7 +133,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
 
 
 def _are_degrees(table: RecordingTable, low: str) -> bool:
-    """Whether a column is one of the three angles of an orientation without units, and another exceeds a turn."""
+    """Whether a column is one of roll, pitch and yaw without units, of which one exceeds a turn."""
     group = {name: AXES.get(short_name(name.strip().lower()), "") for name in table.columns if table.is_numeric(name)}
     group = {name: axis for name, axis in group.items() if axis in ("rx", "ry", "rz")}
     most = [np.nanmax(np.abs(as_numbers(table.columns[name])), initial=0.0) for name in group]

@@ -96,7 +96,7 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
 
 
 def _name_robot_angles(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
-    """The table with roll, pitch and yaw as names of angles, if capital letters of a robot (`_ROBOTS`) name them."""
+    """The table with roll, pitch and yaw as names of angles that have letters of a robot (`_ROBOTS`)."""
     bare = {
         split_unit(name.strip())[0]: name for name in table.columns if table.is_numeric(name) and name not in taken
     }

@@ -105,7 +105,7 @@ def _dxf_circles(path: Path) -> Iterator[tuple[float, float, float]]:
 
 
 def _dxf_curves(entities: list[Any]) -> Iterator[tuple[float, float, float]]:
-    """Centre and mean radius of ellipses, of closed polylines and splines like them, and of arcs of whole circles."""
+    """Centre and mean radius of ellipses, of curves like them, and of arcs that are whole circles."""
     paths = load_extra("ezdxf.path", "cad")
     arcs: dict[tuple[float, ...], BoolArray] = {}
     for one in entities:

@@ -249,7 +249,7 @@ class TitleBlock:
     @property
     def origin(self) -> str:
         """Version of palpate and date; `SOURCE_DATE_EPOCH` sets the date of a reproducible pack."""
-        now = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))
+        now = time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH") or time.time()))
         return f"palpate {provenance()['palpate']}, {time.strftime('%Y-%m-%d', now)}"
 
     def draw(self, figure: Figure, name: str) -> None:

@@ -32,7 +32,7 @@ from palpate.surrogate import (
 _PREDICTION_TILTS = 3
 """Tilts of the presses from which the accuracy of built units is predicted. By hand."""
 _FEWEST_IMAGES = 5
-"""Minimum number of increments of a press for a prediction; with fewer, the depth step is halved. By hand."""
+"""Minimum increments of a press for a prediction; with fewer, the depth step is halved. By hand."""
 _STEP_SHARE = 0.5
 """Depth step of a press for reading images, over that of the study.
 
@@ -179,7 +179,7 @@ def _is_flat_wall(study: Study) -> bool:
 
 
 def plan_twin(study: Study, skin: SkinSpec, step_share: float = _STEP_SHARE) -> TwinTask:
-    """The twin of one skin of a study, for reading images, from presses in a share of the study's depth step.
+    """The twin of one skin for reading images, from presses in a share of the study's depth step.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def _plan_presses(
     contacts: Sequence[str | float],
     share: float = _STEP_SHARE,
 ) -> Iterator[PressTask]:
-    """Presses with derivatives at every tilt and contact law, in equal depth steps of a share of the study's.
+    """Presses with derivatives at every tilt and contact law, in equal steps of a share of the study's.
 
     A twin ends at the last whole step, which is the depth of the study then.
     """

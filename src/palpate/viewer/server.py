@@ -114,13 +114,16 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     from palpate.viewer.trained import is_trained_sensor
 
     def is_result(path: Path) -> bool:
-        return path.is_dir() and (is_grid(path) or is_search(path) or is_trained_sensor(path))
+        try:
+            return path.is_dir() and (is_grid(path) or is_search(path) or is_trained_sensor(path))
+        except OSError:  # a folder that this user cannot open
+            return False
 
     if folder is not None and not is_result(folder):
         found = [str(path) for path in sorted(folder.iterdir()) if is_result(path)]
         raise PalpateError(
             f"{folder} contains no grid, no search and no model of a recording.",
-            f"Open a result inside it: palpate view {' | '.join(found)}" if found else _GIVE,
+            f"Open a result inside it by palpate view: {', '.join(found)}." if found else _GIVE,
             code="results-missing",
         )
     door, listener = bind_server(spec)

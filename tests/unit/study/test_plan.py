@@ -182,13 +182,13 @@ def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None
         Study(name="a", azimuths_deg=(0, 30, 90))
 
 
-def test_a_twin_that_reads_images_contains_the_presses_of_the_prediction() -> None:
+def test_a_twin_that_reads_images_has_all_frictions_and_half_the_depth_step() -> None:
     study = Study(name="a")
     twin = plan_twin(study, study.designs.skins()[0])
     assert {press.obstacle.radial for press in twin.presses} == {0.0, 4.0, 8.0, 12.0}
     assert len(twin.presses) == 4 * 7
-    assert set(plan_study(study).built[0].twin.presses) < set(twin.presses)
-    assert {check.obstacle.depth_step for check in twin.checks} == {0.5 * study.obstacle.depth_step}
+    assert {press.obstacle.depth_step for press in twin.presses} == {0.5 * study.obstacle.depth_step}
+    assert {check.obstacle.depth_step for check in twin.checks} == {0.75 * study.obstacle.depth_step}
     fine = plan_twin(study.model_copy(update={"tilts_deg": (0.0, 1.0, 2.0, 3.0)}), study.designs.skins()[0])
     assert {press.obstacle.radial for press in fine.presses} == {0.0, 1.0, 2.0, 3.0}
 
@@ -202,7 +202,8 @@ def test_a_prediction_leaves_the_images_of_a_study_as_they_are() -> None:
 @pytest.mark.parametrize(("depth", "step"), [(8.0, 0.4), (6.0, 0.4), (3.0, 0.375), (9.0, 9.0 / 23)])
 def test_the_steps_of_a_twin_are_equal_and_reach_its_depth(depth: float, step: float) -> None:
     study = Study.model_validate({"name": "a", "obstacle": {"depth": depth}})
-    assert {press.obstacle.depth_step for press in plan_study(study).built[0].twin.presses} == {step}
+    twin = plan_twin(study, study.designs.skins()[0])
+    assert {press.obstacle.depth_step for press in twin.presses} == {step}
 
 
 def test_a_whole_mesh_costs_twice_a_half_and_a_filled_skin_ten_times_a_hollow_one() -> None:
