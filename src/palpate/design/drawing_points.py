@@ -179,10 +179,11 @@ def _svg_circles(path: Path) -> Iterator[tuple[float, float, float]]:
 def _svg_children(
     path: Path, node: ElementTree.Element, matrix: FloatArray, paths: bool
 ) -> Iterator[tuple[float, float, float]]:
-    """Circles and ellipses, or also paths that are such."""
+    """Centre and radius, mm, of circles and ellipses below a node; with `paths`, of such paths too."""
     for child in node:
         kind = str(child.tag).rpartition("}")[2]
-        if kind in ("defs", "clipPath", "mask", "symbol", "marker") or child.get("display") == "none":
+        style = "".join(re.findall(r"display\s*:\s*(none)", child.get("style", "")))
+        if kind in ("defs", "clipPath", "mask", "symbol", "marker") or "none" in (child.get("display"), style):
             continue
         own = matrix @ _transform(child.get("transform", ""))
         if kind in ("circle", "ellipse"):

@@ -25,9 +25,9 @@ _TRAVEL = re.compile(
 )
 _LETTERS = {
     kind: re.compile(rf"(?:{letter})(?:[_ ](?:eng|nom|true)\w*)?\s*(?:[\[(/,].*)?$", re.I)
-    for kind, letter in (("strain", "^ε|^ϵ|^epsilon"), ("stress", "^σ|^sigma"))
+    for kind, letter in (("strain", "^ε|^ϵ|^epsilon"), ("stress", "^sigma"))
 }
-"""Letters of strain and stress, which count in a table without such words."""
+"""Letters of strain and stress, which count if no column has a word for one or for travel or force."""
 _SELDOM = re.compile(
     r"stroke|separation|deflection|distance|\bhub\b|l[äa]ngen[äa]nderung|verl[äa]ngerung|verformung|\bcourse\b|行程",
     re.I,

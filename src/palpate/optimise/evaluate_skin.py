@@ -165,7 +165,7 @@ def plan_skin_evaluation(
     study = study.model_copy(
         update={"obstacle": study.obstacle.model_copy(update={"depth": spec.depth, "depth_step": step})}
     )
-    twin = plan_twin(study, skin, step_share=0.5 if full else 1.0)
+    twin = plan_twin(study, skin) if full else plan_twin(study, skin, step_share=1.0)
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
     inverted = replace(straight, solver=plain, branch=Branch.INVERTED)

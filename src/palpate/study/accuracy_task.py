@@ -179,7 +179,14 @@ def _is_flat_wall(study: Study) -> bool:
 
 
 def plan_twin(study: Study, skin: SkinSpec, step_share: float = _STEP_SHARE) -> TwinTask:
-    """The twin of one skin for reading images, from presses in a share of the study's depth step.
+    """The twin of one skin for reading images.
+
+    Parameters
+    ----------
+    study, skin
+        The study, and one of its skins.
+    step_share
+        Depth step of the presses over that of the study; they are equal steps to the study's depth.
 
     Raises
     ------

@@ -178,3 +178,13 @@ def test_circles_of_svg_converted_to_paths_are_markers(kind: str, together: bool
     text = f'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="-20 -20 40 40">{paths}</svg>'
     (tmp_path / "a.svg").write_text(text)
     assert same(read(tmp_path / "a.svg"))
+
+
+@pytest.mark.parametrize("hidden", ['display="none"', 'style="fill:red; display: none"'])
+def test_a_hidden_layer_of_svg_has_no_markers(hidden: str, tmp_path: Path) -> None:
+    shown = "".join(f'<circle cx="{x}" cy="{-y}" r=".75"/>' for x, y in SHUFFLED)
+    layer = f'<g {hidden}><circle cx="1" cy="2" r=".75"/></g>'
+    head = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="-20 -20 40 40">'
+    text = f"{head}{shown}{layer}</svg>"
+    (tmp_path / "a.svg").write_text(text)
+    assert same(read(tmp_path / "a.svg"))
