@@ -158,8 +158,8 @@ def read_poses(model: object, place: Path) -> tuple[np.ndarray, np.ndarray]:
     images = [
         cv2.imread(str(place / "images" / f"image_{n:05d}.png"), cv2.IMREAD_UNCHANGED) for n in range(700, 1000)
     ]
-    read = [model.read(image) for image in images]  # type: ignore[attr-defined]
-    return np.array([one.pose for one in read]), np.array([one.half_width for one in read])
+    read = [model.read(image)[0] for image in images]  # type: ignore[attr-defined]
+    return np.concatenate([one.pose for one in read]), np.concatenate([one.half_width for one in read])
 
 
 def main() -> None:

@@ -224,9 +224,9 @@ MOST_NAMES = 35
 WIDER = {
     "calibration": 38,
     "core": 38,
-    "design": 51,
+    "design": 52,
     "fea": 45,
-    "learn": 56,
+    "learn": 55,
     "material": 46,
     "mechanics": 37,
     "sensor": 66,

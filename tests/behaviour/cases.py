@@ -233,7 +233,7 @@ def estimators() -> Results:
         moved = rest[None] + np.linspace(-3, 3, 5)[:, None, None] * np.array([1.0, 0.5])
         told = found.predict(moved)
         results[f"{len(rest)} markers"] = {
-            "poses": told.poses,
+            "poses": told.pose,
             "half_width": told.half_width,
             "out_of_distribution": told.out_of_distribution,
         }
@@ -365,12 +365,12 @@ def correspondences() -> Results:
 def recorded_estimators() -> Results:
     results: Results = {}
     for name, found in {"ridge": recorded()[1], "network": recorded("picture", picture_px=32, epochs=2)[1]}.items():
-        read = [found.model.read(image) for image in found.seen.recording.images.read(range(0, 60, 20))]
+        read = [found.model.read(image)[0] for image in found.seen.recording.images.read(range(0, 60, 20))]
         results[name] = {
             "poses": found.estimates[::5],
             "rmse": [error.rmse for error in found.scores[0].errors],
-            "read": [one.pose for one in read],
-            "half_width": [one.half_width for one in read],
+            "read": [one.pose[0] for one in read],
+            "half_width": [one.half_width[0] for one in read],
             "every": [[error.rmse for error in one.errors] for one in sorted(found.scores, key=lambda one: one.name)],
         }
     return results

@@ -36,7 +36,7 @@ import test_recording_files as recordings
 from doors import furnish
 from palpate_benchmark import PRESETS, read_baseline_spec, read_benchmark_spec
 
-from palpate.calibration import UNIT_PARAMETERS, IdentifiedUnit, StiffnessScale, read_unit, write_unit
+from palpate.calibration import UNIT_PARAMETERS, IdentifiedUnit, ScalarEstimate, read_unit, write_unit
 from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting
 from palpate.calibration.unit_model import UnitPosterior
 from palpate.camera import CameraSpec, open_source, read_calibration, read_image
@@ -200,7 +200,7 @@ def write_identified(path: Path) -> None:
     camera = State(UNIT_PARAMETERS, np.zeros(len(UNIT_PARAMETERS)))
     mounting = Mounting(State(MOUNTING_PARAMETERS, np.zeros(len(MOUNTING_PARAMETERS))), 0.01 * np.eye(size))
     belief = UnitPosterior(CameraSpec(), markers[:, :2] * 4 + 150, camera, 0.01 * np.eye(len(UNIT_PARAMETERS)))
-    write_unit(path, IdentifiedUnit(skin.spec_data, markers, belief, mounting, StiffnessScale(1.02, 0.01)))
+    write_unit(path, IdentifiedUnit(skin.spec_data, markers, belief, mounting, ScalarEstimate(1.02, 0.01)))
 
 
 def write_recorded(path: Path) -> None:

@@ -40,7 +40,7 @@ PROGRAMS = {
     "predict": PRESSES
     + "from palpate.learn import fit_ridge, open_predictor, write_estimator; from pathlib import Path\n"
     "write_estimator(Path('m.onnx'), fit_ridge(dataset))\n"
-    "print(open_predictor(Path('m.onnx')).predict(dataset.images_px[:2]).poses)",
+    "print(open_predictor(Path('m.onnx')).predict(dataset.images_px[:2]).pose)",
     "parquet": "from palpate.study import evaluate_grid, export_grid; from pathlib import Path\n"
     + GRID
     + "export_grid(Path('grid.parquet'), evaluate_grid(PAPER[:4]))",

@@ -41,7 +41,7 @@ def predict_by_fit(benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin,
         for row in order_images(found, int(unit)):
             fit = fitter.fit(found.markers_px[row])
             force = fit.force.normal_force
-            table[row] = (*fit.pose, force.value, *fit.half_width[:3], force.half_width)
+            table[row] = (*fit.pose, force.value, *fit.half_width, force.half_width)
         progress.finish(what)
     return Predictions(found.image, dict(zip(names, table.T, strict=True)))
 

@@ -57,7 +57,7 @@ def predict_by_markers(
     estimator = calibrate_interval(LEARNERS[name](dataset, spec), dataset, spec.seed)
     found = benchmark.markers("test", design.name)
     told = estimator.estimate(align_to_design(found, design_rest(benchmark, design)))
-    return _predictions(found.image, told.poses, told.half_width)
+    return _predictions(found.image, told.pose, told.half_width)
 
 
 def predict_by_images(

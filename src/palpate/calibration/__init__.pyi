@@ -10,7 +10,7 @@ from palpate.calibration.deviation import IMPERFECTIONS, Deviation, Imperfection
 from palpate.calibration.fit_pose import PoseFitter
 from palpate.calibration.force import (
     Force,
-    StiffnessScale,
+    ScalarEstimate,
     predict_force,
     prior_stiffness_scale,
     update_stiffness_scale,
@@ -47,7 +47,7 @@ __all__ = [
     "PredictedAccuracy",
     "RingInformation",
     "RobotUncertainty",
-    "StiffnessScale",
+    "ScalarEstimate",
     "ToleranceSpec",
     "UnitModel",
     "ValidationPresses",

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.calibration.force import Force, StiffnessScale, prior_stiffness_scale, scale_force
+from palpate.calibration.force import LEVEL_90, Force, ScalarEstimate, prior_stiffness_scale, scale_force
 from palpate.calibration.mounting import Mounting
 from palpate.calibration.noise import robust_weights
 from palpate.calibration.pose_fit import CONTACT_STATE, POSE, BranchState, FitState, Linear, PoseFit
@@ -88,7 +88,7 @@ class PoseFitter:
     model: UnitModel
     noise_px: float
     mounting: Mounting | None = None
-    scale: StiffnessScale | None = None
+    scale: ScalarEstimate | None = None
 
     def __post_init__(self) -> None:
         self._sd = contact_prior_sd(self.model.tolerance)
@@ -189,10 +189,8 @@ class PoseFitter:
 
     def _of_other(self, found: PoseFit) -> PoseFit:
         """Mark a fit as inverted, with the prior of 1/µ: the inverted branch does not depend on friction."""
-        covariance = found.covariance.copy()
-        row = READ.index("inverse_friction")
-        covariance[row, row] = self._sd["inverse_friction"] ** 2
-        return replace(found, inverted=True, inverse_friction=self._mean["inverse_friction"], covariance=covariance)
+        friction = ScalarEstimate(self._mean["inverse_friction"], self._sd["inverse_friction"])
+        return replace(found, inverted=True, inverse_friction=friction)
 
     def _fit_near(
         self, seen_px: FloatArray, state: BranchState, begin: State | None = None
@@ -221,7 +219,7 @@ class PoseFitter:
 
     def _doubted(self, found: PoseFit, last: State) -> bool:
         """Test whether a fit that started from the last contact may have reached a wrong minimum."""
-        return found.misfit > _DOUBTED or abs(found.curvature - last["curvature"]) > _OTHER_WALL / self._size
+        return found.misfit > _DOUBTED or abs(found.state["curvature"] - last["curvature"]) > _OTHER_WALL / self._size
 
     def _at_limit(self, inverse_friction: float) -> bool:
         """Test whether 1/µ is at an end of the twin's range, where a fit may be trapped.
@@ -281,13 +279,14 @@ class PoseFitter:
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(contact, z, whole)
         assert near is not None
+        bend_sd = float(np.sqrt(whole[free.index("curvature"), free.index("curvature")])) if bent else 0.0
+        sd = np.sqrt(np.diag(covariance))
         found = PoseFit(
-            pose=pose,
-            inverse_friction=contact["inverse_friction"],
-            covariance=covariance,
-            curvature=contact["curvature"],
-            curvature_sd=float(np.sqrt(whole[free.index("curvature"), free.index("curvature")])) if bent else 0.0,
-            lateral=contact[LATERAL],
+            pose,
+            LEVEL_90 * sd[:3],
+            covariance=covariance[:3, :3],
+            inverse_friction=ScalarEstimate(contact["inverse_friction"], float(sd[READ.index("inverse_friction")])),
+            curvature=ScalarEstimate(contact["curvature"], bend_sd),
             force=self._force(looked, contact, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
             misfit=float(np.mean(left**2) / self._variance * len(left) / max(len(left) - len(normal), 1)),

@@ -20,7 +20,7 @@ _FAR = 6.0
 
 
 class ScalarEstimate(NamedTuple):
-    """Value and standard deviation, N."""
+    """Value and standard deviation, in the unit of the quantity."""
 
     value: float
     sd: float
@@ -29,14 +29,6 @@ class ScalarEstimate(NamedTuple):
     def half_width(self) -> float:
         """Half-width of the 90 % interval."""
         return LEVEL_90 * self.sd
-
-
-@dataclass(frozen=True)
-class StiffnessScale:
-    """Mean and standard deviation of a unit's stiffness relative to its design."""
-
-    mean: float
-    sd: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,15 +60,15 @@ class Force:
         return ScalarEstimate(float(self.vector @ way), float(np.sqrt(way @ self.covariance @ way)))
 
 
-def prior_stiffness_scale(tolerance: ToleranceSpec) -> StiffnessScale:
+def prior_stiffness_scale(tolerance: ToleranceSpec) -> ScalarEstimate:
     """Return the stiffness before any load-cell reading: nominal, uniform within the tolerance."""
-    return StiffnessScale(1.0, tolerance.modulus / np.sqrt(3.0))
+    return ScalarEstimate(1.0, tolerance.modulus / np.sqrt(3.0))
 
 
-def scale_force(vector: FloatArray, covariance: FloatArray, scale: StiffnessScale) -> tuple[FloatArray, FloatArray]:
+def scale_force(vector: FloatArray, covariance: FloatArray, scale: ScalarEstimate) -> tuple[FloatArray, FloatArray]:
     """Convert force (3,) N and covariance (3, 3) N² of a design to those of a unit."""
-    share = scale.sd**2 + (_TWIN_SHARE * scale.mean) ** 2
-    return scale.mean * vector, scale.mean**2 * covariance + share * np.outer(vector, vector)
+    share = scale.sd**2 + (_TWIN_SHARE * scale.value) ** 2
+    return scale.value * vector, scale.value**2 * covariance + share * np.outer(vector, vector)
 
 
 def predict_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, tolerance: ToleranceSpec) -> Force:
@@ -90,8 +82,8 @@ def predict_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, t
 
 
 def update_stiffness_scale(
-    before: StiffnessScale, expected: Sequence[ScalarEstimate], measured: Sequence[float], cell_sd: float
-) -> StiffnessScale:
+    before: ScalarEstimate, expected: Sequence[ScalarEstimate], measured: Sequence[float], cell_sd: float
+) -> ScalarEstimate:
     """Update the stiffness scale of a unit by load-cell readings.
 
     Parameters
@@ -107,7 +99,7 @@ def update_stiffness_scale(
 
     Returns
     -------
-    StiffnessScale
+    ScalarEstimate
         Posterior.
 
     Raises
@@ -124,14 +116,14 @@ def update_stiffness_scale(
         )
     if not pairs:
         return before
-    weight, total = before.sd**-2.0, before.mean * before.sd**-2.0
+    weight, total = before.sd**-2.0, before.value * before.sd**-2.0
     for force, cell in pairs:
         sd = np.hypot(cell_sd, force.sd * cell / force.value) / force.value
         weight, total = weight + sd**-2.0, total + cell / force.value * sd**-2.0
     # the error of the twin's force is common to all readings
-    found = StiffnessScale(total / weight, float(np.hypot(weight**-0.5, _TWIN_SHARE / np.sqrt(len(pairs)))))
+    found = ScalarEstimate(total / weight, float(np.hypot(weight**-0.5, _TWIN_SHARE / np.sqrt(len(pairs)))))
     median = float(np.median([cell / force.value for force, cell in pairs]))
-    far = abs(median - before.mean) / np.hypot(before.sd, _TWIN_SHARE)
+    far = abs(median - before.value) / np.hypot(before.sd, _TWIN_SHARE)
     if far > _FAR:
         raise PalpateError(
             f"The load cell measures {median:.2f} times the design's force, {far:.0f} standard deviations from the "

@@ -17,7 +17,7 @@ import numpy as np
 from palpate.calibration.calibration_press import CalibrationPress, RobotUncertainty
 from palpate.calibration.deviation import IMPERFECTIONS
 from palpate.calibration.fit_pose import MAX_INVERSE_FRICTION, PoseFitter
-from palpate.calibration.force import StiffnessScale, prior_stiffness_scale
+from palpate.calibration.force import ScalarEstimate, prior_stiffness_scale
 from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd, prior_mounting
 from palpate.calibration.noise import robust_weights
 from palpate.calibration.scale import model_px, pixel_scale
@@ -88,7 +88,7 @@ class IdentificationResult:
     inverse_frictions_sd: FloatArray
     misfit: float
     robot_error: FloatArray
-    scale: StiffnessScale
+    scale: ScalarEstimate
     estimate: UnitEstimate
     left_out: tuple[str, ...] = ()
 
@@ -96,7 +96,7 @@ class IdentificationResult:
         """Return name, unit, mean, sd and prior sd (`before`) of every parameter and of 1/µ of every press."""
         units = {part: item.unit for item in IMPERFECTIONS for part in item.parts} | {"stiffness": "1"}
         before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
-        means, names = [*self.estimate.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
+        means, names = [*self.estimate.mean, self.scale.value], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
         spread = [*np.sqrt(np.diag(self.estimate.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
             {"name": name, "unit": units[name], "mean": float(mean), "sd": float(sd), "before": float(first)}
@@ -252,9 +252,9 @@ class UnitFit:
             own = self.shared + self.own * k
             off += [pose - fit.pose for pose, fit in zip(press.poses, fits, strict=True)]
             if self.has_friction:
-                values[own] = np.median([fit.inverse_friction for fit in fits])
+                values[own] = np.median([fit.inverse_friction.value for fit in fits])
             if self.drifts:
-                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.lateral for fit in fits]
+                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.state[LATERAL] for fit in fits]
                 values[own + 4 : own + 7] = np.median(travels, axis=0)
         values[[self.shared - 4, self.shared - 3, self.shared - 1]] = np.median(off, axis=0)
         return values

@@ -7,11 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from palpate.calibration.force import LEVEL_90, Force
+from palpate.calibration.force import Force, ScalarEstimate
 from palpate.calibration.unit_model import PredictedImage
 from palpate.core import FloatArray
 from palpate.core.state import State
-from palpate.design import TILT_SPACE
+from palpate.design import TILT_SPACE, PoseEstimate
 from palpate.surrogate import LATERAL
 
 POSE: tuple[str, ...] = TILT_SPACE.names
@@ -22,21 +22,15 @@ Linear = tuple[State, PredictedImage, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class PoseFit:
-    """Result of the pose fit of one image.
+class PoseFit(PoseEstimate):
+    """Pose fit of one image, in the skin's frame, or on the robot's scale if the mounting is known.
 
     Attributes
     ----------
-    pose
-        (3,) rx, ry (degrees) and depth (mm) in the skin's frame, or on the robot's scale if the mounting is known.
-    inverse_friction
-        1/µ.
     covariance
-        (4, 4) of pose and 1/µ, including the uncertainty of the unit.
-    curvature, curvature_sd
-        Curvature of the wall, 1/m, and its standard deviation; 0 if not fitted.
-    lateral
-        (3,) lateral motion (mm) and twist (degrees) of the wall during the press; 0 if not fitted.
+        (3, 3) of the pose, including the uncertainty of the unit.
+    inverse_friction, curvature
+        1/µ, and the curvature of the wall (1/m); 0 if not fitted.
     force
         Contact force.
     residual_px
@@ -46,7 +40,7 @@ class PoseFit:
     steps
         Number of Gauss-Newton steps.
     state
-        `CONTACT_STATE`, in the skin's frame.
+        `CONTACT_STATE`, in the skin's frame; entries that are not fitted are 0.
     cost
         Half the sum of squares of bounded residuals and of the standardised unit parameters.
     unit
@@ -55,12 +49,9 @@ class PoseFit:
         Whether the skin is on the inverted branch.
     """
 
-    pose: FloatArray
-    inverse_friction: float
     covariance: FloatArray
-    curvature: float
-    curvature_sd: float
-    lateral: FloatArray
+    inverse_friction: ScalarEstimate
+    curvature: ScalarEstimate
     force: Force
     residual_px: float
     misfit: float
@@ -69,11 +60,6 @@ class PoseFit:
     cost: float
     unit: FloatArray
     inverted: bool = False
-
-    @property
-    def half_width(self) -> FloatArray:
-        """Half-widths (4,) of the 90 % intervals of pose and 1/µ."""
-        return LEVEL_90 * np.sqrt(np.diag(self.covariance))
 
 
 @dataclass(frozen=True, eq=False)

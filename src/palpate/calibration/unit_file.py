@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.calibration.force import StiffnessScale
+from palpate.calibration.force import ScalarEstimate
 from palpate.calibration.mounting import MOUNTING_PARAMETERS, Mounting
 from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.camera import CameraSpec
@@ -40,7 +40,7 @@ class IdentifiedUnit:
     markers_mm: FloatArray
     posterior: UnitPosterior
     mounting: Mounting
-    scale: StiffnessScale
+    scale: ScalarEstimate
 
     def check(self, skin: Skin, layout: MarkerLayout) -> None:
         """Raise a `PalpateError` if skin or layout differ from the unit's design."""
@@ -75,7 +75,7 @@ def write_unit(path: Path, unit: IdentifiedUnit) -> None:
             name: {"mean": float(mean), "sd": float(deviation)}
             for name, mean, deviation in zip((*UNIT_PARAMETERS, *MOUNTING_PARAMETERS), values, sd, strict=True)
         },
-        "stiffness": {"mean": unit.scale.mean, "sd": unit.scale.sd},
+        "stiffness": {"mean": unit.scale.value, "sd": unit.scale.sd},
         "covariance": mounting.covariance.tolist(),
         "made_by": provenance(),
     }
@@ -110,7 +110,7 @@ def read_unit(path: Path) -> IdentifiedUnit:
                 covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)],
             ),
             Mounting(State(MOUNTING_PARAMETERS, values[len(UNIT_PARAMETERS) :]), covariance),
-            StiffnessScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
+            ScalarEstimate(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise PalpateError(
@@ -118,7 +118,7 @@ def read_unit(path: Path) -> IdentifiedUnit:
         ) from None
     size = len(UNIT_PARAMETERS) + len(MOUNTING_PARAMETERS)
     sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
-    sound = sound and unit.scale.mean > 0 and unit.scale.sd >= 0
+    sound = sound and unit.scale.value > 0 and unit.scale.sd >= 0
     if (
         not sound
         or len(unit.posterior.rest_px) != len(unit.markers_mm)

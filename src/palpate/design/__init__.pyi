@@ -14,6 +14,7 @@ from palpate.design.outline import Arc, Outline, Point, SmoothCurve
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import PoseDensity, rotation_vector, turn_about_axis, wall_normal
+from palpate.design.pose_estimate import PoseEstimate
 from palpate.design.pose_space import OFFSET_SPACE, TILT_SPACE, PoseSpace
 from palpate.design.profile import Profile, read_profile
 from palpate.design.revolved import RevolvedSkin
@@ -52,6 +53,7 @@ __all__ = [
     "Outline",
     "Point",
     "PoseDensity",
+    "PoseEstimate",
     "PoseSpace",
     "Profile",
     "RevolvedSkin",

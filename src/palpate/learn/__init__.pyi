@@ -15,7 +15,7 @@ from palpate.learn.member import EFFORTS, ESTIMATORS, EnsembleMember, ImageNetwo
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
 from palpate.learn.prepare_recording import prepare_recording
-from palpate.learn.recording_model import PoseReading, RecordedModel, is_recorded_model, read_model, write_model
+from palpate.learn.recording_model import RecordedModel, is_recorded_model, read_model, write_model
 from palpate.learn.recording_report import draw_recording_report, recording_page, recording_report
 from palpate.learn.recording_spec import RecordingSpec
 from palpate.learn.rotation import RotationAugmentation
@@ -41,7 +41,6 @@ __all__ = [
     "ImageNetwork",
     "LearningSpec",
     "Metrics",
-    "PoseReading",
     "Prediction",
     "Predictor",
     "PretrainedModel",

@@ -120,7 +120,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     rows = ~np.isin(held.press, interval.presses)
     images, poses, press = draw_images(held, held.poses, rows, child_seed(seed, "coverage"))
     found = estimator.estimate(images)
-    covered = np.abs(found.poses - poses) <= found.half_width
+    covered = np.abs(found.pose - poses) <= found.half_width
     return Coverage(
         level=interval.level,
         presses=len(np.unique(press)),

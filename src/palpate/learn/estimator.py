@@ -101,11 +101,12 @@ class Estimator:
         members = self.predict_members(images_px)
         poses = members.mean(axis=0)
         if self.interval is None:
-            return Prediction(poses, np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool))
-        moved = (images_px - self.rest_px).reshape(len(images_px), -1)
-        return Prediction(
-            poses, self.interval.half_width(members), self.interval.is_out_of_distribution(moved, members)
-        )
+            half, outside = np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool)
+        else:
+            moved = (images_px - self.rest_px).reshape(len(images_px), -1)
+            half = self.interval.half_width(members)
+            outside = self.interval.is_out_of_distribution(moved, members)
+        return Prediction(poses, half, outside, space=self.space)
 
     def predict_members(self, images_px: FloatArray) -> FloatArray:
         """Estimate poses (r, n, 3) by every member for images (n, m, 2), see `predict`."""

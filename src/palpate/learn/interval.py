@@ -19,26 +19,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.design import PoseEstimate
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
-    """Estimates with intervals and flags.
+class Prediction(PoseEstimate):
+    """Estimates (n, k) of n images by a trained model, with flags and forces.
 
     Attributes
     ----------
-    poses
-        (n, 3) rx and ry (degrees), depth (mm).
-    half_width
-        (n, 3) half-width of the interval of each component, in its unit; infinite if not calibrated.
     out_of_distribution
         (n,) whether the marker motion is unlike all training images; estimate and interval are then invalid.
     forces, forces_half_width
         (n, 3) N by `palpate.learn.FORCE_AXES`; `None` if the model has no forces.
     """
 
-    poses: FloatArray
-    half_width: FloatArray
     out_of_distribution: BoolArray
     forces: FloatArray | None = None
     forces_half_width: FloatArray | None = None

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
@@ -30,6 +30,7 @@ from palpate.core import (
 from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.ensemble import Ensemble
 from palpate.learn.error_scale import ErrorScale, image_features
+from palpate.learn.interval import Prediction
 from palpate.learn.member import EnsembleMember, open_member
 from palpate.learn.preprocess import Preprocessor
 from palpate.vision import Correspondence, Detector, DetectSpec, MarkerMatcher, MatchFault, ObservedLayout
@@ -43,21 +44,6 @@ BANK = 200
 _BEYOND = 0.5
 """Distance beyond the training poses to which estimates are limited, over their range. By hand."""
 _STORED = ("fields", "seen", "motion", "usual")
-
-
-class PoseReading(NamedTuple):
-    """Reading of one image: its pose (k,), half-widths (k,), and the detected blobs (n, 2) px.
-
-    `unlike` means that the displacement of the markers is far from all of the training.
-    """
-
-    pose: FloatArray
-    half_width: FloatArray
-    found: int
-    fault: str
-    correspondence: Correspondence | None
-    dots_px: FloatArray
-    unlike: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +99,19 @@ class RecordedModel:
             motion, usual
         )
 
-    def read(self, image: NDArray[Any]) -> PoseReading:
+    def read(self, image: NDArray[Any]) -> tuple[Prediction, Correspondence | None]:
         """Estimate the pose in one image.
 
         Parameters
         ----------
         image
             (h, w) or (h, w, 3), of the size of the recording.
+
+        Returns
+        -------
+        tuple[Prediction, Correspondence | None]
+            One estimate, out of distribution if the displacement of the markers is far from all of the training, and
+            the assignment of the markers; `None` for a sensor with image estimators only.
 
         Raises
         ------
@@ -128,23 +120,19 @@ class RecordedModel:
         """
         picture, dots = self.preprocessor.extract(image)
         found = self.matcher.find(dots) if self.matcher is not None else None
-        fault = "" if found is None else str(found.fault)
         count = 0 if found is None else int(found.found.sum())
         moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
         good = np.array([found is not None and found.accepted])
         estimates = self.estimate_parts(moved, picture[None], good)
         poses, by_dots = self.combine(estimates, good)
         use = self.marker_ensemble if by_dots[0] else self.image_ensemble
-        if use is None:
-            return PoseReading(
-                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(MatchFault.NO_DOTS), found, dots
-            )
-        if good[0] and self.marker_ensemble is not None and not by_dots[0]:
-            fault = str(MatchFault.PICTURE)
-        missing = np.array([moved.shape[1] - count])
-        width = use.half_widths(self.features(use, estimates, moved, missing))[0]
-        far = good[0] and bool(self.nearest_px(moved)[0] > self.reach_px)
-        return PoseReading(poses[0], width, count, fault, found, dots, far)
+        width, far = np.full(poses.shape, np.inf), np.zeros(1, bool)
+        if use is not None:
+            width = use.half_widths(self.features(use, estimates, moved, np.array([moved.shape[1] - count])))
+            far[0] = good[0] and self.nearest_px(moved)[0] > self.reach_px
+        if found is not None and good[0] and self.marker_ensemble is not None and not by_dots[0]:
+            found = replace(found, fault=MatchFault.PICTURE)
+        return Prediction(poses, width, far, space=self.space), found
 
     def features(
         self, use: Ensemble, estimates: Mapping[str, FloatArray], moved: FloatArray, missing: IntArray

@@ -12,13 +12,13 @@ a rotation adds the robot's own error, so it is made only if |e|² > 2 σ².
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from palpate.calibration import PoseFit
 from palpate.core import FloatArray, PalpateError
 from palpate.design import wall_normal
 from palpate.sensor.alignment import Alignment, AlignmentOutcome, Touch
@@ -167,14 +167,14 @@ class Aligner:
         start, before = self.robot.flange_pose(), self._images
         way = start.rotation @ self.tool.flange_from_sensor.rotation[:, 2]
         try:
-            read = self._press(start, way, *self._search(start, way))
+            touch = self._press(start, way, *self._search(start, way))
         except _Failed:
             self.robot.move(start)
             raise
-        zero = read.travel - read.fit.state["depth_mm"]
-        self.robot.move(start.moved((zero - self.spec.clear) * way))
+        self.robot.move(start.moved((touch.travel - touch.depth - self.spec.clear) * way))
         self._gap = self.spec.clear
-        return self._estimated(read, self._images - before)
+        upper = self._limit.max_force(touch.fit.state, touch.depth)
+        return replace(touch, force_upper_n=upper, images=self._images - before)
 
     def _search(self, start: Placement, way: FloatArray) -> tuple[float, Reading]:
         """Return the travel (mm) at the first image in contact, and its reading."""
@@ -200,21 +200,21 @@ class Aligner:
         if self._look() is None or lifts > _MOST_LIFTS:
             raise _Failed(AlignmentOutcome.UNREADABLE)
 
-    def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
+    def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> Touch:
         """Press to the allowed depth and return the deepest image that was read."""
-        best = _read_of(travel, reading, self.robot.flange_pose())
+        best = self._touch_of(travel, reading)
         for share in _STRIDES:
-            goal = self._limit.max_depth(best.fit, self.spec.depth)
-            if goal - best.fit.state["depth_mm"] < _ARRIVED_MM:
+            left = self._limit.max_depth(best.fit, self.spec.depth) - best.depth
+            if left < _ARRIVED_MM:
                 break
-            travel = best.travel + share * (goal - best.fit.state["depth_mm"])
+            travel = best.travel + share * left
             self.robot.move(start.moved(travel * way))
             found = self._look(Flag.OUT_OF_DISTRIBUTION)
             if found is None or not found.touching:
                 self.robot.move(start.moved((best.travel - _BACK_MM) * way))
                 break
-            best = _read_of(travel, found, self.robot.flange_pose())
-        if best.fit.state["depth_mm"] < self.spec.min_depth:
+            best = self._touch_of(travel, found)
+        if best.depth < self.spec.min_depth:
             raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
         return best
 
@@ -227,26 +227,17 @@ class Aligner:
                 return reading
         return None
 
-    def _estimated(self, read: _Read, images: int) -> Touch:
-        fit, force = read.fit, read.fit.force.normal_force
-        return Touch(
-            read.base_from_flange,
-            fit.pose[:2].copy(),
-            fit.state["depth_mm"],
-            fit.covariance[:2, :2].copy(),
-            force.value,
-            self._limit.max_force(fit.state, fit.state["depth_mm"]),
-            fit.inverse_friction,
-            images,
-            read.outside,
-        )
+    def _touch_of(self, travel: float, reading: Reading) -> Touch:
+        assert reading.fit is not None
+        outside = Flag.OUT_OF_DISTRIBUTION in reading.flags
+        return Touch(self.robot.flange_pose(), reading.fit, outside, travel)
 
     def _miss(self, touch: Touch) -> tuple[FloatArray, FloatArray]:
         """Return the rotation vector (2,) from drill to normal, z along the drill, and its covariance (2, 2)."""
         normal = wall_normal(*np.radians(touch.tilt_deg))
         drill = self.tool.drill_in_sensor
         to_drill = rotation_between(drill, np.array([0.0, 0.0, 1.0]))
-        return tilt_from_normal(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
+        return tilt_from_normal(to_drill @ normal), touch.tilt_covariance + self.tool.covariance[:2, :2]
 
     def _half_width(self, covariance: FloatArray) -> float:
         return self._factor * float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
@@ -262,20 +253,6 @@ class Aligner:
         """Rotate the flange about the skin's apex."""
         apex = self.tool.flange_from_sensor.apply(self._apex)
         self.robot.move(Placement(rotation, here.apply(apex) - rotation @ apex))
-
-
-class _Read(NamedTuple):
-    """A usable reading: travel (mm), fit, flange pose, and whether it is outside the twin's range."""
-
-    travel: float
-    fit: PoseFit
-    base_from_flange: Placement
-    outside: bool
-
-
-def _read_of(travel: float, reading: Reading, where: Placement) -> _Read:
-    assert reading.fit is not None
-    return _Read(travel, reading.fit, where, Flag.OUT_OF_DISTRIBUTION in reading.flags)
 
 
 class _Log:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from palpate.calibration import PoseFit
 from palpate.core import FloatArray
 from palpate.sensor.placement import Placement
 
@@ -29,31 +30,39 @@ class Touch:
     ----------
     base_from_flange
         Flange pose reported by the robot.
-    tilt_deg
-        (2,) rx, ry of the wall in the sensor's frame.
-    depth
-        Depth since first contact, mm.
-    covariance
-        (2, 2) deg² of the tilt.
-    force_n, force_upper_n
-        Force along the wall normal, and its upper limit.
-    inverse_friction
-        1/µ.
-    images
-        Number of images taken.
+    fit
+        Pose of the wall in the sensor's frame.
     outside
         Whether the pose is beyond the twin's range; such a press directs a rotation but does not end the alignment.
+    travel
+        Travel from the start of the press, mm.
+    force_upper_n
+        Upper limit of the force along the wall normal.
+    images
+        Number of images taken.
     """
 
     base_from_flange: Placement
-    tilt_deg: FloatArray
-    depth: float
-    covariance: FloatArray
-    force_n: float
-    force_upper_n: float
-    inverse_friction: float
-    images: int
+    fit: PoseFit
     outside: bool
+    travel: float = 0.0
+    force_upper_n: float = math.nan
+    images: int = 0
+
+    @property
+    def tilt_deg(self) -> FloatArray:
+        """(2,) rx and ry of the wall in the sensor's frame."""
+        return self.fit.pose[:2]
+
+    @property
+    def tilt_covariance(self) -> FloatArray:
+        """(2, 2) of the tilt, deg²."""
+        return self.fit.covariance[:2, :2]
+
+    @property
+    def depth(self) -> float:
+        """Depth since first contact, mm."""
+        return self.fit.state["depth_mm"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +132,9 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
             "angle_deg": angle,
             "half_width_deg": half,
             "turned_deg": turned,
-            "force_n": touch.force_n,
+            "force_n": touch.fit.force.normal_force.value,
             "force_upper_n": touch.force_upper_n,
-            "friction": 1.0 / touch.inverse_friction if touch.inverse_friction > 0 else None,
+            "friction": 1.0 / slip if (slip := touch.fit.inverse_friction.value) > 0 else None,
             "images": touch.images,
         }
         for number, (touch, angle, half, turned) in enumerate(columns, start=1)

@@ -37,7 +37,7 @@ class ForceLimit:
         pressed = contact.replace(depth_mm=max(depth, 0.0))
         looked = self._fitter.model.predict_contact(pressed, lateral=False, unit=False)
         pressing = max(float(looked.force @ wall_normal(*np.radians(pressed[TILT_SPACE.names[:2]]))), 0.0)
-        return pressing * (scale.mean + _SIGMAS * float(np.hypot(scale.sd, _SHARE * scale.mean)))
+        return pressing * (scale.value + _SIGMAS * float(np.hypot(scale.sd, _SHARE * scale.value)))
 
     def max_depth(self, fit: PoseFit, wanted: float) -> float:
         """Return the depth (mm), at most `wanted`, that keeps the limit even if the robot goes too deep."""

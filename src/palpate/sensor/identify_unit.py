@@ -14,7 +14,7 @@ from palpate.calibration import (
     IdentificationResult,
     PoseFitter,
     RobotUncertainty,
-    StiffnessScale,
+    ScalarEstimate,
     identify,
     prior_stiffness_scale,
     update_stiffness_scale,
@@ -71,12 +71,12 @@ def identify_unit(
     seen = [_see(sensor, press) for press in presses]
     found = identify(model, [each.press for each in seen], noise, robot)
     known = model.with_posterior(found.posterior)
-    scale = _weigh(PoseFitter(known, noise, found.mounting, StiffnessScale(1.0, 0.0)), seen, robot.force)
+    scale = _weigh(PoseFitter(known, noise, found.mounting, ScalarEstimate(1.0, 0.0)), seen, robot.force)
     sensor.fit_by(PoseFitter(known, noise, found.mounting if on_robot else None, scale))
     return replace(found, scale=scale)
 
 
-def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> StiffnessScale:
+def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> ScalarEstimate:
     """Estimate the unit's relative stiffness from the images with a load cell reading."""
     expected, measured = [], []
     for press, forces in seen:

@@ -15,7 +15,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -26,8 +25,8 @@ from palpate.core.state import State
 from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, is_recorded_model, open_predictor
 from palpate.material import Relaxation
-from palpate.sensor.reading import Flag
-from palpate.sensor.rest_drift import DriftTracker, RestDrift, RestState
+from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.rest_drift import DriftTracker, RestState
 from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 from palpate.surrogate import Twin, read_twin, twin_path, twin_relaxation
@@ -41,18 +40,6 @@ _NEAR = np.array([2.0, 2.0, 0.5])
 
 PoseModel = Predictor | Twin
 """Trained network or twin, by which a sensor reads."""
-
-
-class PoseEstimate(NamedTuple):
-    """Estimate of one image: pose, half-widths, displacement (px rms), flags, force, fit and rest drift."""
-
-    pose: FloatArray
-    half_width: FloatArray
-    moved_px: float
-    flags: tuple[Flag, ...]
-    force: Force | None = None
-    fit: PoseFit | None = None
-    rest: RestDrift | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,16 +89,18 @@ class PoseEstimator(ABC):
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
-        near: PoseEstimate | None = None,
+        near: Reading | None = None,
         time_s: float | None = None,
-    ) -> tuple[PoseEstimate, ReaderState]:
-        """Estimate the pose from the tracked markers of the next image, and return it with the next state.
+    ) -> tuple[Reading, ReaderState]:
+        """Return the reading of the next image, by its tracked markers, and the next state.
 
-        `near` is an estimate of the same image by another assignment, a possible start; `time_s` is the time of the
+        The sensor adds the number, the time and the markers of the image, and removes flags without contact.
+
+        `near` is a reading of the same image by another assignment, a possible start; `time_s` is the time of the
         image, if known.
         """
 
-    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
+    def predict_markers(self, estimate: Reading) -> FloatArray | None:
         """Return the positions (m, 2) px that an estimate predicts, NaN if hidden; `None` if not available."""
         return None
 
@@ -120,9 +109,15 @@ class NetworkEstimator(PoseEstimator):
     """Pose estimator by a trained network."""
 
     def __init__(
-        self, predictor: Predictor, unit: Unit, naming: MarkerAssignment, registration: Registration
+        self,
+        predictor: Predictor,
+        unit: Unit,
+        naming: MarkerAssignment,
+        registration: Registration,
+        spec: SensorSpec,
     ) -> None:
         self.predictor, self.unit, self.space = predictor, unit, predictor.space
+        self._touch_px = spec.touch_px
         self._camera = registration.camera
         self._nominal = unit.design.camera
         self._rest_model = self._nominal.project(unit.design.layout.positions)
@@ -133,26 +128,32 @@ class NetworkEstimator(PoseEstimator):
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
-        near: PoseEstimate | None = None,
+        near: Reading | None = None,
         time_s: float | None = None,
-    ) -> tuple[PoseEstimate, ReaderState]:
+    ) -> tuple[Reading, ReaderState]:
         sight = self._camera.sight_lines(sighting.positions_px)
         moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
         if not self._same and self.space.is_tilt:
             # now that the wall is about known, so is how far the markers sank
-            moved = self._carry(sight, prediction.poses[0]) - self._rest
+            moved = self._carry(sight, prediction.pose[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         flags = (Flag.OUT_OF_DISTRIBUTION,) if prediction.out_of_distribution[0] else ()
-        moved_px = float(np.sqrt(np.mean(moved**2)))
-        force = self._force(prediction)
-        return PoseEstimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
+        reading = Reading(
+            pose=prediction.pose[0],
+            half_width=prediction.half_width[0],
+            space=self.space,
+            touching=bool(np.sqrt(np.mean(moved**2)) > self._touch_px),
+            flags=flags,
+            force=self._force(prediction),
+        )
+        return reading, state
 
     def _force(self, prediction: Prediction) -> Force | None:
         """Return the force on the wall, for a unit of the design's stiffness within its tolerance."""
         if prediction.forces is None or prediction.forces_half_width is None:
             return None
-        turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
+        turn = Rotation.from_rotvec([*np.radians(prediction.pose[0, :2]), 0.0]).as_matrix()
         return predict_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
@@ -192,7 +193,7 @@ class TwinEstimator(PoseEstimator):
         model = build_unit_model(twin, unit.design.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = DriftTracker(model, rest, spec.noise_px, spec.follow_px)
-        self._rest, self._most = rest, spec.misfit
+        self._rest, self._spec = rest, spec
         self._near = _NEAR * [1.0, 1.0, model.size]
 
     @property
@@ -210,24 +211,31 @@ class TwinEstimator(PoseEstimator):
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
-        near: PoseEstimate | None = None,
+        near: Reading | None = None,
         time_s: float | None = None,
-    ) -> tuple[PoseEstimate, ReaderState]:
+    ) -> tuple[Reading, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
         rest = self.watch.update(state.rest or self.watch.begin(), seen, time_s)
-        seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
+        seen, fit, fitted = self._fit(seen, rest, state, near.fit if near else None)
         twin = self.fitter.model.marker_twin.twin
         flags = [Flag.CAMERA_MOVED] if rest.displaced else []
         if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[TILT_SPACE.names]):
             flags.append(Flag.OUT_OF_DISTRIBUTION)
-        if fit.misfit > self._most:
+        if fit.misfit > self._spec.misfit:
             flags.append(Flag.MISFIT)
-        moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        contact = fit.state if fit.misfit <= self._most and not fit.inverted else None
-        estimate = PoseEstimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
-        return estimate, ReaderState(rest, fitted, contact)
+        contact = fit.state if fit.misfit <= self._spec.misfit and not fit.inverted else None
+        reading = Reading(
+            pose=fit.pose,
+            half_width=fit.half_width,
+            touching=bool(np.sqrt(np.nanmean((seen - self._rest) ** 2)) > self._spec.touch_px),
+            flags=tuple(flags),
+            force=fit.force,
+            fit=fit,
+            rest=rest.motion,
+        )
+        return reading, ReaderState(rest, fitted, contact)
 
-    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
+    def predict_markers(self, estimate: Reading) -> FloatArray | None:
         return None if estimate.fit is None else self.fitter.predict_pixels(estimate.fit)
 
     def _fit(
@@ -263,7 +271,7 @@ def make_estimator(
     """Build the pose estimator of a unit from the assignment and registration of its rest image."""
     if isinstance(model, Twin):
         return TwinEstimator(model, unit, naming, spec, registration.distortion)
-    return NetworkEstimator(model, unit, naming, registration)
+    return NetworkEstimator(model, unit, naming, registration, spec)
 
 
 def open_model(path: Path, skin: Skin | None = None) -> PoseModel:

@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+import numpy as np
+
 from palpate.calibration import Force, PoseFit
-from palpate.design import TILT_SPACE, PoseSpace
+from palpate.design import PoseEstimate, PoseSpace
 from palpate.sensor.rest_drift import RestDrift
 from palpate.vision import TrackedMarkers
 
@@ -24,32 +26,26 @@ class Flag(StrEnum):
     IMAGE_ONLY = "the markers could not be assigned; the pose is estimated from the image"
 
 
-@dataclass(frozen=True)
-class Reading:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reading(PoseEstimate):
     """Pose of the obstacle from one image; ``reading["rx_deg"]`` returns one component.
 
     Attributes
     ----------
-    image
-        Number of the image since the rest image.
-    pose
-        Estimate by the names and units of `space`; NaN without a pose.
-    half_width
-        Half-widths of the intervals; infinite if unknown.
     touching
         Whether the skin is in contact.
-    found
-        Number of markers with a blob; the positions of the remaining markers were estimated.
     flags
         Reasons to distrust the reading; empty for a good one.
+    found
+        Number of markers with a blob; the positions of the remaining markers were estimated.
+    image
+        Number of the image since the rest image.
     latency_ms
         Time from the image to the pose.
     reason
         Error of an unreadable image.
     sighting
         Marker positions from which the pose was estimated; `None` without a pose.
-    space
-        Components of the pose.
     force
         Force on the wall; `None` if it is not estimated.
     fit
@@ -58,27 +54,29 @@ class Reading:
         Tracked drift of the markers since the rest images; `None` if the estimator does not track it.
     """
 
-    image: int
-    pose: tuple[float, ...]
-    half_width: tuple[float, ...]
     touching: bool
-    found: int
     flags: tuple[Flag, ...]
-    latency_ms: float
+    found: int = 0
+    image: int = 0
+    latency_ms: float = 0.0
     reason: str = ""
-    sighting: TrackedMarkers | None = field(default=None, compare=False, repr=False)
-    space: PoseSpace = TILT_SPACE
-    force: Force | None = field(default=None, compare=False, repr=False)
-    fit: PoseFit | None = field(default=None, compare=False, repr=False)
-    rest: RestDrift | None = field(default=None, compare=False, repr=False)
+    sighting: TrackedMarkers | None = field(default=None, repr=False)
+    force: Force | None = field(default=None, repr=False)
+    fit: PoseFit | None = field(default=None, repr=False)
+    rest: RestDrift | None = field(default=None, repr=False)
 
-    def __getitem__(self, name: str) -> float:
-        return self.pose[self.space.names.index(name)]
+    @staticmethod
+    def without_pose(space: PoseSpace, flag: Flag, found: int = 0, reason: str = "") -> Reading:
+        """Return the flagged reading of an image from which no pose was estimated."""
+        none, anything = np.full(len(space.names), np.nan), np.full(len(space.names), np.inf)
+        return Reading(
+            pose=none, half_width=anything, touching=False, flags=(flag,), found=found, reason=reason, space=space
+        )
 
     @property
     def depth_mm(self) -> float:
         """Depth since first contact."""
-        return self.pose[2] if self.space.is_line else self.pose[-1]
+        return float(self.pose[2] if self.space.is_line else self.pose[-1])
 
     @property
     def line(self) -> tuple[float, float]:

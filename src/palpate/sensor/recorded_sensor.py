@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.learn import PoseReading, RecordedModel
+from palpate.learn import RecordedModel
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import SensorSpec
-from palpate.vision import TrackedMarkers
+from palpate.vision import Correspondence, TrackedMarkers
 
 
 class RecordedSensor:
@@ -24,53 +25,38 @@ class RecordedSensor:
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
         """Estimate the pose in the next image; an error instead of an image gives a flagged reading."""
-        start, space = time.perf_counter(), self.model.space
+        start = time.perf_counter()
         self._count += 1
         try:
             if isinstance(image, PalpateError):
                 raise image
-            found = self.model.read(image)
-            return self._describe(found, start)
+            reading = self._read(image)
         except Exception as error:  # a sensor at work outlives whatever one image does to a library
-            none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
-            latency = (time.perf_counter() - start) * 1e3
-            return Reading(
-                self._count,
-                none,
-                anything,
-                False,
-                0,
-                (Flag.UNREADABLE,),
-                latency,
-                PalpateError.of(error).problem,
-                space=space,
-            )
+            reading = Reading.without_pose(self.model.space, Flag.UNREADABLE, reason=PalpateError.of(error).problem)
+        return replace(reading, image=self._count, latency_ms=(time.perf_counter() - start) * 1e3)
 
-    def _describe(self, found: PoseReading, start: float) -> Reading:
-        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.IMAGE_ONLY]
-        outside = np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width)
-        if found.unlike or outside:
+    def _read(self, image: NDArray[Any]) -> Reading:
+        estimate, seen = self.model.read(image)
+        pose, half_width = estimate.pose[0], estimate.half_width[0]
+        fault = "" if seen is None else str(seen.fault)
+        flags = [] if not fault else [Flag.FEW_MARKERS if np.isnan(pose).any() else Flag.IMAGE_ONLY]
+        outside = np.isfinite(pose).all() and self.model.is_outside(pose, half_width)
+        if estimate.out_of_distribution[0] or outside:
             flags.append(Flag.OUT_OF_DISTRIBUTION)
-        seen = found.correspondence
-        moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
+        moved = np.inf if seen is None or fault else float(np.sqrt(np.mean(seen.moved_px**2)))
         return Reading(
-            image=self._count,
-            pose=tuple(found.pose.tolist()),
-            half_width=tuple(found.half_width.tolist()),
+            pose=pose,
+            half_width=half_width,
             touching=moved > self.spec.touch_px,
-            found=found.found,
             flags=tuple(flags),
-            latency_ms=(time.perf_counter() - start) * 1e3,
-            reason=found.fault,
-            sighting=self._sighting(found),
+            found=0 if seen is None else int(seen.found.sum()),
+            reason=fault,
+            sighting=self._sighting(seen),
             space=self.model.space,
         )
 
-    def _sighting(self, found: PoseReading) -> TrackedMarkers | None:
+    def _sighting(self, seen: Correspondence | None) -> TrackedMarkers | None:
         """Return the positions of the assigned markers; `None` if the assignment was not accepted."""
-        seen, layout = found.correspondence, self.model.layout
-        if seen is None or layout is None or not seen.accepted:
+        if seen is None or self.model.layout is None or not seen.accepted:
             return None
-        places = layout.rest_px + seen.moved_px
-        blob = np.linalg.norm(places[:, None] - found.dots_px[None], axis=-1).argmin(axis=1)
-        return TrackedMarkers(places, seen.found, np.where(seen.found, blob, -1), False)
+        return TrackedMarkers(self.model.layout.rest_px + seen.moved_px, seen.found, seen.blob, False)

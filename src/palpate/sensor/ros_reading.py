@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -16,7 +16,7 @@ _UINT32, _FLOAT32 = 6, 7
 _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("id", "<u4"), ("seen", "<u4")])
 
 
-def pose_message(tilt_deg: Sequence[float], place_mm: Sequence[float], depth_mm: float) -> Message:
+def pose_message(tilt_deg: Iterable[float], place_mm: Iterable[float], depth_mm: float) -> Message:
     """Build an obstacle's pose: rotation (rx, ry) as a quaternion, position (x, y), z below first contact."""
     rotation = np.radians(np.array([*tilt_deg, 0.0]))
     angle = float(np.linalg.norm(rotation))

@@ -87,7 +87,7 @@ class RosSensor:
         fitter = self._sensor.estimator.twin_fit
         if reading.fit is not None and fitter is not None and reading.sighting is not None:
             pose = pose_message(reading.pose[:2], (0.0, 0.0), reading.depth_mm)
-            yield "pose", pose_with_covariance(pose, reading.fit.covariance[:3, :3], felt)
+            yield "pose", pose_with_covariance(pose, reading.fit.covariance, felt)
             yield "dots", dots_message(fitter.positions(reading.fit), reading.sighting.found, felt)
         if reading.force is not None and reading.fit is not None:
             force = reading.force.vector if reading.touching else np.zeros(3)

@@ -18,7 +18,6 @@ from palpate.design import place_orientation_mark
 from palpate.learn import RecordedModel
 from palpate.sensor.force_relaxation import ForceRelaxation
 from palpate.sensor.pose_estimator import (
-    PoseEstimate,
     PoseEstimator,
     PoseModel,
     ReaderState,
@@ -115,16 +114,18 @@ class Sensor:
         start = time.perf_counter()
         self._count += 1
         try:
-            return self._read(image, start)
+            reading = self._read(image)
         except Exception as error:  # a sensor at work outlives whatever one image does to a library
-            return self._without_pose(start, 0, (Flag.UNREADABLE,), PalpateError.of(error).problem)
+            space, reason = self.estimator.space, PalpateError.of(error).problem
+            reading = Reading.without_pose(space, Flag.UNREADABLE, reason=reason)
+        return replace(reading, image=self._count, latency_ms=(time.perf_counter() - start) * 1e3)
 
-    def _read(self, image: NDArray[Any] | PalpateError, start: float) -> Reading:
+    def _read(self, image: NDArray[Any] | PalpateError) -> Reading:
         taken_s = None if self.clock is None else self.clock()
-        elastic = self._read_elastic(image, start, taken_s)
+        elastic = self._read_elastic(image, taken_s)
         return elastic if self._fading is None or taken_s is None else self._fading.update(elastic, taken_s)
 
-    def _read_elastic(self, image: NDArray[Any] | PalpateError, start: float, taken_s: float | None) -> Reading:
+    def _read_elastic(self, image: NDArray[Any] | PalpateError, taken_s: float | None) -> Reading:
         """Return the reading with the force of the elastic law."""
         if isinstance(image, PalpateError):
             raise image
@@ -133,40 +134,23 @@ class Sensor:
         found = int(sighting.found.sum())
         if found < self.spec.min_found * len(self.unit.design.layout):
             self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
-            return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        sighting, estimate, state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
-        touching = estimate.moved_px > self.spec.touch_px
-        flags = [Flag.JUMPED] if sighting.jumped else []
-        flags += [
-            flag for flag in estimate.flags if touching or flag is Flag.CAMERA_MOVED
-        ]  # at rest no pose is outside
-        reading = Reading(
-            image=self._count,
-            pose=tuple(estimate.pose.tolist()),
-            half_width=tuple(estimate.half_width.tolist()),
-            touching=touching,
-            found=found,
-            flags=tuple(flags),
-            latency_ms=(time.perf_counter() - start) * 1e3,
-            sighting=sighting,
-            space=self.estimator.space,
-            force=estimate.force,
-            fit=estimate.fit,
-            rest=estimate.rest,
-        )
-        self._state = state
-        return reading
+            return Reading.without_pose(self.estimator.space, Flag.FEW_MARKERS, found)
+        reading, self._state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
+        assert reading.sighting is not None
+        flags = [Flag.JUMPED] if reading.sighting.jumped else []
+        flags += [flag for flag in reading.flags if reading.touching or flag is Flag.CAMERA_MOVED]
+        return replace(reading, found=found, flags=tuple(flags))
 
     def _estimate(
         self, blobs_px: FloatArray, sighting: TrackedMarkers, tracks: TrackState, taken_s: float | None
-    ) -> tuple[TrackedMarkers, PoseEstimate, _State]:
-        """Return marker positions, estimate, and the state after this image.
+    ) -> tuple[Reading, _State]:
+        """Return the reading with its marker positions, and the state after this image.
 
         If markers jumped or the fit has a misfit, they are assigned again by the fit's predicted positions. The new
         assignment is used if its misfit is not larger. Both fits start from the state after the previous image.
         """
         estimate, reader = self.estimator.estimate(sighting, self._state.reader, time_s=taken_s)
-        first = sighting, estimate, _State(tracks, reader)
+        first = replace(estimate, sighting=sighting), _State(tracks, reader)
         if not sighting.jumped and Flag.MISFIT not in estimate.flags:
             return first
         foreseen = self.estimator.predict_markers(estimate)
@@ -176,16 +160,11 @@ class Sensor:
             blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px)
         )
         if np.array_equal(named.blob, sighting.blob):  # the fit foresees what was seen: no marker jumped
-            return named, estimate, _State(tracks, reader)
+            return replace(estimate, sighting=named), _State(tracks, reader)
         again, reader = self.estimator.estimate(named, self._state.reader, estimate, taken_s)
         if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
-            return named, again, _State(tracks, reader)
+            return replace(again, sighting=named), _State(tracks, reader)
         return first
-
-    def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
-        space, latency = self.estimator.space, (time.perf_counter() - start) * 1e3
-        none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
-        return Reading(self._count, none, anything, False, found, flags, latency, reason, space=space)
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,7 +51,7 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
     nominal = tool.flange_from_sensor.rotation
     first = touches[0].base_from_flange.rotation @ nominal @ wall_normal(*np.radians(touches[0].tilt_deg))
     side = np.linalg.svd(first[None])[2][1:]
-    spread = [np.linalg.cholesky(touch.covariance + robot_deg**2 * np.eye(2)) for touch in touches]
+    spread = [np.linalg.cholesky(touch.tilt_covariance + robot_deg**2 * np.eye(2)) for touch in touches]
 
     def miss(values: FloatArray) -> FloatArray:
         turned = nominal @ rotation_from_vector(values[:3])

@@ -39,8 +39,8 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     """Return a reading as plain data by `reading_columns`; numbers that are not finite become `None`."""
     values = (
         reading.image,
-        *reading.pose,
-        *reading.half_width,
+        *reading.pose.tolist(),
+        *reading.half_width.tolist(),
         *_forces(reading),
         reading.touching,
         reading.fit.inverted if reading.fit is not None and reading.touching else None,
@@ -60,15 +60,11 @@ def _forces(reading: Reading) -> tuple[float, ...]:
         return (math.nan,) * len(_FORCE)
     normal, tangential = reading.force.normal_force, reading.force.tangential_force
     friction = (
-        1.0 / reading.fit.inverse_friction
-        if reading.fit is not None and reading.fit.inverse_friction > 0
+        1.0 / reading.fit.inverse_friction.value
+        if reading.fit is not None and reading.fit.inverse_friction.value > 0
         else math.nan
     )
-    bend = (
-        (reading.fit.curvature, reading.fit.curvature_sd)
-        if reading.fit and reading.fit.curvature_sd > 0
-        else (math.nan,) * 2
-    )
+    bend = reading.fit.curvature if reading.fit and reading.fit.curvature.sd > 0 else (math.nan, math.nan)
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction, *bend
 
 

@@ -277,8 +277,8 @@ def _read(bench: VirtualBench, simulated: SimulatedUnit, sensor: Sensor, press: 
             estimate, half = list(reading.pose), list(reading.half_width)
             if reading.fit is not None:
                 pressing = reading.fit.force.normal_force
-                estimate += [pressing.value, reading.fit.inverse_friction]
-                half += [pressing.half_width, reading.fit.half_width[3]]
+                estimate += [pressing.value, reading.fit.inverse_friction.value]
+                half += [pressing.half_width, reading.fit.inverse_friction.half_width]
             nothing = [np.nan] * (len(MEASURANDS) - len(estimate))
             truth = (*_robot_pose(press, deviation, float(depth)), force, slip)
             rows.append(

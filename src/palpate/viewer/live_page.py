@@ -221,13 +221,10 @@ def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tupl
         spread = np.sqrt(np.diag(reading.fit.covariance))
         correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
         state = "; the skin is inverted" if reading.fit.inverted else ""
+        slip, bend = reading.fit.inverse_friction, reading.fit.curvature
         rows += [
-            ("1/µ", reading.fit.inverse_friction, float(reading.fit.half_width[3]), "", "0 does not slip"),
-            *(
-                [("1/R", reading.fit.curvature, reading.fit.curvature_sd, "/m", "0 is flat")]
-                if reading.fit.curvature_sd
-                else []
-            ),
+            ("1/µ", slip.value, slip.half_width, "", "0 does not slip"),
+            *([("1/R", bend.value, bend.half_width, "/m", "0 is flat")] if bend.sd else []),
             ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}{state}"),
         ]
     return rows

@@ -75,8 +75,8 @@ class Correspondence:
     ----------
     moved_px
         (m, 2) displacement from rest; by the smooth field if no blob was assigned.
-    found
-        (m,) whether a blob was assigned.
+    blob
+        (m,) index of the assigned blob, -1 without one.
     agreement
         Twice the number of assigned blobs over the number of blobs plus that of markers.
     rough
@@ -88,11 +88,16 @@ class Correspondence:
     """
 
     moved_px: FloatArray
-    found: BoolArray
+    blob: IntArray
     agreement: float
     rough: float
     fault: MatchFault = MatchFault.NONE
     confident: bool = False
+
+    @property
+    def found(self) -> BoolArray:
+        """Whether a blob was assigned to each marker (m,)."""
+        return self.blob >= 0
 
     @property
     def accepted(self) -> bool:
@@ -178,7 +183,7 @@ class MarkerMatcher:
             return self._nearest(dots_px)
         count = len(self.layout)
         if len(dots_px) < 0.4 * count:
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.full(count, -1), 0.0, 0.0, MatchFault.NO_DOTS)
         tried: list[Correspondence] = []
         for guess in (*guesses, *self._alike(dots_px)):
             tried.append(self.refine(dots_px, guess))
@@ -288,7 +293,7 @@ class MarkerMatcher:
         least = min(_BELIEVED, self.usual[0] - _LESS)
         fault = MatchFault.LEFT_OVER if agreement < least else MatchFault.ROUGH if rough > _ROUGH else MatchFault.NONE
         sure = fault is MatchFault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
-        return Correspondence(moved, there, agreement, rough, fault, sure)
+        return Correspondence(moved, np.where(there, match, -1), agreement, rough, fault, sure)
 
     def _choose(self, tried: list[Correspondence]) -> Correspondence:
         best = max(tried, key=lambda one: (one.accepted, one.score))
@@ -301,16 +306,16 @@ class MarkerMatcher:
             if one.accepted and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
         ]
         if others and max(others) > best.score - _APART:
-            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, MatchFault.AMBIGUOUS)
+            return replace(best, fault=MatchFault.AMBIGUOUS, confident=False)
         return best
 
     def _nearest(self, dots_px: FloatArray) -> Correspondence:
         if not len(dots_px):
             count = len(self.layout)
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.full(count, -1), 0.0, 0.0, MatchFault.NO_DOTS)
         match = cKDTree(dots_px).query(self.layout.rest_px)[1]
         moved = dots_px[match] - self.layout.rest_px
-        return Correspondence(moved, np.ones(len(match), bool), 1.0, 0.0)
+        return Correspondence(moved, match, 1.0, 0.0)
 
 
 def _largest(match: IntArray, near: IntArray) -> IntArray:

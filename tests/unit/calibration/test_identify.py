@@ -16,7 +16,7 @@ from palpate.calibration import (
     IdentifiedUnit,
     PoseFitter,
     RobotUncertainty,
-    StiffnessScale,
+    ScalarEstimate,
     ToleranceSpec,
     UnitModel,
     ValidationPresses,
@@ -157,8 +157,8 @@ def test_an_image_is_read_without_any_known_press(twin: Twin, units: list[Built]
         unit.__dict__ = units[number].__dict__ | {"deviation": bare}
         for pose, dots in zip(*unit.press(seen[2], 70.0 * number), strict=True):
             fit = fitter.fit(dots)
-            errors.append(np.append(fit.pose - pose, fit.inverse_friction - 1.0))
-            told.append(errors[-1] / np.sqrt(np.diag(fit.covariance)))
+            errors.append(np.append(fit.pose - pose, fit.inverse_friction.value - 1.0))
+            told.append(errors[-1] / [*np.sqrt(np.diag(fit.covariance)), fit.inverse_friction.sd])
             assert fit.misfit < 3
     rms = np.sqrt(np.mean(np.square(errors), axis=0))
     assert rms[:2].max() < 0.12
@@ -200,7 +200,7 @@ def test_a_wall_with_friction_is_not_taken_for_one_without_slip(twin: Twin) -> N
     whole, slips = solve_press(mesh_skin(DOME, MeshSpec(cells=12)), ECOFLEX, wall, SOLVER), []
     for azimuth_deg in (0.0, 36.0, 72.0, 108.0):
         turned = replace(whole, obstacle=wall.model_copy(update={"azimuth_deg": azimuth_deg}))
-        slips += [fitter.fit(unit.shot(edges)).inverse_friction for edges in turned.positions(unit.edges)[1:]]
+        slips += [fitter.fit(unit.shot(edges)).inverse_friction.value for edges in turned.positions(unit.edges)[1:]]
     deep = np.tile(whole.depth[1:] > 1.0, 4)
     assert np.min(np.array(slips)[deep]) > 0.3  # a fit that stays has 0
 
@@ -354,9 +354,9 @@ def test_force_comes_with_the_pose_and_a_load_cell_tells_the_stiffness(twin: Twi
     assert blind.normal_force.value == pytest.approx(truth / 1.05, rel=0.02)
     assert abs(blind.normal_force.value - truth) < 2 * blind.normal_force.sd
     assert blind.tangential_force.value == pytest.approx(sideways, abs=3 * blind.tangential_force.sd + 0.01 * truth)
-    expected = PoseFitter(model, NOISE, None, StiffnessScale(1.0, 0.0)).fit(dots).force.normal_force
+    expected = PoseFitter(model, NOISE, None, ScalarEstimate(1.0, 0.0)).fit(dots).force.normal_force
     scale = update_stiffness_scale(prior_stiffness_scale(wide), [expected], [truth], 0.002)
-    assert scale.mean == pytest.approx(1.05, abs=2.5 * scale.sd)
+    assert scale.value == pytest.approx(1.05, abs=2.5 * scale.sd)
     knows = PoseFitter(model, NOISE, None, scale).fit(unit.shot(pressed.positions(unit.edges)[2])).force
     assert knows.normal_force.value == pytest.approx(float(pressed.force[2] @ normal), rel=0.02)
     assert knows.normal_force.sd < blind.normal_force.sd
@@ -380,8 +380,10 @@ def test_a_robot_that_drifts_is_read_by_a_fit_that_knows_it_may(twin: Twin, unit
             fit = PoseFitter(build_unit_model(twin, LAYOUT, belief, may if knows else TOLERANCE), NOISE).fit(dots)
             errors[knows].append(fit.pose[:2] - truth)
             if knows:
-                assert fit.lateral[2] == pytest.approx(0.8, abs=0.3)
-                assert fit.lateral[:2] == pytest.approx(0.4 * np.array([-truth[1], truth[0]]) / 6, abs=0.15)
+                assert fit.state["twist_deg"] == pytest.approx(0.8, abs=0.3)
+                assert fit.state["lateral_x", "lateral_y"] == pytest.approx(
+                    0.4 * np.array([-truth[1], truth[0]]) / 6, abs=0.15
+                )
     rms = {knows: np.sqrt(np.mean(np.square(each))) for knows, each in errors.items()}
     assert rms[True] < 0.2
     assert rms[False] > 2 * rms[True]
@@ -403,9 +405,9 @@ def test_a_wall_that_is_not_flat_is_read_by_a_fit_that_knows_it_may_be(twin: Twi
             fits = [fitter.fit(dots) for dots in images]
             off += [fit.pose - pose for fit, pose in zip(fits, poses, strict=True)]
             if bend:
-                bends += [(fit.curvature - 3.0, fit.curvature_sd) for fit in fits]
+                bends += [(fit.curvature.value - 3.0, fit.curvature.sd) for fit in fits]
             else:
-                assert {(fit.curvature, fit.curvature_sd) for fit in fits} == {(0.0, 0.0)}
+                assert {fit.curvature for fit in fits} == {(0.0, 0.0)}
     flat, told = (np.sqrt(np.mean(np.square(off), axis=0)) for off in errors.values())
     assert flat[2] > 0.08
     assert told[2] < 0.03
@@ -432,7 +434,7 @@ def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Pre
     unit = units[1]
     found = identify(build_unit_model(twin, LAYOUT, opened(twin, unit), TOLERANCE), known(unit, seen)[:2], NOISE)
     written = IdentifiedUnit(
-        DOME.spec_data, LAYOUT.positions, found.posterior, found.mounting, StiffnessScale(1.02, 0.01)
+        DOME.spec_data, LAYOUT.positions, found.posterior, found.mounting, ScalarEstimate(1.02, 0.01)
     )
     write_unit(tmp_path / "unit.json", written)
     again = read_unit(tmp_path / "unit.json")
@@ -440,7 +442,7 @@ def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Pre
     assert again.posterior.mean.values == pytest.approx(found.posterior.mean.values)
     assert again.mounting.covariance == pytest.approx(found.mounting.covariance)
     assert again.posterior.nominal == NOMINAL
-    assert again.scale == StiffnessScale(1.02, 0.01)
+    assert again.scale == ScalarEstimate(1.02, 0.01)
     with refused("unit-design-differs", "H10 T2", "91"):
         again.check(build_skin(DomeSpec(height=10, thickness=2)), LAYOUT)
     (tmp_path / "unit.json").write_text('{"kind": "something"}')

@@ -87,7 +87,7 @@ def test_an_inverted_skin_is_read_and_said_to_be_one(twin: Twin, other: Press) -
         assert angle < 0.15
         assert depth < 0.03
         assert found.force.normal_force.value == pytest.approx(np.linalg.norm(other.force[image]), rel=0.02)
-        assert found.half_width[3] > 0.5  # every friction shows alike
+        assert found.inverse_friction.half_width > 0.5  # every friction shows alike
 
 
 def test_without_the_other_state_it_is_a_misfit(twin: Twin, other: Press) -> None:

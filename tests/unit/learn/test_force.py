@@ -85,7 +85,7 @@ def test_forces_are_told_with_intervals_that_hold(dataset: Dataset, files: tuple
 def test_the_pose_of_a_file_with_forces_is_what_it_was(dataset: Dataset, files: tuple[Path, Path]) -> None:
     plain, told = (open_predictor(path).predict(dataset.images_px) for path in files)
     assert plain.forces is None
-    for name in ("poses", "half_width", "out_of_distribution"):
+    for name in ("pose", "half_width", "out_of_distribution"):
         assert np.array_equal(getattr(plain, name), getattr(told, name))
     assert np.array_equal(read_estimator(files[1]).weights[0], read_estimator(files[0]).weights[0])
 

@@ -107,7 +107,7 @@ def test_a_single_held_out_press_leaves_the_estimator_without_interval():
 def test_the_estimates_of_a_calibrated_estimator_are_the_same(dataset, estimator):
     bare = replace(estimator, interval=None)
     assert np.array_equal(estimator.predict(dataset.images_px[:20]), bare.predict(dataset.images_px[:20]))
-    assert np.array_equal(estimator.estimate(dataset.images_px[:20]).poses, bare.predict(dataset.images_px[:20]))
+    assert np.array_equal(estimator.estimate(dataset.images_px[:20]).pose, bare.predict(dataset.images_px[:20]))
 
 
 def test_members_taken_out_of_an_ensemble_lose_its_interval(estimator):

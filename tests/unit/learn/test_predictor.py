@@ -13,8 +13,8 @@ def test_runtime_predicts_what_numpy_predicts(tmp_path):
     estimator = train(dataset, TrainingSpec(epochs=5))
     write_estimator(tmp_path / "model.onnx", estimator)
     predictor = open_predictor(tmp_path / "model.onnx")
-    assert predictor.predict(dataset.images_px).poses == pytest.approx(estimator.predict(dataset.images_px), abs=1e-5)
-    one = predictor.predict(dataset.images_px[:1]).poses
+    assert predictor.predict(dataset.images_px).pose == pytest.approx(estimator.predict(dataset.images_px), abs=1e-5)
+    one = predictor.predict(dataset.images_px[:1]).pose
     assert one == pytest.approx(estimator.predict(dataset.images_px[:1]), abs=1e-5)
 
 

@@ -139,7 +139,7 @@ def test_the_model_file_reads_images_as_in_the_training(learnt: RecordingResult,
     for row in (3, 40, 60):
         image = next(iter(seen.recording.images.read([int(seen.rows[row])])))
         assert not isinstance(image, PalpateError)
-        np.testing.assert_allclose(model.read(image).pose, poses[row], atol=0.05)
+        np.testing.assert_allclose(model.read(image)[0].pose[0], poses[row], atol=0.05)
 
 
 def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(learnt: RecordingResult) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from errors import refused
+from made_up_readings import make_fit
 from palpate.calibration import CONTACT_STATE, ToleranceSpec
 from palpate.core import PalpateError
 from palpate.core.state import State
@@ -98,7 +99,7 @@ def test_the_force_limit_makes_touches_shallower_or_ends(twin: Twin, unit: Virtu
     limited, less = run(force_n=0.6 * force, max_touches=1)
     assert less < 0.6 * force
     assert limited.touches[0].depth < free.touches[0].depth - 0.3
-    assert all(touch.force_n <= touch.force_upper_n for touch in free.touches)
+    assert all(touch.fit.force.normal_force.value <= touch.force_upper_n for touch in free.touches)
     shallow, least = run(force_n=0.6 * force, min_depth=3.3)
     assert shallow.outcome is AlignmentOutcome.TOO_SHALLOW
     assert least < 0.6 * force
@@ -169,7 +170,7 @@ def made_touches(truth: Placement, normal: np.ndarray, turns: list[tuple[float, 
     for about, lean in turns:
         flange = rotation_from_vector(np.array([0, 0, about])) @ rotation_from_vector(np.array([lean, 0, 0]))
         tilt = tilt_from_normal((flange @ truth.rotation).T @ normal)
-        touches.append(Touch(Placement(flange), tilt, 4.0, 0.01**2 * np.eye(2), 0.2, 0.3, 1.0, 9, False))
+        touches.append(Touch(Placement(flange), make_fit([*tilt, 4.0], 0.01**2 * np.eye(3)), False))
     return touches
 
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from errors import refused
+from made_up_readings import make_reading
 from palpate.calibration import Force
 from palpate.material import Moduli, Relaxation, get_material
-from palpate.sensor import Reading, Sensor
+from palpate.sensor import Sensor
 from palpate.sensor.force_relaxation import ForceRelaxation
 from palpate.sensor.pose_estimator import ReaderState
 from palpate.surrogate import twin_relaxation
@@ -22,7 +23,7 @@ ELASTIC = np.array([0.05, -0.02, 0.6])
 
 def reading(vector=ELASTIC, touching=True):
     force = Force(np.asarray(vector, float), np.diag([1e-6, 2e-6, 4e-4]), NORMAL)
-    return Reading(1, (0.0, 0.0, 3.0), (0.1, 0.1, 0.1), touching, 169, (), 1.0, force=force)
+    return make_reading([0.0, 0.0, 3.0], touching=touching, force=force)
 
 
 def test_a_touch_that_stays_bears_what_the_modulus_of_its_time_says():

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
+from made_up_readings import make_reading
 from palpate.camera import Source
 from palpate.core import PalpateError
-from palpate.design import TILT_SPACE
 from palpate.sensor import Flag, Reading
 from palpate.sensor.read_source import GONE, THERE, SourceReader
 from palpate.viewer.live import Live
@@ -27,9 +27,9 @@ class Counts:
     def read(self, image: Any) -> Reading:
         self.count += 1
         bad = isinstance(image, PalpateError)
-        pose = (np.nan if bad else 1.0,) * 3
+        pose = np.full(3, np.nan if bad else 1.0)
         flags = (Flag.UNREADABLE,) if bad else ()
-        return Reading(self.count, pose, (np.inf,) * 3, not bad, 0, flags, 0.0, "", space=TILT_SPACE)
+        return make_reading(pose, [np.inf] * 3, not bad, flags, image=self.count, found=0)
 
 
 class Fails(Source):

@@ -4,13 +4,12 @@ import cv2
 import numpy as np
 import pytest
 
-from palpate.learn import Ensemble, RecordedModel
-from palpate.learn.recording_model import PoseReading
+from palpate.learn import Ensemble, Prediction, RecordedModel
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
+from palpate.vision import Correspondence, MatchFault
 
 WIDTH = np.array([0.3, 0.2])
-FAULT = "no dots"
 
 
 def model(reads_markers: bool) -> RecordedModel:
@@ -36,7 +35,8 @@ def test_an_image_that_breaks_a_library_is_flagged(monkeypatch: pytest.MonkeyPat
 def test_a_pose_by_picture_is_outside_where_its_own_interval_is(
     monkeypatch: pytest.MonkeyPatch, reads_markers: bool, pose: tuple[float, float], outside: bool
 ) -> None:
-    reading = PoseReading(np.array(pose), WIDTH, 0, FAULT, None, np.zeros((0, 2)))
-    monkeypatch.setattr(RecordedModel, "read", lambda self, image: reading)
+    estimate = Prediction(np.array([pose]), WIDTH[None], np.zeros(1, bool))
+    rejected = Correspondence(np.zeros((0, 2)), np.zeros(0, int), 0.0, 0.0, MatchFault.NO_DOTS)
+    monkeypatch.setattr(RecordedModel, "read", lambda self, image: (estimate, rejected))
     flags = RecordedSensor(model(reads_markers)).read(np.zeros((4, 4))).flags
     assert (Flag.OUT_OF_DISTRIBUTION in flags) is outside

@@ -12,7 +12,8 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, SensorSpec, Unit
-from palpate.sensor.pose_estimator import PoseEstimate, TwinEstimator
+from palpate.sensor.pose_estimator import TwinEstimator
+from palpate.sensor.reading import Reading
 from palpate.sensor.rest_drift import RestDrift
 from palpate.surrogate import TWIN_DERIVATIVES, Twin
 from palpate.vision import MarkerAssignment, TrackedMarkers
@@ -85,12 +86,12 @@ class Following:
     def rest(self) -> RestDrift:
         return self.state.rest.motion
 
-    def read(self, sighting: TrackedMarkers) -> PoseEstimate:
+    def read(self, sighting: TrackedMarkers) -> Reading:
         estimate, self.state = self.estimator.estimate(sighting, self.state)
         return estimate
 
 
-def read(reader: Following, dots: np.ndarray) -> PoseEstimate:
+def read(reader: Following, dots: np.ndarray) -> Reading:
     return reader.read(TrackedMarkers(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
 
 

@@ -1,14 +1,16 @@
 """A device that is asked for images, and readings as a bag."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from errors import refused
+from made_up_readings import make_fit, make_reading
 from needs import needs
-from palpate.calibration import Force, PoseFit
-from palpate.design import Design, DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.calibration import Force
+from palpate.design import TILT_SPACE, Design, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_readings
 from palpate.simulation import simulate_sensor
 from palpate.vision import prepare_detector
@@ -46,9 +48,8 @@ def test_a_device_is_connected_before_it_is_asked_and_says_when_it_ends(simulate
 
 
 def readings():
-    good = Reading(1, (3.0, -4.0, 5.0), (0.2, 0.2, 0.1), True, 37, (), 3.0)
-    nan = float("nan")
-    return [good, Reading(2, (nan,) * 3, (np.inf,) * 3, False, 0, (Flag.UNREADABLE,), 1.0, "cut off")]
+    bad = Reading.without_pose(TILT_SPACE, Flag.UNREADABLE, reason="cut off")
+    return [make_reading([3.0, -4.0, 5.0]), replace(bad, image=2)]
 
 
 def test_readings_become_a_bag_that_ros_reads(tmp_path):
@@ -73,9 +74,8 @@ def test_readings_become_a_bag_that_ros_reads(tmp_path):
 def fitted():
     """A reading of a twin: 0.5 N upward and 0.1 N along y, with a hundredth of an N."""
     force = Force(np.array([0.0, 0.1, 0.5]), 1e-4 * np.eye(3), np.array([0.0, 0.0, 1.0]))
-    pose, nothing = np.array([3.0, -4.0, 5.0]), np.zeros(11)
-    fit = PoseFit(pose, 0.8, 1e-4 * np.eye(4), 0.0, 0.0, np.zeros(3), force, 0.02, 1.0, 3, np.zeros(8), 1.0, nothing)
-    return Reading(1, tuple(pose), (0.2, 0.2, 0.1), True, 37, (), 3.0, force=force, fit=fit)
+    fit = make_fit([3.0, -4.0, 5.0], 1e-4 * np.eye(3), force)
+    return make_reading(fit.pose, force=force, fit=fit)
 
 
 def test_forces_and_friction_stand_beside_the_pose(tmp_path):

@@ -14,12 +14,13 @@ from errors import check_values, refused
 pytest.importorskip("PIL")
 
 
+from made_up_readings import make_fit, make_reading
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.core.report import csv_text
 from palpate.design import TILT_SPACE, Design, MarkerSpec, place_markers
 from palpate.learn import Prediction
-from palpate.sensor import Reading, Unit
+from palpate.sensor import Unit
 from palpate.simulation import SimulatedSource, sample_presses
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
@@ -65,7 +66,7 @@ def touches():
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
-    return Reading(1, (rx, ry, 3.0), (half, half, 0.1), touching, 19, (), 5.0)
+    return make_reading([rx, ry, 3.0], [half, half, 0.1], touching, found=19)
 
 
 @pytest.mark.parametrize(
@@ -212,17 +213,14 @@ def test_every_kind_of_image_becomes_grey():
 @pytest.mark.parametrize(("inverted", "state"), [(False, ""), (True, "; the skin is inverted")])
 def test_a_twin_tells_force_friction_and_how_well_it_fits(inverted, state):
     pytest.importorskip("nicegui")
-    from palpate.calibration import Force, PoseFit
+    from palpate.calibration import Force
     from palpate.viewer.live_page import list_figures
 
-    covariance = np.diag([0.01, 0.01, 0.0025, 0.04])
+    covariance = np.diag([0.01, 0.01, 0.0025])
     covariance[0, 1] = covariance[1, 0] = -0.005
     force = Force(np.array([0.0, 0.0, 0.4]), 1e-4 * np.eye(3), np.array([0.0, 0.0, 1.0]))
-    fit = PoseFit(
-        np.array([1.0, 2.0, 3.0]), 0.8, covariance, 0.0, 0.0, np.zeros(3), force, 0.05, 1.2, 4, np.zeros(8), 3.0,
-        np.zeros(11), inverted,
-    )  # fmt: skip
-    read = Reading(1, (1.0, 2.0, 3.0), (0.2, 0.2, 0.1), True, 19, (), 5.0, force=force, fit=fit)
+    fit = make_fit([1.0, 2.0, 3.0], covariance, force, misfit=1.2, inverted=inverted)
+    read = make_reading(fit.pose, force=force, fit=fit)
     rows = {row[0]: row[1:] for row in list_figures(read, None)}
     assert rows["force"][0] == pytest.approx(0.4)
     assert rows["1/µ"][:2] == pytest.approx((0.8, 1.645 * 0.2), rel=1e-3)

@@ -1,4 +1,4 @@
-"""A design is one value: no other record holds two or more of skin, layout, camera and material."""
+"""One type per concept: a design, and a pose with its uncertainty."""
 
 import ast
 from collections.abc import Iterator
@@ -6,6 +6,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
 PARTS = {"skin", "layout", "camera", "material"}
+POSES, UNCERTAINTIES = {"pose", "poses", "tilt_deg"}, {"half_width", "half_widths", "covariance", "sd"}
 INPUTS = {"Study", "BenchmarkSpec", "DesignDraft", "PackFlags"}
 """Keys of files and flags that a user writes; a method or a task of each returns its designs."""
 KNOWN = {
@@ -18,7 +19,7 @@ KNOWN = {
 
 
 def records() -> Iterator[tuple[str, set[str]]]:
-    """Name and parts of a design of every class, by its annotated fields and by what its constructor sets."""
+    """Name and fields of every class: annotated ones, and those that its constructor sets."""
     for path in sorted(SOURCE.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.ClassDef):
@@ -34,10 +35,15 @@ def records() -> Iterator[tuple[str, set[str]]]:
                             for target in ast.walk(item)
                             if isinstance(target, ast.Attribute) and isinstance(target.ctx, ast.Store)
                         }
-                yield node.name, fields & PARTS
+                yield node.name, fields
 
 
 def test_only_one_record_is_a_design() -> None:
-    found = {name for name, parts in records() if len(parts) > 1}
+    found = {name for name, fields in records() if len(fields & PARTS) > 1}
     assert found - INPUTS - set(KNOWN) == set()
     assert set(KNOWN) <= found, "a row of KNOWN that no longer applies goes"
+
+
+def test_only_one_record_is_a_pose_with_its_uncertainty() -> None:
+    found = {name for name, fields in records() if fields & POSES and fields & UNCERTAINTIES}
+    assert found == {"PoseEstimate"}
