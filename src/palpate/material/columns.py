@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,6 +47,10 @@ _NOT_STRAIN = re.compile(
 _TRUE = re.compile(r"\btrue\b|_true|true_|wahre|\bvraie?\b|真|cauchy|hencky|\blog(?:arithmi\w*)?\b|\bln\b", re.I)
 _SAMPLE = re.compile(r"sample|specimen|probe|éprouvette|试样|試験片", re.I)
 STRETCH = re.compile(r"stretch|lambda|λ|verstreckung|拉伸比", re.I)
+STRAIN_NAMES = (_STRAIN, _TRAVEL, _SELDOM, _LETTERS["strain"])
+"""Patterns of names of strain or travel; a later one counts if no column has an earlier one."""
+STRESS_NAMES = (_STRESS, _FORCE, _LETTERS["stress"])
+"""Patterns of names of stress or force, as in `STRAIN_NAMES`."""
 _STRAIN_UNITS = {
     **dict.fromkeys(("mm/mm", "m/m", "in/in", "-", "–", "1"), (StrainUnit.RATIO, 1.0)),
     **dict.fromkeys(("%", "percent", "pct", "百分比"), (StrainUnit.PERCENT, 1.0)),
@@ -164,8 +169,8 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     PalpateError
         If a column is missing or ambiguous, or its unit is not stated; the message lists the columns.
     """
-    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL, _SELDOM, _LETTERS["strain"]))
-    stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE, _LETTERS["stress"]))
+    strains = _find(table, spec.strain, "strain", STRAIN_NAMES)
+    stresses = _find(table, spec.stress, "stress", STRESS_NAMES)
     if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
         raise _several(table, kind, several)
@@ -187,15 +192,15 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     )
 
 
-def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int:
-    """Column, from 0, by its name or number if given, else the only one whose name has the pattern.
+def find_column(table: Table, given: str | None, kind: str, patterns: Sequence[re.Pattern[str]]) -> int:
+    """Column, from 0, by its name or number if given, else the only one whose name has the first pattern of any.
 
     Raises
     ------
     PalpateError
         If no column or several match; the message names the columns there are.
     """
-    found = seek_column(table, given, kind, pattern)
+    found = seek_column(table, given, kind, patterns)
     if found is None:
         raise PalpateError(
             f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
@@ -205,11 +210,11 @@ def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[
     return found
 
 
-def seek_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int | None:
-    """Column as `find_column` finds it; `None` if no name matches the pattern."""
+def seek_column(table: Table, given: str | None, kind: str, patterns: Sequence[re.Pattern[str]]) -> int | None:
+    """Column as `find_column` finds it; `None` if no name matches a pattern."""
     if given is not None:
         return _named(table, given, kind)[0]
-    found = _matching(table, pattern)
+    found = next(filter(None, (_matching(table, pattern) for pattern in patterns)), [])
     if len(found) > 1:
         raise _several(table, kind, found)
     return found[0] if found else None

@@ -10,13 +10,20 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.tables import Table
-from palpate.material.columns import STRETCH, find_column, read_columns, refuse_faults, seek_column
+from palpate.material.columns import (
+    STRAIN_NAMES,
+    STRESS_NAMES,
+    STRETCH,
+    find_column,
+    read_columns,
+    refuse_faults,
+    seek_column,
+)
 from palpate.material.relaxation_test import RelaxationTest
 from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit
 
-_TIME = re.compile(r"time|zeit|temps|时间|時間|\bt\b|\bt[ _(\[]", re.I)
-_STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
-_STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
+_TIME = re.compile(r"time|zeit|temps|tempo|tiempo|时间|時間|\bt\b|\bt[ _(\[]", re.I)
+_MODULUS = re.compile(r"modul|relax|模量|弾性率", re.I)
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
 """Seconds a unit."""
 _UNITS = {
@@ -51,9 +58,9 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
     """
     path, spec = Path(path), spec or TestFileSpec()
     table = read_columns(path, spec)
-    time_at = find_column(table, spec.time, "time", _TIME)
-    stress_at = find_column(table, spec.stress, "stress", _STRESS)
-    strain_at = seek_column(table, spec.strain, "strain", _STRAIN)
+    time_at = find_column(table, spec.time, "time", (_TIME,))
+    stress_at = find_column(table, spec.stress, "stress", (*STRESS_NAMES, _MODULUS))
+    strain_at = seek_column(table, spec.strain, "strain", STRAIN_NAMES)
     columns = [time_at, stress_at, *([] if strain_at is None else [strain_at])]
     twice = [column for column in columns if columns.count(column) > 1]
     if twice:

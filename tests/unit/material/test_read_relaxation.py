@@ -24,6 +24,29 @@ def test_time_and_stress_are_found_by_their_names(tmp_path):
     check_values(test.notes[-1], 0)
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "tempo (s),forza (N)",
+        "tiempo [s],esfuerzo [MPa]",
+        "时间(秒),力(N)",
+        "Time (s),σ (kPa)",
+        "t (s),Storage modulus (MPa)",
+    ],
+)
+def test_names_are_those_of_stress_and_strain_files(tmp_path, header):
+    test = read_relaxation(write(tmp_path / "a.csv", header, TIME, STRESS))
+    assert test.time == pytest.approx(TIME)
+    assert test.stress == pytest.approx(STRESS)
+
+
+def test_a_stress_beside_its_force_and_a_strain_beside_its_travel_are_taken(tmp_path):
+    header, strain = "time (s),force (N),stress (MPa),position (mm),strain (-)", np.full(40, 0.3)
+    test = read_relaxation(write(tmp_path / "a.csv", header, TIME, 50 * STRESS, STRESS, 20 * strain, strain))
+    assert test.stress == pytest.approx(STRESS)
+    assert test.strain == pytest.approx(strain)
+
+
 @pytest.mark.parametrize(("unit", "size"), [("ms", 1e3), ("min", 1 / 60), ("h", 1 / 3600)])
 def test_times_of_other_units_become_seconds(tmp_path, unit, size):
     test = read_relaxation(write(tmp_path / "a.csv", f"Zeit [{unit}],Kraft [N]", TIME * size, STRESS))
