@@ -193,12 +193,12 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
 
 
 def find_column(table: Table, given: str | None, kind: str, patterns: Sequence[re.Pattern[str]]) -> int:
-    """Column, from 0, by its name or number if given, else the only one whose name has the first pattern of any.
+    """Column, from 0, by its name or number if given, else by the first pattern that a name has.
 
     Raises
     ------
     PalpateError
-        If no column or several match; the message names the columns there are.
+        If no column or several match that pattern; the message names the columns there are.
     """
     found = seek_column(table, given, kind, patterns)
     if found is None:
