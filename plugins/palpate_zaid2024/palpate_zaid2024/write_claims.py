@@ -175,7 +175,7 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
                 check_plot_request(grid, kind, metric)
             except PalpateError:  # nothing to draw: the answer says what is missing
                 continue
-            path = folder / f"{plot_file_name(kind, metric)}_{_plain(name)}.svg"
+            path = folder / f"{plot_file_name(kind, metric)}_{plain_name(name)}.svg"
             if path not in written.values():
                 _write_picture(path, draw_plot(grid, kind, metric))
             written[claim, name] = path
@@ -195,6 +195,6 @@ def _write_picture(path: Path, figure: Figure) -> None:
         write_picture(folder / path.name, figure)
 
 
-def _plain(name: str) -> str:
+def plain_name(name: str) -> str:
     """Convert a name to a part of a file name."""
     return "_".join("".join(c if c.isalnum() else " " for c in name).split())

@@ -134,7 +134,7 @@ ROWS = {
         ("--out",),
         ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck", "--validate maybe"),
     ),
-    "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
+    "claims": Row("{results} --out new.md", ("RESULTS",), ("--out", "--figures"), ("--out new.txt",)),
     "design make": Row(
         "--out new",
         ("--layout", "--lens"),

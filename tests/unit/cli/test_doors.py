@@ -203,7 +203,13 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed
 
 
 def ending_of(name: str, flag: str) -> str:
-    folders = ("calibration accept --out", "calibration identify --report", "press --export", "design profile --out")
+    folders = (
+        "calibration accept --out",
+        "calibration identify --report",
+        "press --export",
+        "design profile --out",
+        "claims --figures",
+    )
     if f"{name} {flag}" in folders:
         return "new"
     return {"--figure": "a.png", "--picture": "a.png", "--print-board": "a.pdf"}.get(
