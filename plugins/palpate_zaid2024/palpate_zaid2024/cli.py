@@ -19,7 +19,7 @@ _FOLDERS = (
     "`palpate design convergence --out`."
 )
 _FIGURES = (
-    "Folder for a page of Tables 2 and 3 and Figs. 8 to 12 of the paper in this version, beside the printed "
+    "Folder for a page of Tables 2 and 3 and Figs. 8 to 12 of the paper in this version, with the printed "
     "values. Six domes are pressed for it, about a minute."
 )
 

@@ -1,6 +1,6 @@
-"""Page of the paper's Table 3, Table 2 and Figs. 8 to 12 in this version, beside the printed values.
+"""Page of the paper's Table 3, Table 2 and Figs. 8 to 12 in this version, with the printed values.
 
-Figures 9 to 12 are not reprinted. Beside each picture stand the statements of the paper about it, as claims, with the
+Figures 9 to 12 are not reprinted. Each picture is followed by the statements of the paper about it, as claims, with the
 figures that decide them.
 """
 
@@ -108,7 +108,7 @@ def _describe(
 
     return [
         "# The paper's tables and figures",
-        f"Tables 2 and 3 and Figs. 8 to 12 of {PAPER}, beside the same quantities of this version.",
+        f"Tables 2 and 3 and Figs. 8 to 12 of {PAPER}, with the same quantities of this version.",
         "## Table 3: the real sensor",
         "The paper's errors are those of a sensor that was built and pressed by a robot. **No sensor of this design "
         "was built for palpate.** The last row and columns are the predicted RMSE of the total tilt of built units, "
