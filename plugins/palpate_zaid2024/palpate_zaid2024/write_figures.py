@@ -1,7 +1,7 @@
 """Page of the paper's Table 3, Table 2 and Figs. 8 to 12 in this version, with the printed values.
 
-Figures 9 to 12 are not reprinted. Each picture is followed by the statements of the paper about it, as claims, with the
-figures that decide them.
+Figures 9 to 12 are not reprinted. Each picture is followed by the statements of the paper about it, as claims, with
+the figures that decide them.
 """
 
 from __future__ import annotations

@@ -89,16 +89,6 @@ class Condensed(NamedTuple):
     volume_residual: FloatArray
 
 
-class _Cell(NamedTuple):
-    """Work arrays of one cell: stiffness K (81, 81), geometric part S (27, 27), residual r (81,), C, r_p."""
-
-    K: FloatArray
-    S: FloatArray
-    r: FloatArray
-    C: FloatArray
-    rp: FloatArray
-
-
 @kernel
 def deformation_gradient(gradient: FloatArray, u: FloatArray, F: FloatArray) -> None:
     """Write the deformation gradient ``I + sum u_a ⊗ grad N_a`` at one point to F (3, 3).
@@ -148,16 +138,13 @@ def spatial_gradients(gradient: FloatArray, F: FloatArray, g: FloatArray) -> flo
 
 
 @kernel
-def _add_stress_divergence(w: float, g: FloatArray, tau: FloatArray, r: FloatArray, S: FloatArray) -> None:
-    """Add ``∫ tau g`` to r (81,) and ``∫ g·tau·g`` (geometric) to the upper triangle of S (27, 27)."""
+def _add_geometric_stiffness(w: float, g: FloatArray, tau: FloatArray, S: FloatArray) -> None:
+    """Add ``∫ g·tau·g`` to the upper triangle of S (27, 27)."""
     for a in range(NODES):
         x, y, z = g[a, 0], g[a, 1], g[a, 2]
         tx = w * (tau[0] * x + tau[3] * y + tau[5] * z)
         ty = w * (tau[3] * x + tau[1] * y + tau[4] * z)
         tz = w * (tau[5] * x + tau[4] * y + tau[2] * z)
-        r[3 * a] += tx
-        r[3 * a + 1] += ty
-        r[3 * a + 2] += tz
         for b in range(a, NODES):
             S[a, b] += tx * g[b, 0] + ty * g[b, 1] + tz * g[b, 2]
 
@@ -213,10 +200,10 @@ def deform_cells(cells: Cells, u: FloatArray, F: FloatArray) -> bool:
 
 
 @kernel
-def assemble_cells(
-    cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, system: System, condensed: Condensed
+def add_residual(
+    cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, residual: FloatArray, condensed: Condensed
 ) -> float:
-    """Assemble the condensed tangent and residual of all cells.
+    """Add the condensed residual of all cells to (3 n,) N.
 
     Parameters
     ----------
@@ -226,7 +213,7 @@ def assemble_cells(
         (n_cells,) bulk modulus, MPa.
     p
         (n_cells, 4) MPa pressure.
-    system
+    residual
         Contributions are added to it.
     condensed
         Overwritten.
@@ -234,50 +221,12 @@ def assemble_cells(
     Returns
     -------
     float
-        Stored energy, mJ; infinite if the energy of the law is (then nothing else is valid).
+        Stored energy, mJ.
     """
-    g = np.empty((NODES, 3))
-    DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
-    r = np.empty(DOFS)
+    g, r, tau = np.empty((NODES, 3)), np.empty(DOFS), np.empty(6)
     energy = 0.0
     for e in range(len(cells.nodes)):
-        own = bulk[e]
-        cell = _Cell(K, S, r, condensed.coupling[e], condensed.volume_residual[e])
-        K[:, :] = 0.0
-        S[:, :] = 0.0
-        r[:] = 0.0
-        cell.C[:, :] = 0.0
-        cell.rp[:] = 0.0
-        for q in range(len(cells.basis)):
-            w = cells.weight[e, q]
-            J = spatial_gradients(cells.gradient[e, q], response.F[e, q], g)
-            energy += w * response.energy[e, q]
-            tau, c = response.tau[e, q], response.c[e, q]
-            pressure = 0.0
-            for k in range(PRESSURES):
-                pressure += cells.basis[q, k] * p[e, k]
-            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * own))
-            add_volumetric(pressure * J, tau, c)
-            _add_stress_divergence(w, g, tau, r, S)
-            _add_material_stiffness(w, g, c, DB, K)
-            for k in range(PRESSURES):
-                wb = w * cells.basis[q, k]
-                cell.rp[k] += wb * (J - 1.0 - pressure / own)
-                for a in range(NODES):
-                    for i in range(3):
-                        cell.C[k, 3 * a + i] += wb * J * g[a, i]
-        _condense(own, cells.inverse_mass[e], cell)
-        _scatter(cells.nodes[e], cell, cells.place[e], system)
-    return energy
-
-
-@kernel
-def add_residual(cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, residual: FloatArray) -> None:
-    """Add the condensed residual of all cells alone to (3 n,) N; parameters as in `assemble_cells`."""
-    g, r, C = np.empty((NODES, 3)), np.empty(DOFS), np.empty((PRESSURES, DOFS))
-    rp, tau = np.empty(PRESSURES), np.empty(6)
-    for e in range(len(cells.nodes)):
-        own = bulk[e]
+        own, C, rp = bulk[e], condensed.coupling[e], condensed.volume_residual[e]
         r[:] = 0.0
         C[:, :] = 0.0
         rp[:] = 0.0
@@ -287,18 +236,20 @@ def add_residual(cells: Cells, response: Response, bulk: FloatArray, p: FloatArr
             pressure = 0.0
             for k in range(PRESSURES):
                 pressure += cells.basis[q, k] * p[e, k]
+            energy += w * (response.energy[e, q] + pressure * (J - 1.0) - pressure * pressure / (2.0 * own))
             for k in range(6):
                 tau[k] = response.tau[e, q, k] + (pressure * J if k < 3 else 0.0)
-            for k in range(PRESSURES):
-                rp[k] += w * cells.basis[q, k] * (J - 1.0 - pressure / own)
             for a in range(NODES):
                 x, y, z = g[a, 0], g[a, 1], g[a, 2]
                 r[3 * a] += w * (tau[0] * x + tau[3] * y + tau[5] * z)
                 r[3 * a + 1] += w * (tau[3] * x + tau[1] * y + tau[4] * z)
                 r[3 * a + 2] += w * (tau[5] * x + tau[4] * y + tau[2] * z)
-                for k in range(PRESSURES):
+            for k in range(PRESSURES):
+                wb = w * cells.basis[q, k]
+                rp[k] += wb * (J - 1.0 - pressure / own)
+                for a in range(NODES):
                     for i in range(3):
-                        C[k, 3 * a + i] += w * cells.basis[q, k] * J * g[a, i]
+                        C[k, 3 * a + i] += wb * J * g[a, i]
         for k in range(PRESSURES):
             factor = 0.0
             for m in range(PRESSURES):
@@ -307,45 +258,67 @@ def add_residual(cells: Cells, response: Response, bulk: FloatArray, p: FloatArr
                 r[j] += factor * C[k, j]
         for j in range(DOFS):
             residual[3 * cells.nodes[e, j // 3] + j % 3] += r[j]
+    return energy
 
 
 @kernel
-def _condense(bulk: float, inverse_mass: FloatArray, cell: _Cell) -> None:
+def add_tangent(
+    cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, coupling: FloatArray, data: FloatArray
+) -> None:
+    """Add the condensed tangent of all cells to the values (nnz,) of the sparse matrix.
+
+    `coupling` (n_cells, 4, 81) mm² was written by `add_residual` at the same state; for the rest see there.
+    """
+    g, tau, c = np.empty((NODES, 3)), np.empty(6), np.empty((6, 6))
+    DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
+    for e in range(len(cells.nodes)):
+        K[:, :] = 0.0
+        S[:, :] = 0.0
+        for q in range(len(cells.basis)):
+            w = cells.weight[e, q]
+            J = spatial_gradients(cells.gradient[e, q], response.F[e, q], g)
+            pressure = 0.0
+            for k in range(PRESSURES):
+                pressure += cells.basis[q, k] * p[e, k]
+            tau[:] = response.tau[e, q]
+            c[:, :] = response.c[e, q]
+            add_volumetric(pressure * J, tau, c)
+            _add_geometric_stiffness(w, g, tau, S)
+            _add_material_stiffness(w, g, c, DB, K)
+        _condense(bulk[e], cells.inverse_mass[e], coupling[e], S, K)
+        at = 0
+        for i in range(DOFS):
+            for j in range(i, DOFS):
+                target = cells.place[e, at]
+                at += 1
+                if target >= 0:
+                    data[target] += K[i, j]
+
+
+@kernel
+def _condense(bulk: float, inverse_mass: FloatArray, C: FloatArray, S: FloatArray, K: FloatArray) -> None:
+    """Add the geometric part S (27, 27) and the condensed pressures to the upper triangle of K (81, 81)."""
     for a in range(NODES):
         for b in range(a, NODES):
             for i in range(3):
-                cell.K[3 * a + i, 3 * b + i] += cell.S[a, b]
+                K[3 * a + i, 3 * b + i] += S[a, b]
     MC = np.zeros((PRESSURES, DOFS))
     for k in range(PRESSURES):
         for m in range(PRESSURES):
             factor = bulk * inverse_mass[k, m]
             for j in range(DOFS):
-                MC[k, j] += factor * cell.C[m, j]
+                MC[k, j] += factor * C[m, j]
     for i in range(DOFS):
-        c0, c1, c2, c3 = cell.C[0, i], cell.C[1, i], cell.C[2, i], cell.C[3, i]
-        for k in range(PRESSURES):
-            cell.r[i] += MC[k, i] * cell.rp[k]
+        c0, c1, c2, c3 = C[0, i], C[1, i], C[2, i], C[3, i]
         for j in range(i, DOFS):
-            cell.K[i, j] += c0 * MC[0, j] + c1 * MC[1, j] + c2 * MC[2, j] + c3 * MC[3, j]
-
-
-@kernel
-def _scatter(nodes: IntArray, cell: _Cell, place: IntArray, system: System) -> None:
-    at = 0
-    for i in range(DOFS):
-        system.residual[3 * nodes[i // 3] + i % 3] += cell.r[i]
-        for j in range(i, DOFS):
-            target = place[at]
-            at += 1
-            if target >= 0:
-                system.data[target] += cell.K[i, j]
+            K[i, j] += c0 * MC[0, j] + c1 * MC[1, j] + c2 * MC[2, j] + c3 * MC[3, j]
 
 
 @kernel
 def recover_pressure(cells: Cells, bulk: FloatArray, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
     """Write the pressure increments ``dp = K M^-1 (C du + r_p)`` (n_cells, 4) MPa to `dp`.
 
-    `du` (n, 3) mm is the increment of displacement; `condensed` was written by `assemble_cells`.
+    `du` (n, 3) mm is the increment of displacement; `condensed` was written by `add_residual`.
     """
     rhs = np.empty(PRESSURES)
     for e in range(len(cells.nodes)):

@@ -109,6 +109,7 @@ class Problem:
     def __init__(self, body: Body, linear: LinearSolver, tolerance: float, length: float) -> None:
         self.body, self.linear, self.tolerance, self.length = body, linear, tolerance, length
         linear.analyze(body.pattern)
+        self._assembled, self._whole = body.rest(), False
         self._system = System(np.empty(len(body.pattern.column)), np.empty(body.nodes.size))
         self._assembly = Assembly(
             nodes=body.nodes,
@@ -120,10 +121,11 @@ class Problem:
         )
 
     def assemble(self, state: State, terms: Sequence[Term]) -> Loads:
-        """Assemble tangent and residual of the body and all terms."""
+        """Assemble residual and tangent of all terms, and the residual of the body; its tangent follows if needed."""
         self._system.data[:] = 0.0
         self._system.residual[:] = 0.0
-        energy, potential, force = self.body.assemble(state, self._system), 0.0, np.zeros(3)
+        energy, potential, force = self.body.add_residual(state, self._system.residual), 0.0, np.zeros(3)
+        self._assembled, self._whole = state, False
         if np.isfinite(energy):
             for term in terms:
                 share = term.assemble(state, self._assembly)
@@ -200,6 +202,9 @@ class Problem:
         SingularMatrixError
             If it has no inverse.
         """
+        if not self._whole:
+            self.body.add_tangent(self._assembled, self._system.data)
+            self._whole = True
         return self.linear.refactor(self._system.data)
 
     def back_substitute(self, force: FloatArray) -> FloatArray:
@@ -229,13 +234,13 @@ class Problem:
 
     def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
         """Return negative pivots and Newton step; to `descend`, an indefinite tangent is shifted first."""
-        pivots = negative = self.linear.refactor(self._system.data)
+        pivots = negative = self.refactor()
         shift = _FIRST_SHIFT * self.body.shear_modulus / self.length**2
         for _ in range(_SHIFTS if descend else 0):
             if negative <= 0:
                 break
             self._system.data[self._assembly.diagonal] += shift * np.repeat(self._assembly.volume, 3)[self.body.free]
-            negative = self.linear.refactor(self._system.data)
+            negative = self.refactor()
             shift *= 9.0
         return pivots, self.linear.solve(-residual)
 

@@ -19,7 +19,7 @@ from palpate.mechanics.element import (
     Response,
     System,
     add_residual,
-    assemble_cells,
+    add_tangent,
     deform_cells,
     recover_pressure,
 )
@@ -81,12 +81,23 @@ class Body(ABC):
         """Return the state at rest."""
 
     @abstractmethod
-    def assemble(self, state: State, system: System) -> float:
-        """Add tangent and residual to `system`; return the stored energy, mJ, infinite if a cell is inverted."""
+    def add_residual(self, state: State, residual: FloatArray) -> float:
+        """Add the residual (3 n,) N; return the stored energy, mJ, infinite if a cell is inverted."""
+
+    @abstractmethod
+    def add_tangent(self, state: State, data: FloatArray) -> None:
+        """Add the tangent at the state of the last `add_residual` to the values (nnz,) of the matrix."""
 
     @abstractmethod
     def recover_pressure(self, du: FloatArray) -> FloatArray:
-        """Return the pressure increments (n_cells, 4) MPa of `du` (n, 3) mm since the last `assemble`."""
+        """Return the pressure increments (n_cells, 4) MPa of `du` (n, 3) mm since the last `add_residual`."""
+
+    def assemble(self, state: State, system: System) -> float:
+        """Add tangent and residual to `system`; return the stored energy, mJ, infinite if a cell is inverted."""
+        energy = self.add_residual(state, system.residual)
+        if np.isfinite(energy):
+            self.add_tangent(state, system.data)
+        return energy
 
 
 @final
@@ -134,21 +145,21 @@ class Solid(Body):
     def rest(self) -> State:
         return State(np.zeros_like(self.nodes), np.zeros((len(self.cells.nodes), PRESSURES)))
 
-    def assemble(self, state: State, system: System) -> float:
+    def add_residual(self, state: State, residual: FloatArray) -> float:
         response = self.respond(state)
         if response is None:
             return np.inf
-        return assemble_cells(self.cells, response, self.bulk, state.p, system, self._condensed)
+        self._response = response
+        return add_residual(self.cells, response, self.bulk, state.p, residual, self._condensed)
 
-    def add_residual(self, state: State, residual: FloatArray) -> None:
-        """Add the condensed residual (3 n,) N alone to `residual`; the state must not invert a cell."""
-        response = self.respond(state)
-        if response is not None:
-            add_residual(self.cells, response, self.bulk, state.p, residual)
+    def add_tangent(self, state: State, data: FloatArray) -> None:
+        add_tangent(self.cells, self._response, self.bulk, state.p, self._condensed.coupling, data)
 
     def remade(self, nodes: FloatArray, material: Material) -> Solid:
         """Return the same cells and unknowns with other nodes (n, 3) mm and another material."""
         other = copy(self)
+        other._F = np.empty_like(self._F)
+        other._condensed = Condensed(*(np.empty_like(part) for part in self._condensed))
         other.nodes, other.material = nodes, material
         other.shear_modulus = material.law.shear_modulus
         other.bulk = other._bulk()

@@ -63,7 +63,9 @@ class OuterSurface:
 
     def interpolate(self, field: FloatArray) -> FloatArray:
         """Interpolate a nodal field (n, 3) to the quadrature points: (n_points, 3)."""
-        values: FloatArray = np.einsum("qa,fai->fqi", self.faces.shape, field[self.faces.nodes])
+        values = np.zeros((len(self.faces.nodes), len(self.faces.shape), 3))
+        for corner, share in zip(self.faces.nodes.T, self.faces.shape.T, strict=True):
+            values += share[:, None] * field[corner][:, None]
         return values.reshape(-1, 3)
 
     def place(self, position: FloatArray) -> FloatArray:

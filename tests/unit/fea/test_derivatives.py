@@ -175,12 +175,13 @@ def test_beyond_a_jump_there_is_no_derivative(press: Press) -> None:
 
 
 def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
-    """Without friction the way back goes through the same states; a wall that held on has been elsewhere."""
+    """Without friction the way back goes through the same states; a wall that held on is left with a derivative."""
     solver = SOLVER.model_copy(update={"derivatives": ("tilt_deg", "depth")})
-    for contact, same in (("frictionless", True), ("no-slip", False)):
+    left = {}
+    for contact in ("frictionless", "no-slip"):
         wall = WALL.model_copy(update={"contact": contact, "unload": True, "depth_step": 0.8})
-        there, back = (
-            solve_press(mesh_of(cells=7), MATERIAL, wall, solver).derivative("tilt_deg").force[k] for k in (1, 3)
-        )
-        # 2e-4 are the rounding of the differences, another on another processor; one that held on is off by 0.1
-        assert bool(np.abs(back - there).max() < 1e-3 * np.abs(there).max()) is same
+        force = solve_press(mesh_of(cells=7), MATERIAL, wall, solver).derivative("tilt_deg").force
+        left[contact] = np.abs(force[4]).max()
+        if contact == "frictionless":  # 3e-4 are the rounding of the differences, another on another processor
+            assert np.abs(force[3] - force[1]).max() < 1e-3 * np.abs(force[1]).max()
+    assert left["no-slip"] > 5 * left["frictionless"]

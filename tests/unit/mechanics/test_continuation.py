@@ -13,7 +13,6 @@ from palpate.mechanics import (
     Problem,
     SolverSpec,
     State,
-    System,
     make_linear_solver,
 )
 from palpate.mechanics.linear import Pattern
@@ -40,12 +39,14 @@ class Truss(Body):
     def rest(self) -> State:
         return State(np.zeros((1, 3)), np.zeros((0, 4)))
 
-    def assemble(self, state: State, system: System) -> float:
+    def add_residual(self, state: State, residual: FloatArray) -> float:
         z = RISE + state.u[0, 2]
         scale = STIFFNESS / HALF_SPAN**3
-        system.residual[2] += scale * z * (z**2 - RISE**2)
-        system.data[0] += scale * (3 * z**2 - RISE**2)
+        residual[2] += scale * z * (z**2 - RISE**2)
         return scale * (z**2 - RISE**2) ** 2 / 4
+
+    def add_tangent(self, state: State, data: FloatArray) -> None:
+        data[0] += STIFFNESS / HALF_SPAN**3 * (3 * (RISE + state.u[0, 2]) ** 2 - RISE**2)
 
     def recover_pressure(self, du: FloatArray) -> FloatArray:
         return np.zeros((0, 4))
