@@ -121,7 +121,7 @@ class Problem:
         )
 
     def assemble(self, state: State, terms: Sequence[Term]) -> Loads:
-        """Assemble residual and tangent of all terms, and the residual of the body; its tangent follows if needed."""
+        """Assemble all terms and the residual of the body; its tangent is added by `refactor`."""
         self._system.data[:] = 0.0
         self._system.residual[:] = 0.0
         energy, potential, force = self.body.add_residual(state, self._system.residual), 0.0, np.zeros(3)
