@@ -18,10 +18,14 @@ _MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px":
 """Length of each unit of SVG in mm (CSS Values and Units 3)."""
 _OUTLINE = 3.0
 """Circles larger than the median by this factor are outlines, not markers. By hand."""
-_SAME_MM = 1e-3
+_SAME_MM = 0.05
 """Distance below which two centres are one marker, drawn twice. By hand."""
+_DIGIT_MM = 1e-3
+"""Difference of radii that does not count in the order of markers. By hand."""
 _ROUND = 0.02
 """Relative difference of a curve's area from that of an ellipse; 0.045 for a square. By hand."""
+_EVEN = 0.05
+"""Range of the distances of a curve's points from its ellipse, over its size; 0.2 for a rounded square. By hand."""
 _SAMPLES = 8
 """Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
 
@@ -57,10 +61,10 @@ def read_circles(path: Path) -> FloatArray:
     circles = np.array(rows, float)
     sizes = circles[:, 2]
     centres = circles[sizes <= _OUTLINE * np.median(sizes), :2]
-    place = np.round(centres / _SAME_MM)
-    centres = centres[np.sort(np.unique(place, axis=0, return_index=True)[1])]
-    radius = np.round(np.hypot(*centres.T) / _SAME_MM)
-    y, x = (np.round(centres[:, at] / _SAME_MM) for at in (1, 0))
+    again = np.linalg.norm(centres[:, None] - centres, axis=-1) < _SAME_MM
+    centres = centres[~np.tril(again, -1).any(axis=1)]
+    radius = np.round(np.hypot(*centres.T) / _DIGIT_MM)
+    y, x = (np.round(centres[:, at] / _DIGIT_MM) for at in (1, 0))
     azimuth = np.where(radius > 0, np.mod(np.arctan2(y, x), 2 * np.pi), 0.0)
     return np.asarray(centres[np.lexsort((np.round(azimuth, 6), radius))])
 
@@ -140,8 +144,12 @@ def _ellipse(points: FloatArray) -> list[tuple[float, float, float]]:
     pairs += there[:, :, None] * there[:, None]
     moments = (pairs * cross[:, None, None]).sum(axis=0) / (24 * area) - np.outer(centre, centre)
     ratio = abs(area) / (4 * np.pi * np.sqrt(max(float(np.linalg.det(moments)), 1e-300)))
+    if abs(ratio - 1) >= _ROUND:
+        return []
+    out = here - centre
+    size = 0.5 * np.sqrt((out @ np.linalg.inv(moments) * out).sum(axis=1))
     x, y = (middle + centre).tolist()
-    return [(x, y, float(np.sqrt(abs(area) / np.pi)))] if abs(ratio - 1) < _ROUND else []
+    return [(x, y, float(np.sqrt(abs(area) / np.pi)))] if np.ptp(size) < _EVEN else []
 
 
 def _visible(document: Any, entity: Any) -> Iterator[Any]:

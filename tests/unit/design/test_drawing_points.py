@@ -157,6 +157,9 @@ def test_curves_into_which_programs_convert_circles_are_markers(kind: str, tmp_p
     for at in SHUFFLED:
         CURVES[kind](space, at)
     space.add_lwpolyline([(-0.7, 9.3), (0.7, 9.3), (0.7, 10.7), (-0.7, 10.7)], close=True)  # a square is no marker
+    rounded = [(0.3, -0.7), (0.7, -0.3), (0.7, 0.3), (0.3, 0.7), (-0.3, 0.7), (-0.7, 0.3), (-0.7, -0.3), (-0.3, -0.7)]
+    space.add_lwpolyline([(x, 12 + y, 0, 0, 0.414 * (k % 2 == 0)) for k, (x, y) in enumerate(rounded)], close=True)
+    CURVES[kind](space, SHUFFLED[0] + np.array([0.004, -0.003]))  # the same marker, drawn again
     space.add_arc((1.0, 2.0), 0.7, 0, 180)
     document.saveas(tmp_path / "a.dxf")
     assert same(read(tmp_path / "a.dxf"))
@@ -168,13 +171,16 @@ PATHS = {
 }
 
 
+ROUNDED = "M1.4,1h.6a.4,.4 0 0 1 .4,.4v.6a.4,.4 0 0 1 -.4,.4h-.6a.4,.4 0 0 1 -.4,-.4v-.6a.4,.4 0 0 1 .4,-.4z"
+
+
 @pytest.mark.parametrize("kind", PATHS)
 @pytest.mark.parametrize("together", [False, True])
 def test_circles_of_svg_converted_to_paths_are_markers(kind: str, together: bool, tmp_path: Path) -> None:
     pytest.importorskip("svgelements")
     drawn = [PATHS[kind].format(left=x - 0.75, right=x + 0.75, y=-y) for x, y in SHUFFLED]
     drawn = [" ".join(drawn)] if together else drawn
-    paths = "".join(f'<path d="{one}"/>' for one in [*drawn, "M 1,1 h 1.4 v 1.4 h -1.4 z"])
+    paths = "".join(f'<path d="{one}"/>' for one in [*drawn, "M 1,1 h 1.4 v 1.4 h -1.4 z", ROUNDED])
     text = f'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="-20 -20 40 40">{paths}</svg>'
     (tmp_path / "a.svg").write_text(text)
     assert same(read(tmp_path / "a.svg"))
