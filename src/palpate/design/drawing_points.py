@@ -22,10 +22,8 @@ _SAME_MM = 0.05
 """Distance below which two centres are one marker, drawn twice. By hand."""
 _DIGIT_MM = 1e-3
 """Difference of radii that does not count in the order of markers. By hand."""
-_ROUND = 0.02
-"""Relative difference of a curve's area from that of an ellipse; 0.045 for a square. By hand."""
-_EVEN = 0.05
-"""Range of the distances of a curve's points from its ellipse, over its size; 0.2 for a rounded square. By hand."""
+_EVEN = 0.1
+"""Range of a curve's distances from its middle, over its ellipse's; octagon 0.08, hexagon 0.13. By hand."""
 _SAMPLES = 8
 """Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
 
@@ -143,11 +141,8 @@ def _ellipse(points: FloatArray) -> list[tuple[float, float, float]]:
     pairs = here[:, :, None] * here[:, None] + (here + there)[:, :, None] * (here + there)[:, None]
     pairs += there[:, :, None] * there[:, None]
     moments = (pairs * cross[:, None, None]).sum(axis=0) / (24 * area) - np.outer(centre, centre)
-    ratio = abs(area) / (4 * np.pi * np.sqrt(max(float(np.linalg.det(moments)), 1e-300)))
-    if abs(ratio - 1) >= _ROUND:
-        return []
-    out = here - centre
-    size = 0.5 * np.sqrt((out @ np.linalg.inv(moments) * out).sum(axis=1))
+    out = np.concatenate([here, (here + there) / 2]) - centre
+    size = 0.5 * np.sqrt((out @ np.linalg.pinv(moments) * out).sum(axis=1))
     x, y = (middle + centre).tolist()
     return [(x, y, float(np.sqrt(abs(area) / np.pi)))] if np.ptp(size) < _EVEN else []
 
