@@ -23,7 +23,7 @@ _SAME_MM = 0.05
 _DIGIT_MM = 1e-3
 """Difference of radii that does not count in the order of markers. By hand."""
 _EVEN = 0.1
-"""Range of a curve's distances from its middle, over its ellipse's; octagon 0.08, hexagon 0.13. By hand."""
+"""Range of distances from the middle over those of an ellipse; octagon 0.08, hexagon 0.13. By hand."""
 _SAMPLES = 8
 """Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
 
