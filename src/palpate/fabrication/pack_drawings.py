@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palpate.design import CadSolid, ContactModule, box, gather
-from palpate.fabrication.draw import Plan, Sheet, draw_bodies, draw_cut, draw_plans
+from palpate.fabrication.drawing_sheet import Plan, Sheet, draw_bodies, draw_cut, draw_plans
 from palpate.fabrication.enclosure import FIXING_DEG, SCREWS, Enclosure
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG, build_notch, notch_radius
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, POUR_AZIMUTH_DEG, Mold, vent_azimuths

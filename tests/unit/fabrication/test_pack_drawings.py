@@ -14,9 +14,9 @@ from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec, box
 from palpate.fabrication import ProcessSpec
-from palpate.fabrication.draw import LETTERS, MM_PER_INCH, PAGE, TitleBlock, cut_part
-from palpate.fabrication.drawings import draw_pack
+from palpate.fabrication.drawing_sheet import LETTERS, MM_PER_INCH, PAGE, TitleBlock, cut_part
 from palpate.fabrication.pack import PackContent
+from palpate.fabrication.pack_drawings import draw_pack
 from palpate.fabrication.write_artwork import draw_page
 from palpate.fabrication.write_pack import _make
 from palpate.material import get_material
