@@ -43,11 +43,11 @@ def check_contact(value: Any) -> str | float:
     except (TypeError, ValueError):
         number = float("nan")
     if not 0 <= number <= GREATEST_FRICTION:
-        raise PydanticCustomError(
-            "contact-unknown",
-            "unknown contact law '{given}'; choose {words} or a coefficient from 0 to {most}",
-            {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
-        )
+        code, problem = "contact-unknown", f"unknown contact law '{value}'"
+        if number == number:
+            code, problem = "friction-out-of-bounds", f"the coefficient of friction is {number:g}"
+        remedy = f"choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to {GREATEST_FRICTION:g}"
+        raise PydanticCustomError(code, "{says}", {"says": f"{problem}; {remedy}"})
     return number
 
 
