@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -128,6 +130,27 @@ def test_azimuths_of_the_plans_are_those_of_pins_holes_screws_rib_key_and_slot(
     assert {name: len(found) for name, found in seen.items()} == {
         "pin": 3, "rib": 1, "pour": 1, "vent": 6, "screw": 6, "key": 1, "cable": 1, "M3": 4, "M6": 4, "dowel": 1
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("plan", ["mold_plan", "enclosure_plan"])
+def test_no_line_of_a_plan_meets_a_word_and_no_word_another(drawn: dict[str, Figure], plan: str) -> None:
+    figure = drawn[plan]
+    axis, canvas = figure.axes[0], FigureCanvasAgg(figure)
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in axis.texts]
+    for line in axis.lines:
+        path = line.get_path().transformed(axis.transData)
+        assert not any(path.intersects_bbox(box, filled=False) for box in boxes)
+    for first, second in combinations(boxes, 2):
+        assert not first.overlaps(second)
+
+
+def test_circles_of_a_plan_bend_by_less_than_4_degrees(drawn: dict[str, Figure]) -> None:
+    curves = [
+        line for each in drawn["mold_plan"].axes[0].collections for line in each.get_segments() if len(line) > 2
+    ]
+    sides = np.diff(np.array(max(curves, key=lambda line: np.ptp(line, axis=0).max())), axis=0)
+    turns = np.diff(np.unwrap(np.arctan2(*sides.T)))
+    assert np.abs(np.degrees(turns)).max() < 4.0
 
 
 def is_solid(part, reach: float, azimuth: float, level: float) -> bool:
