@@ -106,7 +106,7 @@ class UnitTrialTask(Task):
 
 def _trial_cost(bench: VirtualBenchSpec) -> float:
     """Expected time of the trial of one unit, s."""
-    return 5.0 * (bench.tilts + 2 * bool(bench.calibration_presses)) * bench.depth / 8.0
+    return 5.0 * (bench.tilts + 2 * bool(bench.calibration_presses)) * (bench.depth / 8.0) ** 0.5
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class Task(ABC):
 
     @property
     def total_cost(self) -> float:
-        """Expected time on one core of the task and all its dependencies, s; a shared one counts each time."""
+        """Expected time of the task and all its dependencies, s; a shared one counts each time."""
         return self.cost + sum(need.total_cost for need in self.dependencies)
 
     @property
