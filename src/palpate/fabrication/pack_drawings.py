@@ -20,7 +20,7 @@ _CABLE_DEG, _FIXING_DEG = 90.0, 225.0
 """Azimuths of the enclosure's section: cable slot and hole of the strip; screw of the robot plate."""
 _BETWEEN, _FAR = 30.0, 1e4
 """Space between two sections, mm of the page, and half the edge of a box that is cut away, mm."""
-TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
+TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap", "robot_plate")
 """Parts that are printed upside down."""
 
 

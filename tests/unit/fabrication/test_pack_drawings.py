@@ -20,7 +20,7 @@ from palpate.fabrication.drawing_sheet import LETTERS, MM_PER_INCH, PAGE, TitleB
 from palpate.fabrication.pack import PackContent
 from palpate.fabrication.pack_drawings import draw_pack
 from palpate.fabrication.write_artwork import draw_page
-from palpate.fabrication.write_pack import _make
+from palpate.fabrication.write_pack import _for_printer, _make
 from palpate.material import get_material
 
 needs("build123d")
@@ -191,3 +191,14 @@ def test_the_artwork_gives_the_angle_of_its_mark_on_the_page_and_on_the_part(mad
     here, part = map(float, re.search(r"mark: ([\d.]+)° here, ([\d.]+)° on the part", text).groups())
     assert here == pytest.approx(np.degrees(np.arctan2(*made.artwork.mark[::-1])), abs=0.05)
     assert part == pytest.approx(180 - here)
+
+
+def test_mold_and_robot_plate_lie_on_their_largest_face_in_their_files(made: PackContent) -> None:
+    for name in ("mold_core", "mold_cavity", "robot_plate"):
+        mesh = _for_printer(name, {**made.mold.parts, **made.enclosure.parts}[name].mesh())
+        faces = mesh.points[mesh.triangles]
+        flat = np.ptp(faces[..., 2], axis=1) < 1e-6
+        (ax, ay, _), (bx, by, _) = (faces[flat, 1] - faces[flat, 0]).T, (faces[flat, 2] - faces[flat, 0]).T
+        level, area = faces[flat, 0, 2], np.abs(ax * by - ay * bx) / 2
+        on_bed = area[level < level.min() + 1e-6].sum()
+        assert on_bed > 0.95 * max(area[np.abs(level - one) < 1e-6].sum() for one in np.unique(level.round(6))), name
