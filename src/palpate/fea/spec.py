@@ -43,11 +43,13 @@ def check_contact(value: Any) -> str | float:
     except (TypeError, ValueError):
         number = float("nan")
     if not 0 <= number <= GREATEST_FRICTION:
-        code, problem = "contact-unknown", f"unknown contact law '{value}'"
-        if number == number:
-            code, problem = "friction-out-of-bounds", f"the coefficient of friction is {number:g}"
         remedy = f"choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to {GREATEST_FRICTION:g}"
-        raise PydanticCustomError(code, "{says}", {"says": f"{problem}; {remedy}"})
+        given = {"given": str(value), "remedy": remedy}
+        if number == number:
+            raise PydanticCustomError(
+                "friction-out-of-bounds", "the coefficient of friction is {given}; {remedy}", given
+            )
+        raise PydanticCustomError("contact-unknown", "unknown contact law '{given}'; {remedy}", given)
     return number
 
 
