@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from palpate.calibration import PredictedAccuracy
-from palpate.design import MarkerSpec
+from palpate.design import MarkerSpec, SkinSpec
 from palpate.optimise import (
     Evaluation,
     Front,
@@ -28,8 +28,11 @@ MATERIAL = "zaid_2024_ecoflex_00_30"
 
 
 def propose(place: Place) -> SkinEvaluation:
+    return evaluation_of(SkinSpace.of(SPEC).skin(place))
+
+
+def evaluation_of(skin: SkinSpec) -> SkinEvaluation:
     """Thick skins are stiff, and more dots read better."""
-    skin = SkinSpace.of(SPEC).skin(place)
     options = tuple(
         LayoutOption(
             MarkerSpec(ring_diameters=rings, diameter=1.2),

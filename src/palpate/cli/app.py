@@ -167,6 +167,7 @@ app = App(
     version=__version__,
     help="Design, simulate, build and read vision-based tactile sensors.",
     version_flags=["--version"],
+    help_format="plaintext",  # Markdown costs 0.04 CPU-s
     suppress_keyboard_interrupt=False,  # `guarded` answers it
 )
 _add_verbs(app, _VERBS)

@@ -49,7 +49,8 @@ class TerminalProgress(Progress):
     def plan(self, cost: float, text: str = "") -> None:
         super().plan(cost, text)
         self._state = ""
-        self.bar.reset(self._task, total=1.0, running="")
+        if not self.done:
+            self.bar.reset(self._task, total=1.0, running="")
         self._print(text)
 
     def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:

@@ -40,6 +40,7 @@ class Progress:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
+        self._later: float | None = None
         self._reset(0.0)
 
     def _reset(self, cost: float) -> None:
@@ -50,7 +51,14 @@ class Progress:
 
     def plan(self, cost: float, text: str = "") -> None:
         """Begin a part of the work with this cost in all; `text` describes it."""
-        self._reset(cost)
+        if self._later is None:
+            self._reset(cost)
+        else:
+            self.total = self.done + cost + self._later
+
+    def expect(self, cost: float) -> None:
+        """Set the expected cost of all parts after the next one; from now on the parts are one work."""
+        self._later = cost
 
     def begin(self, what: str, cost: float = 1.0, done: float = 0.0) -> None:
         """Begin a piece of the work, or resume one of which the cost `done` is done."""

@@ -29,7 +29,7 @@ _VOLUME = 2e-3
 """Maximum relative volume error of a mesh. By hand."""
 _MERGE_MM = 1e-6
 """Distance up to which two points are one, mm."""
-_CURVE_POINTS = 40
+_CURVE_POINTS = 120
 """Points of a curved edge of an outline. By hand."""
 _QUARTER, _BENDS = 33, 9
 """Points per quarter of a plan, and sections of a bent edge of an outline, for smooth curves. By hand."""

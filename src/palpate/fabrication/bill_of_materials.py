@@ -70,7 +70,7 @@ def _markers(made: PackContent) -> Iterator[_Row]:
         )
         return
     area = len(layout) * np.pi / 4 * layout.diameter**2 / 100
-    size = f"silicone ink, black, with hardener; covers {area:.2f} cm²"
+    size = f"silicone ink with hardener, black on an elastomer without pigment; covers {area:.2f} cm²"
     other = "platinum silicone with at most 3 % of pigment"
     yield "ink", "1 set", size, other, "marker area; Smooth-On bulletin, Silc Pig"
     yield "primer", "1 set", "for cured silicone, named by the ink's maker", "corona treatment", "process"
@@ -117,7 +117,7 @@ def _optics(made: PackContent) -> Iterator[_Row]:
     size = f"{body.across[0]:g} × {body.across[1]:g} × {body.depth:g} mm behind the shelf, lens and mount less "
     size += f"than {body.lens:g} mm across"
     pixels = f"{view.width_px} × {view.height_px} px" + ", or more, scaled to it" * (kind is CameraBody.BOARD28)
-    yield "camera", "1", f"{CAMERAS[kind]}, {size}, {pixels}", "–", "camera of the design"
+    yield "camera", "1", f"{CAMERAS[kind]}, {size}, {pixels}", "colour or monochrome", "camera of the design"
     ratio, fisheye = view.fx_px / view.width_px, view.lens == "kannala-brandt"
     lengths = ", ".join(f"{ratio * wide:.2f} mm ({name}, {wide:g} mm wide)" for name, wide in _SENSORS[kind])
     angle = np.degrees(1 / ratio if fisheye else 2 * np.arctan(0.5 / ratio))
@@ -145,6 +145,7 @@ def _fasteners(made: PackContent) -> Iterator[_Row]:
     else:
         text = f"of the camera's thread; shelf {SHELF:g} mm, holes {body.screw:g} mm"
         yield "screw, camera", str(len(body.screws)), text, "–", _PACK
+    yield "adhesive", "1 tube", "cyanoacrylate gel, for LED strip and dowel", "epoxy", "process"
     if frame:
         yield "rod", str(RODS), f"DIN 976-1 - M5 × {frame.length:.0f}, painted matt black", "stainless steel", _PACK
         yield "nut", str(2 * RODS), "ISO 4032 - M5", "DIN 934 - M5", _PACK

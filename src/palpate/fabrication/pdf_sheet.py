@@ -11,7 +11,7 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
 from palpate.core.report import Report
-from palpate.fabrication.draw import MM_PER_INCH, PAGE, TitleBlock
+from palpate.fabrication.drawing_sheet import MM_PER_INCH, PAGE, TitleBlock
 from palpate.fabrication.instructions import Section
 
 _LINES, _WIDTH = 56, 92

@@ -55,7 +55,8 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
     return [
         f"Filament printer (FDM): nozzle of {NOZZLE:g} mm, layers of {LAYER:g} mm. Mold: {ceil(web / NOZZLE)} walls; "
         f"enclosure: {ceil(WALL / 2 / NOZZLE)} walls. Infill 100 %, so that threads, pins and hollow are in solid "
-        f"material. Core with its plate on the bed; {halves if skin.hole else 'cavity with its opening up'}.",
+        f"material. Core with its plate on the bed; {halves if skin.hole else 'cavity with its opening up'}. "
+        "All parts lie in their files as they are printed; the enclosure needs support under its overhangs.",
         f"Resin printer (SLA, MSLA), for the mold only: layers of {RESIN_LAYER:g} mm, solid. Wash and post-cure it "
         "as the resin's maker recommends, then seal it with clear acrylic lacquer: uncured resin inhibits platinum "
         f"silicone ({ECOFLEX}).",

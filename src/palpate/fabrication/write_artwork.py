@@ -10,7 +10,7 @@ from matplotlib.patches import Ellipse
 
 from palpate.core import FloatArray, load_extra
 from palpate.fabrication.artwork import Artwork
-from palpate.fabrication.draw import LETTERS, MM_PER_INCH, PAGE, TitleBlock
+from palpate.fabrication.drawing_sheet import LETTERS, MM_PER_INCH, PAGE, TitleBlock
 
 CROSS, LINE = 4.0, 0.1
 """Length of the arms of a cross and width of lines, mm."""

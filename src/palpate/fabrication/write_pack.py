@@ -34,8 +34,7 @@ from palpate.fabrication.check_parts import (
     check_window,
 )
 from palpate.fabrication.check_process import check_process
-from palpate.fabrication.draw import TitleBlock
-from palpate.fabrication.drawings import TURNED, draw_pack
+from palpate.fabrication.drawing_sheet import TitleBlock
 from palpate.fabrication.enclosure import build_enclosure
 from palpate.fabrication.flange_key import build_notch
 from palpate.fabrication.folder import hash_files
@@ -44,6 +43,7 @@ from palpate.fabrication.instructions import write_instructions, write_markdown
 from palpate.fabrication.mesh_file import write_mesh
 from palpate.fabrication.mold import build_mold
 from palpate.fabrication.pack import FabricationPack, PackContent
+from palpate.fabrication.pack_drawings import TURNED, draw_pack
 from palpate.fabrication.pdf_sheet import write_sheet
 from palpate.fabrication.pins import build_dimples, build_pins
 from palpate.fabrication.spec import ProcessSpec

@@ -43,11 +43,13 @@ def check_contact(value: Any) -> str | float:
     except (TypeError, ValueError):
         number = float("nan")
     if not 0 <= number <= GREATEST_FRICTION:
-        raise PydanticCustomError(
-            "contact-unknown",
-            "unknown contact law '{given}'; choose {words} or a coefficient from 0 to {most}",
-            {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
-        )
+        remedy = f"choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to {GREATEST_FRICTION:g}"
+        given = {"given": str(value), "remedy": remedy}
+        if number == number:
+            raise PydanticCustomError(
+                "friction-out-of-bounds", "the coefficient of friction is {given}; {remedy}", given
+            )
+        raise PydanticCustomError("contact-unknown", "unknown contact law '{given}'; {remedy}", given)
     return number
 
 

@@ -26,7 +26,7 @@ from palpate.optimise.search_skins import (
 from palpate.optimise.skin_evaluation import SkinEvaluation
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.optimise.validate_designs import predict_baseline, validate_designs
+from palpate.optimise.validate_designs import predict_baseline, validate_designs, validation_cost
 from palpate.study import Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"
@@ -95,8 +95,12 @@ def optimise_design(
             code="search-running",
         )
     try:
+        evaluator.expect(space)
         trials = evaluator.search(space, plan, out / JOURNAL, evaluator.report_best)
-        baseline = predict_baseline(spec, out, evaluator.run) if len(spec.objectives) > 1 else None
+        baseline = None
+        if len(spec.objectives) > 1:
+            evaluator.later.pop("baseline", None)
+            baseline = predict_baseline(spec, out, evaluator.run)
         others = SearchBaselines(tuple(evaluator.draw(space, plan)), tuple(evaluator.grid()))
         front = Front(spec, tuple(map(evaluator.skin, trials)), baseline=baseline, search_baselines=others)
         return replace(front, trials=evaluator.finish(front)) if spec.finalists else front
@@ -149,7 +153,24 @@ class _Evaluator:
     workers: int | None
     progress: Progress | None
     cluster: str
-    skins: Progress = field(default_factory=Progress)
+    later: dict[str, float] = field(default_factory=dict)
+    """Expected cost of the parts to come: journals of searches and steps after them."""
+
+    def expect(self, space: SkinSpace) -> None:
+        """Set the cost of all parts, with those of the middle skin for skins that are not known yet."""
+        spec, middle = self.spec, space.skin({name: sum(ends) / 2 for name, ends in space.ranges.items()})
+        coarse, full = (
+            plan_skin_evaluation(spec, middle, spec.materials[0], full=full).total_cost for full in (False, True)
+        )
+        parts = {
+            JOURNAL: spec.skins * coarse,
+            "baseline": full if spec.baseline and (len(spec.objectives) > 1 or spec.validation != "none") else 0.0,
+            CONTROL: spec.random_skins * coarse,
+            "grid": sum(task.total_cost for task in self._grid_tasks()),
+            "finalists": spec.finalists * full,
+            "validation": validation_cost(spec),
+        }
+        self.later.update(parts)
 
     def search(
         self,
@@ -160,20 +181,25 @@ class _Evaluator:
     ) -> tuple[SearchTrial, ...]:
         """Search, and return the trials; a resumed search uses re-evaluated earlier trials."""
         before = read_trials(journal, plan.n_objectives)
+        left, cost = plan.trials - len(before), self.later.get(journal.name, 0.0) / plan.trials
+        self.later[journal.name] = left * cost
         now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
-        self.skins.plan(plan.trials - len(now))
-        return search_skins(space, self.evaluate, plan, journal, watch)
+
+        def evaluate(places: Sequence[Place]) -> list[Evaluation]:
+            self.later[journal.name] -= len(places) * cost
+            return self.evaluate(places)
+
+        trials = search_skins(space, evaluate, plan, journal, watch)
+        del self.later[journal.name]
+        return trials
 
     def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
         """Evaluate the skins at several places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
-        self.skins.begin("batch", len(tasks))
-        found = [self._evaluation(proposal) for proposal in self._do(tasks)]
-        self.skins.finish("batch")
-        return found
+        return [self._evaluation(proposal) for proposal in self._do(tasks)]
 
     def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """Evaluate the same skins by the present version; presses are reused."""
@@ -199,8 +225,7 @@ class _Evaluator:
         so_far = (
             f"skin {best.trial.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
-        texts = f"{len(tried)} of {self.spec.skins} skins tried: {so_far}", self.skins.remaining_text
-        self.progress.note(f"{'; '.join(filter(None, texts))}.")
+        self.progress.note(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
     @staticmethod
     def skin(tried: SearchTrial) -> SkinTrial:
@@ -216,15 +241,20 @@ class _Evaluator:
 
     def grid(self) -> Iterator[SkinTrial]:
         """Yield the evaluated designs of the grid."""
+        self.later.pop("grid", None)
+        found = self._do(self._grid_tasks())
+        return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
+
+    def _grid_tasks(self) -> list[SkinEvaluationTask]:
         grid, material = self.spec.baseline_grid, self.spec.materials[0]
         skins = grid.designs.skins() if grid else ()
-        found = self._do([plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins])
-        return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
+        return [plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins]
 
     def finish(self, front: Front) -> tuple[SkinTrial, ...]:
         """Press the best skins at full fidelity; replace those that break a limit there by the next ones."""
         by_number = {one.number: one for one in front.trials}
         candidates, wanted = _candidates(front), self.spec.finalists
+        self.later.pop("finalists", None)
         for _ in range(_ROUNDS):
             asked = [by_number[number] for number in candidates[:wanted]]
             del candidates[:wanted]
@@ -238,6 +268,8 @@ class _Evaluator:
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
         """Run tasks; return the reasons of failure by task key."""
+        if self.progress is not None:
+            self.progress.expect(sum(self.later.values()))
         return run_tasks(self.out, tasks, self.workers, self.progress, self.cluster) if tasks else {}
 
     def _do(self, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:

@@ -44,6 +44,8 @@ _MOST_KNOWN = 5
 """Maximum number of calibration presses on the bench. By hand."""
 _FINALISTS = 2
 """Finalists that are simulated with the winner if there is one objective. By hand."""
+_TRAINING_S = 200.0
+"""Expected time of presses, images and training of one design, s."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class UnitTrialTask(Task):
 
     @property
     def cost(self) -> float:
-        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.calibration_presses)) * self.spec.depth / 8.0
+        return _trial_cost(self.spec)
 
     def make(self, store: ArtefactStore) -> None:
         bench = self._bench(find_artefact(store, self.reader), store)
@@ -100,6 +102,11 @@ class UnitTrialTask(Task):
     def _bench(self, model: Path, store: ArtefactStore) -> VirtualBench:
         """Return the bench of this design, named by the recipe of its model."""
         return VirtualBench(self.spec, self.design, model, store, self.reader.recipe.key)
+
+
+def _trial_cost(bench: VirtualBenchSpec) -> float:
+    """Expected time of the trial of one unit, s."""
+    return 5.0 * (bench.tilts + 2 * bool(bench.calibration_presses)) * (bench.depth / 8.0) ** 0.5
 
 
 @dataclass(frozen=True)
@@ -172,6 +179,29 @@ def predict_baseline(
     return None if do(rival.predicted_by) else rival.predict(store)
 
 
+def validation_cost(spec: RequirementsSpec) -> float:
+    """Expected time of the validation on one core, s, without twins."""
+    if spec.validation == "none":
+        return 0.0
+    several = len(spec.objectives)
+    designs = several if several > 1 else 1 + min(_FINALISTS, max(spec.finalists - 1, 0))
+    trained = _TRAINING_S + UNITS * _trial_cost(_bench_spec(spec)) if spec.validation == "trained" else 0.0
+    return (designs + bool(spec.baseline)) * (UNITS * _trial_cost(_bench_spec(spec)) + trained)
+
+
+def _bench_spec(spec: RequirementsSpec) -> VirtualBenchSpec:
+    """Return the bench on which the designs of a search are simulated."""
+    return VirtualBenchSpec(
+        units=UNITS,
+        max_tilt_deg=spec.max_tilt_deg,
+        depth=spec.depth,
+        min_depth=spec.min_depth,
+        calibration_presses=min(spec.calibration_presses, _MOST_KNOWN),
+        tolerance=spec.tolerance,
+        seed=spec.seed,
+    )
+
+
 @dataclass(frozen=True)
 class _Candidate:
     """Design to simulate."""
@@ -198,16 +228,7 @@ class _Candidate:
 
     @cached_property
     def bench(self) -> VirtualBenchSpec:
-        spec = self.spec
-        return VirtualBenchSpec(
-            units=UNITS,
-            max_tilt_deg=spec.max_tilt_deg,
-            depth=spec.depth,
-            min_depth=spec.min_depth,
-            calibration_presses=min(spec.calibration_presses, _MOST_KNOWN),
-            tolerance=spec.tolerance,
-            seed=spec.seed,
-        )
+        return _bench_spec(self.spec)
 
     @cached_property
     def _proposal(self) -> SkinEvaluationTask:

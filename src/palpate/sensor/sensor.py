@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -218,7 +218,8 @@ def analyse_rest(
     unit = unit.at_size(width, height)
     mark = place_orientation_mark(unit.design.skin, unit.design.layout) if unit.has_orientation_mark else None
     pattern = build_pattern(unit.design.layout.positions, build_camera(unit.camera_spec).project, mark)
-    detector, naming = _find_and_name(images[0], unit, detect, pattern)
+    with _name_image(1, len(images)):
+        detector, naming = _find_and_name(images[0], unit, detect, pattern)
     if naming.ambiguous and reference_press is not None:
         naming = disambiguate(
             naming, detector.find(reference_press.image).positions_px, reference_press.positions, unit
@@ -238,6 +239,18 @@ def analyse_rest(
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.design.layout, unit.design.skin, unit.camera_spec, refine_lens)
     return RestReference(unit, detector, naming, where)
+
+
+@contextmanager
+def _name_image(number: int, count: int) -> Iterator[None]:
+    """Give an error the number of the rest image in which it occurs, if there are several."""
+    try:
+        yield
+    except PalpateError as error:
+        if count > 1:
+            error.problem = f"{error.problem.rstrip('.')} (rest image {number} of {count})."
+            error.args = (f"{error.problem} {error.remedy}".strip(),)
+        raise
 
 
 def _find_and_name(
@@ -317,13 +330,8 @@ def _average(naming: MarkerAssignment, detector: Detector, images: list[NDArray[
     tracker = Tracker(MotionModel(naming.positions_px))
     seen = []
     for number, image in enumerate(images, start=1):
-        try:
+        with _name_image(number, len(images)):
             seen.append(tracker.step(detector.find(image).positions_px))
-        except PalpateError as error:
-            said = error.problem.rstrip(".")
-            raise PalpateError(
-                f"{said} (rest image {number} of {len(images)}).", error.remedy, code=error.code
-            ) from error
     positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
     found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5
     return replace(naming, positions_px=positions, found=found)

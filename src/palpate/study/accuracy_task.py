@@ -73,7 +73,7 @@ class TwinTask(Task):
 
     @property
     def cost(self) -> float:
-        return 0.2 * len(self.dependencies)
+        return 0.05 * len(self.dependencies)
 
     def make(self, store: ArtefactStore) -> None:
         flat, inverted, checks = (
@@ -118,7 +118,7 @@ class AccuracyTask(Task):
 
     @property
     def cost(self) -> float:
-        return 1.0
+        return 0.5
 
     def make(self, store: ArtefactStore) -> None:
         twin = read_twin(find_artefact(store, self.twin))

@@ -32,7 +32,7 @@ class ForceTask(Task):
 
     @property
     def cost(self) -> float:
-        return 15.0
+        return 7.0
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import train_force_output  # here, so that a study already learned needs no torch

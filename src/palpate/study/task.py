@@ -63,6 +63,11 @@ class Task(ABC):
         """Expected time on one core, s; only its order of magnitude matters."""
 
     @property
+    def total_cost(self) -> float:
+        """Expected time of the task and all its dependencies, s; a shared one counts each time."""
+        return self.cost + sum(need.total_cost for need in self.dependencies)
+
+    @property
     def urgency(self) -> float:
         """Weight in the order of tasks: the cost, unless a task must begin early."""
         return self.cost
@@ -107,13 +112,14 @@ class PressTask(Task):
 
     @property
     def cost(self) -> float:
-        # measured on H20 T1 to T4: thin skins have more cells, derivatives add 0.85, slip doubles the increments
-        slender = 0.17 + 0.0375 * self.design.skin.base_radius / self.design.skin.thickness
-        slips = 2.0 if self.obstacle.contact not in ("no-slip", "frictionless") else 1.0
-        derives = 1.85 if self.solver.derivatives else 1.0
-        branch = 0.6 if self.branch is Branch.INVERTED else 1.0
-        body = (10.0 if self.mesh.filled else 1.0) * (2.0 if self.mesh.whole else 1.0)
-        return slender * slips * derives * branch * body * self.obstacle.depth / self.obstacle.depth_step
+        # measured on R 20, T 1.2 to 3.5, 10 to 44 cells, 5 to 80 increments, 3 and 8 mm: within a factor of 1.5
+        wall, mesh = self.obstacle, self.mesh
+        cells = 1.0 if mesh.cells is None else mesh.cells / 22.0
+        body = cells * (10.0 if mesh.filled else 1.0) * (2.0 if mesh.whole else 1.0)
+        increments = (1.0 + wall.depth / wall.depth_step / 40.0) * (wall.depth / self.design.skin.thickness) ** 0.5
+        slips = 1.0 if isinstance(wall.contact, str) else 2.0 + 0.5 * min(wall.contact, 2.0)
+        solver = (1.45 if self.solver.derivatives else 1.0) * (2.0 if self.branch is Branch.INVERTED else 1.0)
+        return 0.8 * body * increments * slips * solver
 
     @property
     def urgency(self) -> float:
@@ -156,7 +162,7 @@ class DatasetTask(Task):
 
     @property
     def cost(self) -> float:
-        return 1.0 + 0.02 * len(self.design.layout)
+        return 0.005 * len(self.design.layout)
 
     def make(self, store: ArtefactStore) -> None:
         dataset = self.generate(store)
@@ -239,7 +245,7 @@ class EstimatorTask(Task):
     @property
     def cost(self) -> float:
         trials = self.spec.trials or PAPER_SPACE.trials
-        return {"quick": 18.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
+        return {"quick": 8.0, "best": 40.0, "paper": 27.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import (  # here, so that a study already learned needs no torch
@@ -294,7 +300,7 @@ class EvaluationTask(Task):
 
     @property
     def cost(self) -> float:
-        return 1.0
+        return 0.5
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import evaluate, find_leakage, measure_coverage, read_estimator

@@ -72,6 +72,7 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("design", "--layout", "nowhere.csv"), ("file-unreadable", "nowhere.csv")),
         (("dezign",), ("usage", "dezign")),
         (("press", "--tilt", "50"), ("less_than_equal", "--tilt", 30, 50)),
+        (("press", "--contact", "-0.5"), ("friction-out-of-bounds", "--contact", "-0.5", "10")),
         (("press", "--contact", "sticky"), ("contact-unknown", "--contact", "sticky")),
         (("press", "--material", "cheese"), ("material-unknown", "--material", "cheese", "palpate material list")),
         (("press", "--material", "yeoh:1,2"), ("law-constant-count", "yeoh", "C10,C20,C30")),

@@ -23,9 +23,9 @@ from palpate.design import (
 )
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fabrication import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template, write_mesh
-from palpate.fabrication.drawings import draw_mold_section
 from palpate.fabrication.enclosure import free_travel
 from palpate.fabrication.flange_key import build_key, build_notch, notch_radius
+from palpate.fabrication.pack_drawings import draw_mold_section
 
 needs("build123d")
 SPEC = ProcessSpec()

@@ -233,6 +233,8 @@ def test_without_images_or_dots_there_is_no_sensor(predictor):
     with refused("image-size-changed", "rest image 2 of 2", 100):
         images = [photograph((0, 0, 0)), np.zeros((100, 100), np.uint8)]
         open_sensor(images, Unit(Design.of_skin(DOME, LAYOUT)), predictor)
+    with refused("markers-not-found", "rest image 1 of 2"):
+        open_sensor([np.zeros((260, 346), np.uint8)] * 2, Unit(Design.of_skin(DOME, LAYOUT)), predictor)
     with refused("markers-not-found"):
         open_sensor([np.zeros((260, 346), np.uint8)], Unit(Design.of_skin(DOME, LAYOUT)), predictor)
 

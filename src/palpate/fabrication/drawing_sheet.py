@@ -43,8 +43,8 @@ _SLICE = 0.5
 """Thickness of the slice behind a section, whose face is drawn, mm."""
 _ON_PLANE = 1e-6
 """Distance from the plane of a section at which a point is on it, mm."""
-_LINE_MM, _LABEL, _PLAN_GAP = 6.0, (24.0, 5.0), 34.0
-"""Distance of lines, size of a name with its azimuth, and space around a plan, mm of the page."""
+_LINE_MM, _LABEL, _PLAN_GAP = 6.0, (2.0, 3.5, 0.05), 34.0
+"""Distance of lines, letters (width, height, step aside in rad), and space around a plan, mm."""
 
 
 @dataclass(frozen=True)
@@ -225,18 +225,30 @@ def draw_plans(plans: Sequence[Plan]) -> Figure:
 
 
 def _name_features(sheet: Sheet, centre: FloatArray, reach: float, plan: Plan) -> None:
-    """Write features around a view, further out than those that they would overlap."""
-    placed: list[FloatArray] = []
+    """Write features around a view, clear of other names and their lines."""
+    names, lines, far = np.empty((0, 2)), np.empty((0, 2)), reach / sheet.unit + 4.0
     for azimuth in sorted({azimuth for azimuth, _ in plan.features}):
-        names = ", ".join(name for at, name in plan.features if at == azimuth)
-        way = plan.way(azimuth)
-        far = reach / sheet.unit + 4.0
-        while any((np.abs(far * way - other) < _LABEL).all() for other in placed):
-            far += 1.0
-        placed.append(far * way)
-        across = "center" if abs(way[0]) < 0.1 else "left" if way[0] > 0 else "right"
-        sheet.line(centre, centre + (far - 1.5) * sheet.unit * way, width=0.3, style="-.")
-        sheet.write(centre + far * sheet.unit * way, f"{names} {azimuth:.4g}°", across)
+        text = f"{', '.join(name for at, name in plan.features if at == azimuth)} {azimuth:.4g}°"
+        way, turn = plan.way(azimuth), 0.0
+        while True:
+            aside = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ way
+            across = "center" if abs(aside[0]) < 0.1 else "left" if aside[0] > 0 else "right"
+            spread = np.linspace(0, _LABEL[0] * len(text), len(text)) * (1.0 if across == "left" else -1.0)
+            spread -= spread.mean() if across == "center" else 0.0
+            name = far * aside + np.column_stack([spread, np.zeros(len(text))])
+            bends = (far - _LABEL[1]) * way, (far - 2.5) * aside
+            line = np.linspace(*bends, len(text))
+            if turn > np.pi or not (_meet(name, np.concatenate([names, lines])) or _meet(line, names)):
+                break
+            turn = -turn if turn > 0 else _LABEL[2] - turn
+        names, lines = np.concatenate([names, name]), np.concatenate([lines, line])
+        sheet.line(centre, *(centre + sheet.unit * bend for bend in bends), width=0.3, style="-.")
+        sheet.write(centre + far * sheet.unit * aside, text, across)
+
+
+def _meet(points: FloatArray, others: FloatArray) -> bool:
+    """Whether points (n, 2) and others (m, 2), mm of the page, are closer than letters are high."""
+    return bool((np.abs(points[:, None] - others).max(axis=-1, initial=0.0) < _LABEL[1]).any())
 
 
 @dataclass(frozen=True)

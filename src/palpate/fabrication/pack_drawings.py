@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from palpate.design import CadSolid, ContactModule, box, gather
-from palpate.fabrication.draw import Plan, Sheet, draw_bodies, draw_cut, draw_plans
+from palpate.fabrication.drawing_sheet import Plan, Sheet, draw_bodies, draw_cut, draw_plans
 from palpate.fabrication.enclosure import FIXING_DEG, SCREWS, Enclosure
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG, build_notch, notch_radius
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, POUR_AZIMUTH_DEG, Mold, vent_azimuths
@@ -20,7 +20,7 @@ _CABLE_DEG, _FIXING_DEG = 90.0, 225.0
 """Azimuths of the enclosure's section: cable slot and hole of the strip; screw of the robot plate."""
 _BETWEEN, _FAR = 30.0, 1e4
 """Space between two sections, mm of the page, and half the edge of a box that is cut away, mm."""
-TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
+TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap", "robot_plate")
 """Parts that are printed upside down."""
 
 

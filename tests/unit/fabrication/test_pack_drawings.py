@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -14,11 +16,11 @@ from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import Design, DomeSpec, MarkerSpec, MountSpec, box
 from palpate.fabrication import ProcessSpec
-from palpate.fabrication.draw import LETTERS, MM_PER_INCH, PAGE, TitleBlock, cut_part
-from palpate.fabrication.drawings import draw_pack
+from palpate.fabrication.drawing_sheet import LETTERS, MM_PER_INCH, PAGE, TitleBlock, cut_part
 from palpate.fabrication.pack import PackContent
+from palpate.fabrication.pack_drawings import draw_pack
 from palpate.fabrication.write_artwork import draw_page
-from palpate.fabrication.write_pack import _make
+from palpate.fabrication.write_pack import _for_printer, _make
 from palpate.material import get_material
 
 needs("build123d")
@@ -130,6 +132,27 @@ def test_azimuths_of_the_plans_are_those_of_pins_holes_screws_rib_key_and_slot(
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("plan", ["mold_plan", "enclosure_plan"])
+def test_no_line_of_a_plan_meets_a_word_and_no_word_another(drawn: dict[str, Figure], plan: str) -> None:
+    figure = drawn[plan]
+    axis, canvas = figure.axes[0], FigureCanvasAgg(figure)
+    boxes = [text.get_window_extent(canvas.get_renderer()) for text in axis.texts]
+    for line in axis.lines:
+        path = line.get_path().transformed(axis.transData)
+        assert not any(path.intersects_bbox(box, filled=False) for box in boxes)
+    for first, second in combinations(boxes, 2):
+        assert not first.overlaps(second)
+
+
+def test_circles_of_a_plan_bend_by_less_than_4_degrees(drawn: dict[str, Figure]) -> None:
+    curves = [
+        line for each in drawn["mold_plan"].axes[0].collections for line in each.get_segments() if len(line) > 2
+    ]
+    sides = np.diff(np.array(max(curves, key=lambda line: np.ptp(line, axis=0).max())), axis=0)
+    turns = np.diff(np.unwrap(np.arctan2(*sides.T)))
+    assert np.abs(np.degrees(turns)).max() < 4.0
+
+
 def is_solid(part, reach: float, azimuth: float, level: float) -> bool:
     x, y = reach * np.cos(np.radians(azimuth)), reach * np.sin(np.radians(azimuth))
     grain = box((x - 0.05, y - 0.05, level - 0.05), (x + 0.05, y + 0.05, level + 0.05))
@@ -168,3 +191,14 @@ def test_the_artwork_gives_the_angle_of_its_mark_on_the_page_and_on_the_part(mad
     here, part = map(float, re.search(r"mark: ([\d.]+)° here, ([\d.]+)° on the part", text).groups())
     assert here == pytest.approx(np.degrees(np.arctan2(*made.artwork.mark[::-1])), abs=0.05)
     assert part == pytest.approx(180 - here)
+
+
+def test_mold_and_robot_plate_lie_on_their_largest_face_in_their_files(made: PackContent) -> None:
+    for name in ("mold_core", "mold_cavity", "robot_plate"):
+        mesh = _for_printer(name, {**made.mold.parts, **made.enclosure.parts}[name].mesh())
+        faces = mesh.points[mesh.triangles]
+        flat = np.ptp(faces[..., 2], axis=1) < 1e-6
+        (ax, ay, _), (bx, by, _) = (faces[flat, 1] - faces[flat, 0]).T, (faces[flat, 2] - faces[flat, 0]).T
+        level, area = faces[flat, 0, 2], np.abs(ax * by - ay * bx) / 2
+        on_bed = area[level < level.min() + 1e-6].sum()
+        assert on_bed > 0.95 * max(area[np.abs(level - one) < 1e-6].sum() for one in np.unique(level.round(6))), name
