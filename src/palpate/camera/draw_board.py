@@ -1,11 +1,10 @@
-"""Boards for printing: a PDF in true size, and an image for tests and screens."""
+"""Boards for printing: a PDF in true size."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.camera.board import BoardSpec, board_points, charuco_bits
 
@@ -21,28 +20,6 @@ def board_size(board: BoardSpec) -> tuple[float, float]:
     """Return width and height of the printed sheet in mm, white margin included."""
     columns, rows = _cells(board)
     return (columns + 2 * _MARGIN) * board.square, (rows + 2 * _MARGIN) * board.square
-
-
-def draw_board(board: BoardSpec, px_per_mm: float) -> NDArray[np.uint8]:
-    """Draw the printed sheet as an image (h, w) of 0 and 255.
-
-    The board's point (0, 0) is one square inside the top left corner of the sheet.
-    """
-    width, height = board_size(board)
-    rows, columns = round(height * px_per_mm), round(width * px_per_mm)
-    x = (np.arange(columns) + 0.5) / px_per_mm - _MARGIN * board.square
-    y = (np.arange(rows) + 0.5) / px_per_mm - _MARGIN * board.square
-    sheet = np.full((rows, columns), 255, np.uint8)
-    if board.kind.endswith("circles"):
-        for cx, cy, _ in board_points(board):
-            dx, dy = x[None] - cx - board.square / 2, y[:, None] - cy - board.square / 2
-            sheet[dx**2 + dy**2 <= (_DOT * board.square) ** 2] = 0
-        return sheet
-    for left, top, side in _black_squares(board):
-        inside_x = (x >= left) & (x < left + side)
-        inside_y = (y >= top) & (y < top + side)
-        sheet[np.ix_(inside_y, inside_x)] = 0
-    return sheet
 
 
 def write_board(path: Path, board: BoardSpec) -> None:

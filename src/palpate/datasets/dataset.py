@@ -92,11 +92,6 @@ class Dataset:
         """Number of sampled poses that gave at least one image."""
         return len(np.unique(self.press))
 
-    def branch_counts(self) -> dict[str, int]:
-        """Number of images on each branch."""
-        names, counts = np.unique(self.branch, return_counts=True)
-        return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
-
     def full_depth_travel_mm(self) -> float:
         """Mean marker travel of the design: `travel_mm` averaged over the images at the maximum depth."""
         deepest = self.poses[:, 2].max()

@@ -59,17 +59,8 @@ class ForceHead:
 
 def turn_to_wall(forces: FloatArray, poses: FloatArray) -> FloatArray:
     """Rotate forces (n, 3) to the wall's axes, for poses whose first columns are rx and ry, degrees."""
-    return np.einsum("nij,ni->nj", _turns(poses), forces)
-
-
-def turn_to_dome(forces: FloatArray, poses: FloatArray) -> FloatArray:
-    """Rotate forces (n, 3) from the wall's axes to the skin's; see `turn_to_wall`."""
-    return np.einsum("nij,nj->ni", _turns(poses), forces)
-
-
-def _turns(poses: FloatArray) -> FloatArray:
     turn = np.column_stack([np.radians(poses[:, :2]), np.zeros(len(poses))])
-    return np.asarray(Rotation.from_rotvec(turn).as_matrix(), float)
+    return np.einsum("nij,ni->nj", Rotation.from_rotvec(turn).as_matrix(), forces)
 
 
 def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceHead:

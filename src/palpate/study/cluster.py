@@ -7,7 +7,6 @@ scheduler only if everybody who can reach it is trusted, or use ``tls://``.
 from __future__ import annotations
 
 import logging
-import os
 import re
 from contextlib import suppress
 from typing import Any
@@ -82,10 +81,6 @@ class ClusterWorkers(WorkerPool):
         self._client.close()
         if self._cluster is not None:
             self._cluster.close()
-
-    def worker_pids(self) -> list[int]:
-        """Process ids of the workers, each on its own machine."""
-        return list(self._client.run(os.getpid).values())
 
     def _count(self) -> int:
         return max(1, sum(self._client.nthreads().values()))

@@ -5,7 +5,8 @@ from functools import cache
 import cv2
 import numpy as np
 
-from palpate.camera.draw_board import board_size, draw_board
+from palpate.camera.board import board_points
+from palpate.camera.draw_board import _DOT, _MARGIN, _black_squares, board_size
 from palpate.core import generator
 
 SIZE = (640, 480)
@@ -20,6 +21,28 @@ def _undistorted():
     fine = 3
     u, v = np.meshgrid((np.arange(SIZE[0] * fine) + 0.5) / fine - 0.5, (np.arange(SIZE[1] * fine) + 0.5) / fine - 0.5)
     return fine, cv2.undistortPoints(np.stack([u, v], -1).reshape(-1, 1, 2), MATRIX, LENS).reshape(-1, 2)
+
+
+def draw_board(board, px_per_mm):
+    """Draw the printed sheet as an image (h, w) of 0 and 255.
+
+    The board's point (0, 0) is one square inside the top left corner of the sheet.
+    """
+    width, height = board_size(board)
+    rows, columns = round(height * px_per_mm), round(width * px_per_mm)
+    x = (np.arange(columns) + 0.5) / px_per_mm - _MARGIN * board.square
+    y = (np.arange(rows) + 0.5) / px_per_mm - _MARGIN * board.square
+    sheet = np.full((rows, columns), 255, np.uint8)
+    if board.kind.endswith("circles"):
+        for cx, cy, _ in board_points(board):
+            dx, dy = x[None] - cx - board.square / 2, y[:, None] - cy - board.square / 2
+            sheet[dx**2 + dy**2 <= (_DOT * board.square) ** 2] = 0
+        return sheet
+    for left, top, side in _black_squares(board):
+        inside_x = (x >= left) & (x < left + side)
+        inside_y = (y >= top) & (y < top + side)
+        sheet[np.ix_(inside_y, inside_x)] = 0
+    return sheet
 
 
 def photograph(board, rotation, shift, noise, rng):

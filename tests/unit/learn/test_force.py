@@ -19,7 +19,7 @@ from palpate.learn import (
     train_force_output,
     write_estimator,
 )
-from palpate.learn.force import FORCE_AXES, train_forces, turn_to_dome, turn_to_wall
+from palpate.learn.force import FORCE_AXES, train_forces, turn_to_wall
 
 DEPTHS = (2.0, 3.0, 4.0, 5.0)
 PRESSES = 400
@@ -51,7 +51,7 @@ def dataset() -> Dataset:
         image_size_px=(346, 260),
         solved_presses=1,
         dropped={},
-        forces=turn_to_dome(pushes(poses), poses),
+        forces=turn_to_wall(pushes(poses), -poses),  # back to the axes of the skin
     )
 
 
@@ -68,7 +68,7 @@ def test_the_axes_of_the_wall_are_the_dome_s_turned() -> None:
     poses = np.array([[3.0, -4.0, 5.0], [0.0, 0.0, 1.0]])
     normals = np.array([wall_normal(*np.radians(pose[:2])) for pose in poses])
     assert turn_to_wall(normals, poses) == pytest.approx(np.tile([0.0, 0.0, 1.0], (2, 1)), abs=1e-12)
-    assert turn_to_dome(turn_to_wall(normals + 1.0, poses), poses) == pytest.approx(normals + 1.0)
+    assert turn_to_wall(turn_to_wall(normals + 1.0, poses), -poses) == pytest.approx(normals + 1.0)
 
 
 def test_forces_are_told_with_intervals_that_hold(dataset: Dataset, files: tuple[Path, Path]) -> None:
