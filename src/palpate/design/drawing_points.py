@@ -20,8 +20,6 @@ _OUTLINE = 3.0
 """Circles larger than the median by this factor are outlines, not markers. By hand."""
 _SAME_MM = 0.05
 """Distance below which two centres are one marker, drawn twice. By hand."""
-_DIGIT_MM = 1e-3
-"""Difference of radii that does not count in the order of markers. By hand."""
 _EVEN = 0.1
 """Range of distances from the middle over those of an ellipse; octagon 0.08, hexagon 0.13. By hand."""
 _SAMPLES = 8
@@ -61,8 +59,8 @@ def read_circles(path: Path) -> FloatArray:
     centres = circles[sizes <= _OUTLINE * np.median(sizes), :2]
     again = np.linalg.norm(centres[:, None] - centres, axis=-1) < _SAME_MM
     centres = centres[~np.tril(again, -1).any(axis=1)]
-    radius = np.round(np.hypot(*centres.T) / _DIGIT_MM)
-    y, x = (np.round(centres[:, at] / _DIGIT_MM) for at in (1, 0))
+    x, y = np.round(centres, 3).T
+    radius = np.round(np.hypot(x, y), 3)
     azimuth = np.where(radius > 0, np.mod(np.arctan2(y, x), 2 * np.pi), 0.0)
     return np.asarray(centres[np.lexsort((np.round(azimuth, 6), radius))])
 
