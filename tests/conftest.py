@@ -1,11 +1,15 @@
 """One thread a process, as in the workers of a study, and one hash of the source for all workers."""
 
 import os
+import sys
 
 import pytest
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
+# hundreds of processes of the tests import the package: each would compile it if none may keep what it compiled
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist there are no workers
