@@ -18,6 +18,27 @@ def pytest_xdist_auto_num_workers() -> int:
     return min(4, os.cpu_count() or 1) + 1
 
 
+@pytest.hookimpl(trylast=True)  # after the tests of the other tier are left out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Deal the longest tests (`slow(seconds)`) to the workers first, so that none of them runs alone at the end.
+
+    pytest-xdist gives each worker an equal share of the tests, in their order.
+    """
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    seconds = {item: float(mark.args[0]) for item in items if (mark := item.get_closest_marker("slow")) and mark.args}
+    longest, others = sorted(seconds, key=lambda item: -seconds[item]), [one for one in items if one not in seconds]
+    if workers == 1 or not longest:
+        return
+    dealt: list[pytest.Item] = []
+    for worker in range(workers):
+        share = (len(items) - len(dealt)) // (workers - worker)
+        own = longest[worker::workers]
+        rest = max(share - len(own), 0)
+        dealt += [*own, *others[:rest]]
+        others = others[rest:]
+    items[:] = [*dealt, *others]
+
+
 def pytest_configure() -> None:
     from source_stamp import source_stamp
 
