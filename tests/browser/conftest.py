@@ -56,14 +56,13 @@ def designs(results) -> list[str]:
     return [design_label(row) for row in read_results(results).grid.designs]
 
 
-# the viewer and the browser end with the tests of pages: while they wait they use a twentieth of a processor
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def link(results) -> Iterator[str]:
     with viewer(results) as address:
         yield address
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def chromium():
     api = needs("playwright.sync_api")
     with api.sync_playwright() as playwright:
@@ -72,7 +71,7 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="session")
 def context(chromium):
     """Shared by all tests, so that the pages' scripts are read and compiled once."""
     return chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
