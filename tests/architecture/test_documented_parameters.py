@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 
 from source_files import FILES, name, nodes
 
@@ -32,12 +33,15 @@ def methods(owner: ast.ClassDef) -> dict[str, Function]:
     return {item.name: item for item in owner.body if isinstance(item, Function)}
 
 
-CLASSES = {node.name: node for path in FILES for node in nodes(path) if isinstance(node, ast.ClassDef)}
+@cache
+def classes() -> dict[str, ast.ClassDef]:
+    """Every class of the package by its name."""
+    return {node.name: node for path in FILES for node in nodes(path) if isinstance(node, ast.ClassDef)}
 
 
 def inherited(owner: ast.ClassDef) -> set[str]:
     """Fields, properties and what `__init__` sets, of a class and of those it builds on."""
-    bases = [CLASSES[base.id] for base in owner.bases if isinstance(base, ast.Name) and base.id in CLASSES]
+    bases = [classes()[base.id] for base in owner.bases if isinstance(base, ast.Name) and base.id in classes()]
     own = {
         node.attr for node in ast.walk(owner) if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
     }

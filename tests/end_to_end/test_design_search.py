@@ -142,6 +142,7 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, searched: P
     assert left.value.code == 2
 
 
+@pytest.mark.slow(50)
 def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

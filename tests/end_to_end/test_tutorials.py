@@ -12,23 +12,31 @@ A fenced block of these pages has one of these languages:
 * `python`: run by `test_readme.py`.
 
 The artefacts of `examples/data/small.yaml`, which four pages and tests need, are computed once, by its command line.
+So is a command that two pages give in the same words and that reads no file but those of the clone: the second page
+gets its output and its files.
 
 Directives of MyST have braces. Each file that a page names in back ticks exists after its commands.
 """
 
+import hashlib
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import tomllib
+from collections import Counter
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from needs import EXTRAS, needs
-from presses import copy_artefacts
+from presses import copy_artefacts, stored_folder
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs" / "tutorials").glob("*.md")), ROOT / "README.md"]
@@ -36,6 +44,10 @@ CLONE = ("README.md", "examples", "studies", "plugins", "docs/results", "src/pal
 """Paths of a clone that the commands of the pages read."""
 FILE = re.compile(r"`([\w./-]+\.(?:csv|dxf|h5|jsonl?|md|onnx|pdf|png|sqlite|svg|xml|yaml))`")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+
+
+SECONDS = {"README": 45, "best_design": 50, "first_dome": 50}
+"""Page → CPU-seconds of its commands, if they are many."""
 
 
 class Block(NamedTuple):
@@ -104,11 +116,59 @@ def copy_clone(folder: Path) -> None:
         shutil.copytree(source, target) if source.is_dir() else shutil.copy2(source, target)
 
 
-def make_environment(folder: Path) -> dict[str, str]:
-    """Return an environment in which `palpate` is this source."""
+@cache
+def find_shared() -> tuple[str, ...]:
+    """Words of the commands, without paths of results and pipes, that several pages give."""
+    given: Counter[str] = Counter()
+    for page in PAGES:
+        lines = [line for block in read_blocks(page) if block.language == "bash" for line in block.lines]
+        commands = [shlex.split(line, comments=True) for line in "\n".join(lines).replace("\\\n", " ").splitlines()]
+        given.update({" ".join(words) for words in commands if words and is_alone(words)})
+    return tuple(words.removeprefix("palpate ") for words, pages in given.items() if pages > 1)
+
+
+def is_alone(words: list[str]) -> bool:
+    """Whether a command needs nothing but the clone: its paths are of examples, or follow an option of output."""
+    paths = [word for before, word in pairwise(words) if "/" in word and before not in ("-o", "--out")]
+    plain = not set("".join(words)) & set("|<>;&*$")
+    return words[0] == "palpate" and plain and all(path.startswith("examples/") for path in paths)
+
+
+def run_shared(words: str) -> Path:
+    """Folder with the output of a command in a clone, and the files that it wrote there; run once for all pages."""
+
+    def run(made: Path) -> None:
+        folder, files = made / "clone", made / "files"
+        prepare_clone(folder)
+        before = {path for path in folder.rglob("*") if path.is_file()}
+        environment = make_environment(made / "bin", shared=())
+        (made / "output").write_text(run_block(Block("bash", [f"palpate {words}"], 0), folder, environment))
+        files.mkdir()
+        for path in {path for path in folder.rglob("*") if path.is_file()} - before:
+            (files / path.relative_to(folder)).parent.mkdir(parents=True, exist_ok=True)
+            path.rename(files / path.relative_to(folder))
+        shutil.rmtree(folder)
+
+    data = [path.read_bytes() for path in sorted((ROOT / "examples" / "data").rglob("*")) if path.is_file()]
+    return stored_folder("command", [words, hashlib.sha256(b"\0".join(data)).hexdigest()], run)
+
+
+def prepare_clone(folder: Path) -> None:
+    """Copy the files that the commands read, and the artefacts of the small study."""
+    copy_clone(folder)
+    copy_artefacts(folder / "examples" / "data" / "small.yaml", folder / "results" / "small")
+
+
+def make_environment(folder: Path, shared: Sequence[str]) -> dict[str, str]:
+    """Return an environment in which `palpate` is this source, and shared commands give what they gave before."""
     command = folder / "palpate"
     command.parent.mkdir()
-    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m palpate "$@"\n')
+    cases = "".join(
+        f"{shlex.quote(words)}) cp -R {kept}/files/. . && exec cat {kept}/output ;;\n"
+        for words in shared
+        for kept in [shlex.quote(str(run_shared(words)))]
+    )
+    command.write_text(f'#!/bin/sh\ncase "$*" in\n{cases}*) exec "{sys.executable}" -m palpate "$@" ;;\nesac\n')
     command.chmod(0o755)
     sources = [ROOT / "src", *sorted((ROOT / "plugins").iterdir())]
     path = os.pathsep.join(map(str, [*sources, os.environ.get("PYTHONPATH", "")])).rstrip(os.pathsep)
@@ -148,16 +208,18 @@ def find_differences(shown: list[str], output: str) -> list[str]:
     return [line for line in wanted if not any(is_like(line, each) for each in printed)][:1]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, id=page.stem, marks=pytest.mark.slow(SECONDS.get(page.stem, 20))) for page in PAGES]
+)
 def test_a_page_runs_as_written(page: Path, tmp_path: Path) -> None:
     blocks, folder = read_blocks(page), tmp_path / "clone"
     for name in find_installed(blocks):
         for module in EXTRAS.get(name, ()):
             needs(module)
-    copy_clone(folder)
-    copy_artefacts(folder / "examples" / "data" / "small.yaml", folder / "results" / "small")
-    environment, output = make_environment(tmp_path / "bin"), ""
+    prepare_clone(folder)
+    text = "\n".join(line for block in blocks if block.language == "bash" for line in block.lines)
+    environment = make_environment(tmp_path / "bin", [words for words in find_shared() if f"palpate {words}" in text])
+    output = ""
     for block in blocks:
         if block.language == "bash":
             output = run_block(block, folder, environment)
@@ -168,6 +230,15 @@ def test_a_page_runs_as_written(page: Path, tmp_path: Path) -> None:
     written = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
     named = set(FILE.findall(find_prose(page)))
     assert sorted(name for name in named if not any(f"/{file}".endswith(f"/{name}") for file in written)) == []
+
+
+def test_commands_of_two_pages_are_run_once_and_those_that_read_results_on_each_page() -> None:
+    shared = find_shared()
+    assert "design stability --height 20 --thickness 2" in shared
+    assert "recording train examples/data/recording --out trained --estimators fast" in shared
+    assert is_alone(["palpate", "design", "make", "-o", "out/pack"])
+    for words in ("palpate study show results/small", "palpate press | head", "cd examples", "palpate fit a/*.csv"):
+        assert not is_alone(words.split())
 
 
 def test_a_number_may_differ_by_one_unit_of_its_last_digit() -> None:

@@ -9,7 +9,7 @@ from validation.cases import PUBLISHED_CASES
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.slow else [])
+        pytest.param(case, id=case.name, marks=[pytest.mark.slow(30)] if case.slow else [])
         for case in (*CASES, *PUBLISHED_CASES)
     ],
 )

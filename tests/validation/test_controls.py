@@ -15,7 +15,7 @@ from validation.roofs import hinged_roof
 from validation.spheres import complete_spheres, sphere_point
 from validation.tubes import pulled_cylinder
 
-SLOW = [pytest.mark.slow]
+SLOW = [pytest.mark.slow(30)]
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,10 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
     assert float(rows[5]["distance_mm"]) < 0.05
     assert picture.read_text().count("<path") > 37
     assert run(*words) == 1
-    check_values(capsys.readouterr().out, 36, 37)
+    distance = np.array([row["distance_mm"] for row in shown["markers"] if row["distance_mm"] is not None])
+    assert len(distance) == 36
+    rms = np.sqrt(np.mean(distance**2))
+    check_values(capsys.readouterr().out, 36, 37, f"{rms:.3f} mm", f"{distance.max():.3f} mm")
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,7 @@ def design_of(camera: CameraSpec) -> Design:
     return Design(SPEC, markers, camera, material)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(30)
 def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel() -> None:
     pack = stored_pack(design_of(CameraSpec(distance=30, window=WindowSpec())), PROCESS, MountSpec())
     for name, volume in pack.volumes.items():

@@ -26,7 +26,7 @@ def test_a_thin_dome_has_a_second_state_from_some_2_6_thicknesses_on() -> None:
     assert np.isnan(found.inverted_energy[found.depth < found.inverted_from - 1e-6]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.slow(40)
 def test_where_a_flat_dome_becomes_unstable_it_jumps_to_the_inverted_state() -> None:
     mesh = mesh_skin(build_skin(DomeSpec(height=10, thickness=1)), MeshSpec(cells=14))
     press = solve_press(mesh, MATERIAL, WallSpec(tilt_deg=12, contact="frictionless", depth=6.6, depth_step=0.2))

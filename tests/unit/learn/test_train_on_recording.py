@@ -295,6 +295,18 @@ def test_pose_alone_and_all_motions_are_learnt_from_pictures_and_both_are_report
     assert found.estimates.shape == (70, 3)
 
 
+def test_places_of_markers_are_scaled_to_small_images_by_the_edges_of_pixels(learnt: RecordingResult) -> None:
+    """Half a pixel lies between the edge of an image, which both sizes share, and the centre of its first pixel."""
+    seen = learnt.seen
+    jobs = [job for job in plan_jobs(seen, RecordingSpec(estimators="picture")) if job.name.endswith("-turned")]
+    assert jobs
+    assert seen.rotation is not None
+    share = np.array(seen.pictures.shape[:0:-1]) / np.array(seen.eye.shape[::-1])
+    for job in jobs:
+        assert job.samples.rotation is not None
+        assert job.samples.rotation.places_px + 0.5 == pytest.approx((seen.rotation.places_px + 0.5) * share)
+
+
 def test_a_linear_estimator_of_a_simulation_is_a_start(
     drawn: tuple[Path, DrawnTruth], learnt: RecordingResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -89,3 +89,23 @@ def test_members_train_alike_alone_and_together_by_muon():
         assert one.numpy() == pytest.approx(other.numpy(), abs=1e-5)
     adam = train_network(samples, np.zeros(6), whole, spec.model_copy(update={"matrix_rate": 0.0}))
     assert not np.allclose(adam[0].state[0], both[0].state[0], atol=1e-3)
+
+
+@pytest.mark.parametrize(("clean", "jittered"), [(0.5, 200), (1.0, 0), (0.25, 300)])
+def test_jitter_is_uniform_within_its_half_width_on_its_share_of_a_batch(
+    clean: float, jittered: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Uniform numbers of half-width h have the extremes -h and h and the standard deviation h / sqrt(3)."""
+    tasks, half = [], np.array([1.0, 3.0])
+    monkeypatch.setattr(Trainer, "run", lambda self: tasks.append(self.task) or [])
+    samples = TrainingSet(np.zeros((400, 2)), np.zeros((400, 1)), np.arange(400) >= 0, np.arange(400) < 1)
+    inside = PrincipalComponents(np.zeros(2), np.eye(2))
+    train_network(samples, half, inside, TrainingSpec(clean_share=clean, width=4, repeats=1))
+    inputs, _ = tasks[0].draw(torch.arange(400)[None], 0.0, tasks[0].random)
+    noise = inputs[0].numpy()
+    assert (noise != 0).all(axis=1).sum() == jittered
+    assert (noise[:jittered] != 0).all()
+    if jittered:
+        assert np.abs(noise).max(axis=0) == pytest.approx(half, rel=0.03)
+        assert (np.abs(noise) <= half).all()
+        assert noise[:jittered].std(axis=0) == pytest.approx(half / np.sqrt(3.0), rel=0.1)

@@ -1,5 +1,7 @@
 """The heart of the solver alone: a branch, its limit point and its jump on a von Mises truss with a closed form."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,8 +17,11 @@ from palpate.mechanics import (
     State,
     make_linear_solver,
 )
+from palpate.mechanics.friction import ContactHistory, empty_history
 from palpate.mechanics.linear import Pattern
+from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.solid import Body
+from palpate.mechanics.term import Term
 from validation.arc_length import ArcLength
 
 HALF_SPAN, RISE, STIFFNESS = 10.0, 1.0, 2000.0
@@ -105,6 +110,43 @@ def test_an_increment_that_leads_elsewhere_is_cut_back() -> None:
     assert not path.advance(2 * LIMIT)
     assert path.last.depth == pytest.approx(LIMIT, rel=0.02)
     assert height(path) > 0
+
+
+class Sliding(PathLoading):
+    """A load whose traction limits never agree with the solution: each correction doubles them."""
+
+    remembers = True
+
+    def __init__(self) -> None:
+        self.load, self.corrections = DeadLoad(np.array([[0.0, 0.0, -1.0]])), 0
+
+    def max_increment(self, at: float, edge: float, radius: float) -> float:
+        return np.inf
+
+    def start(self) -> ContactHistory:
+        return empty_history(1)._replace(limit=np.ones(1))
+
+    def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
+        return (replace(self.load, factor=at),)
+
+    def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
+        return self.terms(at, history)
+
+    def correct(self, history: ContactHistory, *ends: tuple[float, State]) -> ContactHistory:
+        self.corrections += 1
+        assert self.corrections < 100, "passes without end"
+        return history._replace(limit=2.0 * history.limit)
+
+    def update_history(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+        return self.start(), 0.0
+
+
+def test_a_history_that_never_agrees_is_corrected_four_times_an_increment() -> None:
+    problem, loading = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE), Sliding()
+    spec = SolverSpec(first_step=0.05, largest_step=0.05, smallest_step=1e-3)
+    path = Continuation(problem, loading, NullMonitor(), spec, unit=LIMIT, jumps=False)
+    assert path.advance(0.04 * LIMIT)
+    assert loading.corrections == 4 * (len(path.increments) - 1)
 
 
 def test_by_arc_length_the_truss_is_followed_through_both_limit_points() -> None:

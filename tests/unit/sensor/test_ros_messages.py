@@ -1,5 +1,7 @@
 """Messages of a sensor: read back by the serialisation of ROS, and true of the press that they tell of."""
 
+from functools import cache
+
 import cv2
 import numpy as np
 import pytest
@@ -44,7 +46,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sensor")
     write_twin(folder / "twin.h5", build_twin([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)]))
     scene = SimulatedUnit(Design.of_skin(SKIN, LAYOUT, CameraSpec()), LEANING, RenderSpec(noise=1.0))
-    images = [scene.render_rest(), *(list(scene.render_press(PRESSED))[k] for k in (6, 8, 8, 8))]
+    images = [scene.render_rest(), *(list(scene.render_press(pressed()))[k] for k in (6, 8, 8, 8))]
     (folder / "images").mkdir()
     for number, image in enumerate(images):
         cv2.imwrite(str(folder / "images" / f"{number}.png"), image)
@@ -52,7 +54,9 @@ def folder(tmp_path_factory):
     return folder
 
 
-PRESSED = press(4.0, 30.0)
+@cache
+def pressed() -> Press:
+    return press(4.0, 30.0)
 
 
 def spec_of(folder, **values):
@@ -133,7 +137,7 @@ def test_a_covariance_keeps_its_signs_and_units():
 def test_dots_are_where_the_press_moved_them_and_where_the_camera_sees_them(messages):
     cloud = points_of(roundtrip(messages[2]["dots"]))
     places = np.column_stack([cloud["x"], cloud["y"], cloud["z"]]) * 1e3
-    moved = PRESSED.positions(LAYOUT.positions)[-1]
+    moved = pressed().positions(LAYOUT.positions)[-1]
     assert cloud["id"].tolist() == list(range(37))
     assert cloud["seen"].sum() >= 35
     assert np.sqrt(np.mean((places - moved) ** 2)) < 0.15
@@ -150,7 +154,7 @@ def test_dots_are_where_the_press_moved_them_and_where_the_camera_sees_them(mess
 def test_a_force_is_that_on_the_wall_and_none_without_a_touch(messages):
     force = roundtrip(messages[2]["wrench"]).wrench.force
     normal = wall_normal(*np.radians([4 * np.cos(np.radians(30)), 4 * np.sin(np.radians(30))]))
-    assert np.array([force.x, force.y, force.z]) @ normal == pytest.approx(PRESSED.force[-1] @ normal, rel=0.1)
+    assert np.array([force.x, force.y, force.z]) @ normal == pytest.approx(pressed().force[-1] @ normal, rel=0.1)
     still = roundtrip(messages[0]["wrench"]).wrench.force
     assert (still.x, still.y, still.z) == (0.0, 0.0, 0.0)
 

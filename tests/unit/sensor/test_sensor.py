@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -166,6 +167,27 @@ def test_register_dome_shows_a_misprinted_dot():
     assert errors.argmax() == 40
     assert errors[40] == pytest.approx(1.8, abs=0.2)
     assert np.median(errors) < 0.1
+
+
+@pytest.mark.parametrize(("share", "right"), [(0.02, True), (0.15, False)])
+def test_dots_off_by_more_than_a_twentieth_of_their_spacing_are_another_design(share, right):
+    """Markers without rings, of which no law explains a misfit at random."""
+    rng = generator(5, "off")
+    layout = replace(LAYOUT, positions=LAYOUT.positions + np.pad(rng.uniform(-0.3, 0.3, (91, 2)), ((0, 0), (0, 1))))
+    naming = assign_markers(
+        build_camera().project(np.vstack([LAYOUT.positions, MARK])),
+        build_pattern(LAYOUT.positions, build_camera().project, MARK),
+    )
+    seen = build_camera().project(layout.positions)
+    spacing = np.median(np.sort(np.linalg.norm(seen[:, None] - seen, axis=2), axis=1)[:, 1])
+    moved = replace(naming, positions_px=seen + share * spacing / np.sqrt(2.0) * rng.normal(size=seen.shape))
+    if right:
+        found = register_dome(moved, layout, DOME)
+        assert found.rms_px == pytest.approx(share * spacing, rel=0.2)
+        assert found.distortion is None
+        return
+    with refused("layout-misfit"):
+        register_dome(moved, layout, DOME)
 
 
 @pytest.mark.parametrize(("printed", "known"), [(0.0, 0.002), (0.1, 0.01)])

@@ -1,12 +1,16 @@
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from errors import refused
 from palpate.core import ArtefactStore
-from palpate.study import Study, TaskFailure, find_status, needed_keys
+from palpate.core.run import Outcome
+from palpate.study import Study, TaskFailure, find_status, needed_keys, run_study
 from palpate.study.plan import plan_study
+from palpate.study.run_study import Run
+from palpate.study.task import Task
 
 STUDY = Study.model_validate({"name": "a", "tilts_deg": [0, 2], "designs": {"markers": [7, 19]}})
 
@@ -60,3 +64,18 @@ def test_needed_keys_are_those_of_every_study_on_every_device() -> None:
     cuda = STUDY.model_copy(update={"learning": STUDY.learning.model_copy(update={"device": "cuda"})})
     assert keys >= {task.recipe.key for task in plan_study(cuda).tasks()}
     assert needed_keys([]) == frozenset()
+
+
+def test_a_run_tells_the_task_and_the_reason_of_each_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tasks that fail at once: in the result as in the file that the status reads."""
+
+    def fail(run: Run, todo: Sequence[Task]) -> None:
+        run.outcomes |= {task.recipe.key: Outcome(reason=f"{task.recipe.kind} too thin") for task in todo}
+
+    monkeypatch.setattr(Run, "_do", fail)
+    found = run_study(STUDY, tmp_path)
+    tasks = plan_study(STUDY).tasks()
+    wanted = {TaskFailure(task.name, f"{task.recipe.kind} too thin") for task in tasks if task.recipe.kind != "twin"}
+    assert set(found.failures) == wanted
+    assert wanted <= set(find_status(STUDY, tmp_path).failures)
+    assert found.computed == {}

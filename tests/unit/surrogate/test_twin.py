@@ -11,6 +11,7 @@ from errors import refused
 from palpate.camera import build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec
+from palpate.fea.press import IncrementFields
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -235,6 +236,27 @@ def test_presses_that_jump_make_no_twin(presses: list[Press]) -> None:
     rates = {**jumped.derivatives, "thickness": replace(jumped.derivatives["thickness"], displacement=field)}
     with refused("twin-across-jump", "1", "16"):
         build_twin([*presses[:5], replace(jumped, derivatives=rates), *presses[6:]])
+
+
+def from_depth(press: Press, first: float) -> Press:
+    """Press without the increments before a depth, all of them on the inverted branch."""
+    kept = press.depth > first - 1e-6
+    parts = {name: getattr(press, name)[kept] for name in IncrementFields.__annotations__}
+    rates = {
+        name: replace(rate, displacement=rate.displacement[kept], force=rate.force[kept])
+        for name, rate in press.derivatives.items()
+    }
+    return replace(press, **parts | {"branch": np.full(kept.sum(), "inverted")}, derivatives=rates)
+
+
+@pytest.mark.parametrize(("first", "tilts", "counts"), [(2.5, 3, (3, 4)), (3.0, 3, None), (2.5, 2, None)])
+def test_an_inverted_branch_needs_four_depths_and_three_tilts(
+    presses: list[Press], first: float, tilts: int, counts: tuple[int, int] | None
+) -> None:
+    """Depths step by 0.5 mm to 4 mm: four from 2.5 mm on, three from 3 mm on."""
+    flat = presses[:4]
+    inverted = build_twin(flat, [from_depth(one, first) for one in flat[:tilts]]).inverted
+    assert (None if inverted is None else (len(inverted.tilts_deg), len(inverted.depths_mm))) == counts
 
 
 def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
