@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from palpate.core import PalpateError
+from palpate.fea import MeshResult
 from palpate.material import Mode, get_material, trace_curve
 from palpate_zaid2024.claim import ClaimFinding, Verdict
 
@@ -44,7 +46,7 @@ def assess_mesh(path: Path) -> ClaimFinding:
     path
         Table of `palpate design convergence --out`, for a half model.
     """
-    meshes = [(HALVES * elements, error) for elements, error in _read_meshes(path)]
+    meshes = [(HALVES * one.elements, one.stress_error) for one in read_meshes(path)]
     figures = ", ".join(f"{elements:g}: {100 * error:+.1f} %" for elements, error in meshes[:-1])
     figures = f"stress error by elements of the whole dome, relative to {meshes[-1][0]:g} elements: {figures}"
     first = next(number for number in range(len(meshes)) if all(abs(e) < WITHIN for _, e in meshes[number:]))
@@ -60,11 +62,12 @@ def assess_mesh(path: Path) -> ClaimFinding:
     )
 
 
-def _read_meshes(path: Path) -> list[tuple[float, float]]:
-    """Read elements and relative error of the maximum stress of each mesh, by ascending elements."""
+def read_meshes(path: Path) -> list[MeshResult]:
+    """Read the results of a convergence study, by ascending elements."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            meshes = sorted((float(row["elements"]), float(row["stress_error"])) for row in csv.DictReader(file))
+            rows = [[float(row[one.name]) for one in fields(MeshResult)] for row in csv.DictReader(file)]
+        meshes = [MeshResult(int(cells), int(count), int(size), *rest) for cells, count, size, *rest in rows]
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(
             f"{path} is not a table of `palpate design convergence`: {error}.",
@@ -77,4 +80,4 @@ def _read_meshes(path: Path) -> list[tuple[float, float]]:
             "Make it again with more meshes.",
             code="convergence-few-meshes",
         )
-    return meshes
+    return sorted(meshes, key=lambda one: one.elements)

@@ -6,25 +6,24 @@ the figures that decide them.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
-from dataclasses import fields
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import PAPER, atomic_write, atomic_write_into
+from palpate.core import PAPER, PalpateError, atomic_write, atomic_write_into
 from palpate.core.report import Report, page_markdown
 from palpate.core.run import Progress
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import MeshResult, Press, WallSpec, nodal_von_mises, plot_convergence, solve_press
+from palpate.fea import Press, WallSpec, nodal_von_mises, plot_convergence, solve_press
 from palpate.material import Mode, get_material, trace_curve
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import PAPER_TABLE_3
 from palpate.study import Row, check_plot_request, draw_plot, plot_file_name, write_picture
 from palpate_zaid2024.assess_claims import name_sources
-from palpate_zaid2024.assess_material import MEASURED_MPA, TABLE_2
+from palpate_zaid2024.assess_material import MEASURED_MPA, TABLE_2, read_meshes
 from palpate_zaid2024.claim import ClaimAnswer
 from palpate_zaid2024.evidence import HEIGHTS, Evidence
 from palpate_zaid2024.write_claims import claim_report, plain_name
@@ -45,7 +44,7 @@ _RANGE = (0.5, 5.0)
 _COEFFICIENTS = {"C10": 14115.6, "C20": 110.6, "C30": 4.8}
 """Table 2, Pa."""
 _MATERIAL = "zaid_2024_ecoflex_00_30"
-_NO_PREDICTION = "Degrees, mm for the depth. Add the folder of `palpate calibration predict STUDY --out FOLDER`."
+_NO_PREDICTION = "Degrees, mm for the depth. For a prediction, give the folder of `palpate calibration predict` too."
 _MPA = 1e-6
 """MPa in 1 Pa."""
 
@@ -76,18 +75,21 @@ def write_figures(
     PalpateError
         If the folder cannot be written.
     """
-    presses = _press_domes(cells, progress)
-    pictures = {
-        "fig_08_material": _draw_material(),
-        "fig_10_stress": _draw_presses([press for press in presses if press.mesh.skin.thickness == 2.0]),
-        "fig_10_thin": _draw_presses([press for press in presses if press.mesh.skin.thickness == 1.0]),
-    }
-    pictures |= {f"fig_09_{path.stem}": plot_convergence(_read_meshes(path)) for path in meshes}
+    drawn = [(f"fig_09_{plain_name(path.stem)}", plot_convergence(read_meshes(path))) for path in meshes]
     for evidence, name in zip(grids, name_sources(grids), strict=True):
         for number, kind, metric in _GRID_FIGURES:
-            check_plot_request(evidence.grid, kind, metric)
-            picture = f"fig_{number}_{plot_file_name(kind, metric)}_{plain_name(name)}"
-            pictures[picture] = draw_plot(evidence.grid, kind, metric)
+            with suppress(PalpateError):  # nothing to draw: the page says so
+                check_plot_request(evidence.grid, kind, metric)
+                picture = f"fig_{number}_{plot_file_name(kind, metric)}_{plain_name(name)}"
+                drawn.append((picture, draw_plot(evidence.grid, kind, metric)))
+    presses = _press_domes(cells, progress)
+    drawn.append(("fig_08_material", _draw_material()))
+    for name, thickness in (("fig_10_stress", 2.0), ("fig_10_thin", 1.0)):
+        drawn.append((name, _draw_presses([one for one in presses if one.mesh.skin.thickness == thickness])))
+    pictures: dict[str, Figure] = {}
+    for name, figure in drawn:
+        again = sum(known.startswith(name) for known in pictures)
+        pictures[f"{name}_{again + 1}" if name in pictures else name] = figure
     with atomic_write_into(folder, "Choose another with --figures.") as drafts:
         for name, figure in pictures.items():
             write_picture(drafts / name, figure)
@@ -101,7 +103,8 @@ def _describe(
     answers: Sequence[ClaimAnswer], grids: Sequence[Evidence], presses: Sequence[Press], pictures: Sequence[str]
 ) -> list[str | Report]:
     def shown(number: str) -> str:
-        return "\n\n".join(f"![{name}]({name}.svg)" for name in pictures if name.startswith(f"fig_{number}"))
+        lines = [f"![{name}]({name}.svg)" for name in pictures if name.startswith(f"fig_{number}")]
+        return "\n\n".join(lines) or "The given results have no such figures."
 
     def claims(*names: str) -> Report:
         return claim_report([answer for answer in answers if answer.claim.name in names])
@@ -122,7 +125,7 @@ def _describe(
         shown("08"),
         claims("C1"),
         "## Fig. 9: mesh",
-        shown("09") or "No mesh study was given: `palpate design convergence --out FOLDER`.",
+        shown("09"),
         claims("C2"),
         "## Fig. 10: stress and deformation",
         f"Domes under a wall tilted by {_TILT_DEG:g}°, no slip, {_DEPTH_MM:g} mm or the depth that was reached.",
@@ -180,12 +183,6 @@ def _press_domes(cells: int | None, progress: Progress) -> list[Press]:
         presses.append(solve_press(mesh, get_material(TABLE_2), wall))
         progress.finish(what)
     return presses
-
-
-def _read_meshes(path: Path) -> list[MeshResult]:
-    with path.open(encoding="utf-8", newline="") as lines:
-        rows = [[float(row[one.name]) for one in fields(MeshResult)] for row in csv.DictReader(lines)]
-    return [MeshResult(int(cells), int(elements), int(unknowns), *rest) for cells, elements, unknowns, *rest in rows]
 
 
 def _draw_material() -> Figure:

@@ -20,7 +20,7 @@ _OUTLINE = 3.0
 """Circles larger than the median by this factor are outlines, not markers. By hand."""
 _SAME_MM = 0.05
 """Distance below which two centres are one marker, drawn twice. By hand."""
-_EVEN = 0.1
+_EVEN = 0.12
 """Range of distances from the middle over those of an ellipse; octagon 0.08, hexagon 0.13. By hand."""
 _SAMPLES = 8
 """Points of each segment of a curve: a circle of four segments is 0.6 % too small."""
@@ -54,11 +54,12 @@ def read_circles(path: Path) -> FloatArray:
         raise PalpateError(
             f"{path} has no circle.", "Draw each marker as a circle or an ellipse.", code="drawing-empty"
         )
+    from scipy.spatial import cKDTree  # here, because scipy is slow to load
+
     circles = np.array(rows, float)
     sizes = circles[:, 2]
     centres = circles[sizes <= _OUTLINE * np.median(sizes), :2]
-    again = np.linalg.norm(centres[:, None] - centres, axis=-1) < _SAME_MM
-    centres = centres[~np.tril(again, -1).any(axis=1)]
+    centres = np.delete(centres, cKDTree(centres).query_pairs(_SAME_MM, output_type="ndarray")[:, 1], axis=0)
     x, y = np.round(centres, 3).T
     radius = np.round(np.hypot(x, y), 3)
     azimuth = np.where(radius > 0, np.mod(np.arctan2(y, x), 2 * np.pi), 0.0)
@@ -140,7 +141,7 @@ def _ellipse(points: FloatArray) -> list[tuple[float, float, float]]:
     pairs += there[:, :, None] * there[:, None]
     moments = (pairs * cross[:, None, None]).sum(axis=0) / (24 * area) - np.outer(centre, centre)
     out = np.concatenate([here, (here + there) / 2]) - centre
-    size = 0.5 * np.sqrt((out @ np.linalg.pinv(moments) * out).sum(axis=1))
+    size = 0.5 * np.sqrt(np.maximum((out @ np.linalg.pinv(moments) * out).sum(axis=1), 0.0))
     x, y = (middle + centre).tolist()
     return [(x, y, float(np.sqrt(abs(area) / np.pi)))] if np.ptp(size) < _EVEN else []
 

@@ -10,7 +10,7 @@ from palpate.design.pose_space import TILT_SPACE, PoseSpace
 
 @dataclass(frozen=True, eq=False)
 class PoseEstimate:
-    """Estimated pose of the obstacle in one image or in n images; ``estimate["rx_deg"]`` is one component.
+    """Estimated pose of the obstacle in one image or in n images.
 
     Attributes
     ----------
@@ -25,7 +25,3 @@ class PoseEstimate:
     pose: FloatArray
     half_width: FloatArray
     space: PoseSpace = field(default=TILT_SPACE, kw_only=True)
-
-    def __getitem__(self, name: str) -> FloatArray:
-        component: FloatArray = self.pose[..., self.space.names.index(name)]
-        return component

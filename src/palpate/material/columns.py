@@ -14,7 +14,7 @@ from palpate.core.tables import Fault, Table, read_table
 from palpate.core.units import split_unit
 from palpate.material.spec import DECIMALS, DELIMITERS, StrainUnit, StressUnit, TestFileSpec
 
-_STRAIN = re.compile(
+STRAIN = re.compile(
     r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|verstreckung|d[ée]formation|allongement"
     r"|deforma[zc]i[oó]ne?\b|deformação|allungamento|alargamiento|应变|伸长|拉伸比|ひずみ|歪|伸び",
     re.I,
@@ -36,7 +36,7 @@ _SELDOM = re.compile(
 """Names of travel that other columns of the same file may have too."""
 _UNNAMED = re.compile(r"(?:ch|channel|col|column|value|signal|d?[a-z])?[ _-]?\d*", re.I)
 """Names that state no quantity."""
-_STRESS = re.compile(r"stress|spannung|contrainte|sforzo|esfuerzo|tensão|应力|応力|σ", re.I)
+STRESS = re.compile(r"stress|spannung|contrainte|sforzo|esfuerzo|tensão|应力|応力|σ", re.I)
 _FORCE = re.compile(
     r"force|load|kraft|\blast\b|\bcharge\b|\bcarico\b|\bcarga\b|forza|fuerza|força|载荷|荷重|力", re.I
 )
@@ -47,10 +47,8 @@ _NOT_STRAIN = re.compile(
 _TRUE = re.compile(r"\btrue\b|_true|true_|wahre|\bvraie?\b|真|cauchy|hencky|\blog(?:arithmi\w*)?\b|\bln\b", re.I)
 _SAMPLE = re.compile(r"sample|specimen|probe|éprouvette|试样|試験片", re.I)
 STRETCH = re.compile(r"stretch|lambda|λ|verstreckung|拉伸比", re.I)
-STRAIN_NAMES = (_STRAIN, _TRAVEL, _SELDOM, _LETTERS["strain"])
-"""Patterns of names of strain or travel; a later one counts if no column has an earlier one."""
-STRESS_NAMES = (_STRESS, _FORCE, _LETTERS["stress"])
-"""Patterns of names of stress or force, as in `STRAIN_NAMES`."""
+FORCE_NAMES = (_FORCE, _LETTERS["stress"])
+"""Patterns of names of force, which count if no column is called stress."""
 _STRAIN_UNITS = {
     **dict.fromkeys(("mm/mm", "m/m", "in/in", "-", "–", "1"), (StrainUnit.RATIO, 1.0)),
     **dict.fromkeys(("%", "percent", "pct", "百分比"), (StrainUnit.PERCENT, 1.0)),
@@ -169,8 +167,8 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
     PalpateError
         If a column is missing or ambiguous, or its unit is not stated; the message lists the columns.
     """
-    strains = _find(table, spec.strain, "strain", STRAIN_NAMES)
-    stresses = _find(table, spec.stress, "stress", STRESS_NAMES)
+    strains = _find(table, spec.strain, "strain", (STRAIN, _TRAVEL, _SELDOM, _LETTERS["strain"]))
+    stresses = _find(table, spec.stress, "stress", (STRESS, *FORCE_NAMES))
     if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
         raise _several(table, kind, several)
@@ -316,7 +314,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> t
     if len(units) == 1:
         return (*units.pop(), False)
     maximum = np.nanmax(np.abs(table.numbers(column)), initial=0.0)
-    if not units and (_STRAIN.search(name) or _LETTERS["strain"].search(name)):
+    if not units and (STRAIN.search(name) or _LETTERS["strain"].search(name)):
         if _is_ratio(table, column):
             return StrainUnit.RATIO, 1.0, False
         if maximum <= MAX_STRAIN:
@@ -342,7 +340,7 @@ def _is_ratio(table: Table, column: int) -> bool:
             gauge = float(np.median(np.abs(other / strain[rows])))
             if _GAUGE_LENGTHS[0] <= gauge <= _GAUGE_LENGTHS[1]:
                 return True
-        if _STRAIN.search(table.header[at]) and _TRUE.search(table.header[at]):
+        if STRAIN.search(table.header[at]) and _TRUE.search(table.header[at]):
             return bool(np.nanmedian(np.abs(other - np.log1p(np.maximum(strain[rows], -0.99)))) < _ALIKE)
     return False
 
@@ -365,8 +363,8 @@ def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: TestFileSpec) -> S
 def _sample_column(table: Table, spec: TestFileSpec) -> int | None:
     if spec.sample is not None:
         return _named(table, spec.sample, "sample")[0]
-    found = [at for at, name in enumerate(table.header) if _SAMPLE.search(name) and not _STRESS.search(name)]
-    found = [at for at in found if not (_STRAIN.search(table.header[at]) or _TRAVEL.search(table.header[at]))]
+    found = [at for at, name in enumerate(table.header) if _SAMPLE.search(name) and not STRESS.search(name)]
+    found = [at for at in found if not (STRAIN.search(table.header[at]) or _TRAVEL.search(table.header[at]))]
     found = [at for at in found if not _FORCE.search(table.header[at])]
     if len(found) > 1:
         shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in found)

@@ -11,8 +11,9 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 from palpate.core.tables import Table
 from palpate.material.columns import (
-    STRAIN_NAMES,
-    STRESS_NAMES,
+    FORCE_NAMES,
+    STRAIN,
+    STRESS,
     STRETCH,
     find_column,
     read_columns,
@@ -24,6 +25,10 @@ from palpate.material.spec import StrainUnit, TestFileSpec, TimeUnit
 
 _TIME = re.compile(r"time|zeit|temps|tempo|tiempo|时间|時間|\bt\b|\bt[ _(\[]", re.I)
 _MODULUS = re.compile(r"modul|relax|模量|弾性率", re.I)
+_EXTENDED = re.compile(
+    r"extension|displacement|travel|d[ée]placement|spostamento|desplazamiento|deslocamento|位移|変位", re.I
+)
+"""Names of travel from rest; a position may begin anywhere."""
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
 """Seconds a unit."""
 _UNITS = {
@@ -59,8 +64,8 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
     path, spec = Path(path), spec or TestFileSpec()
     table = read_columns(path, spec)
     time_at = find_column(table, spec.time, "time", (_TIME,))
-    stress_at = find_column(table, spec.stress, "stress", (*STRESS_NAMES, _MODULUS))
-    strain_at = seek_column(table, spec.strain, "strain", STRAIN_NAMES)
+    stress_at = find_column(table, spec.stress, "stress", (STRESS, _MODULUS, *FORCE_NAMES))
+    strain_at = seek_column(table, spec.strain, "strain", (STRAIN, _EXTENDED))
     columns = [time_at, stress_at, *([] if strain_at is None else [strain_at])]
     twice = [column for column in columns if columns.count(column) > 1]
     if twice:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -95,7 +96,7 @@ def optimise_design(
             code="search-running",
         )
     try:
-        evaluator.expect(space)
+        evaluator.expect(space, plan)
         trials = evaluator.search(space, plan, out / JOURNAL, evaluator.report_best)
         baseline = None
         if len(spec.objectives) > 1:
@@ -156,16 +157,20 @@ class _Evaluator:
     later: dict[str, float] = field(default_factory=dict)
     """Expected cost of the parts to come: journals of searches and steps after them."""
 
-    def expect(self, space: SkinSpace) -> None:
+    def expect(self, space: SkinSpace, plan: SearchPlan) -> None:
         """Set the cost of all parts, with those of the middle skin for skins that are not known yet."""
         spec, middle = self.spec, space.skin({name: sum(ends) / 2 for name, ends in space.ranges.items()})
         coarse, full = (
             plan_skin_evaluation(spec, middle, spec.materials[0], full=full).total_cost for full in (False, True)
         )
+        longest = 3600.0 * spec.max_hours * (self.workers or os.cpu_count() or 1)
+        left = {
+            name: count - len(read_trials(self.out / name, plan.n_objectives))
+            for name, count in ((JOURNAL, spec.skins), (CONTROL, spec.random_skins))
+        }
         parts = {
-            JOURNAL: spec.skins * coarse,
+            **{name: min(max(count, 0) * coarse, longest) for name, count in left.items()},
             "baseline": full if spec.baseline and (len(spec.objectives) > 1 or spec.validation != "none") else 0.0,
-            CONTROL: spec.random_skins * coarse,
             "grid": sum(task.total_cost for task in self._grid_tasks()),
             "finalists": spec.finalists * full,
             "validation": validation_cost(spec),
@@ -181,8 +186,7 @@ class _Evaluator:
     ) -> tuple[SearchTrial, ...]:
         """Search, and return the trials; a resumed search uses re-evaluated earlier trials."""
         before = read_trials(journal, plan.n_objectives)
-        left, cost = plan.trials - len(before), self.later.get(journal.name, 0.0) / plan.trials
-        self.later[journal.name] = left * cost
+        cost = self.later.setdefault(journal.name, 0.0) / max(plan.trials - len(before), 1)
         now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)

@@ -65,6 +65,9 @@ class Reading(PoseEstimate):
     fit: PoseFit | None = field(default=None, repr=False)
     rest: RestDrift | None = field(default=None, repr=False)
 
+    def __getitem__(self, name: str) -> float:
+        return float(self.pose[self.space.names.index(name)])
+
     @staticmethod
     def without_pose(space: PoseSpace, flag: Flag, found: int = 0, reason: str = "") -> Reading:
         """Return the flagged reading of an image from which no pose was estimated."""

@@ -13,7 +13,7 @@ from palpate.core import PalpateError
 from palpate.learn import RecordedModel
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import SensorSpec
-from palpate.vision import Correspondence, TrackedMarkers
+from palpate.vision import Correspondence, MatchFault, TrackedMarkers
 
 
 class RecordedSensor:
@@ -56,7 +56,7 @@ class RecordedSensor:
         )
 
     def _sighting(self, seen: Correspondence | None) -> TrackedMarkers | None:
-        """Return the positions of the assigned markers; `None` if the assignment was not accepted."""
-        if seen is None or self.model.layout is None or not seen.accepted:
+        """Return the positions of the assigned markers; `None` if they could not be assigned."""
+        if seen is None or self.model.layout is None or seen.fault not in (MatchFault.NONE, MatchFault.PICTURE):
             return None
         return TrackedMarkers(self.model.layout.rest_px + seen.moved_px, seen.found, seen.blob, False)

@@ -133,7 +133,15 @@ def test_backends_agree() -> None:
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("contact", ["sticky", -0.1, 11, "nan"])
-def test_an_unknown_contact_law_is_refused(contact: object) -> None:
-    with refused("contact-unknown"):
+@pytest.mark.parametrize(
+    ("contact", "code"),
+    [
+        ("sticky", "contact-unknown"),
+        ("nan", "contact-unknown"),
+        (-0.1, "friction-out-of-bounds"),
+        (11, "friction-out-of-bounds"),
+    ],
+)
+def test_an_unknown_contact_law_is_refused(contact: object, code: str) -> None:
+    with refused(code):
         WallSpec(contact=contact)

@@ -47,6 +47,18 @@ def test_a_stress_beside_its_force_and_a_strain_beside_its_travel_are_taken(tmp_
     assert test.strain == pytest.approx(strain)
 
 
+@pytest.mark.parametrize("name", ["Position (mm)", "Crosshead (mm)", "Distance (mm)", "Position number"])
+def test_a_position_is_no_strain_since_it_may_begin_anywhere(tmp_path, name):
+    path = write(tmp_path / "a.csv", f"Time (s),Load (N),{name}", TIME, STRESS, 120.0 + np.minimum(TIME, 10.0))
+    assert read_relaxation(path).strain is None
+
+
+def test_a_modulus_counts_before_a_force(tmp_path):
+    header = "Time (s),Relaxation modulus (Pa),Normal force (N),Strain (%)"
+    test = read_relaxation(write(tmp_path / "a.csv", header, TIME, STRESS, STRESS[::-1], np.full(40, 5.0)))
+    assert test.stress == pytest.approx(STRESS)
+
+
 @pytest.mark.parametrize(("unit", "size"), [("ms", 1e3), ("min", 1 / 60), ("h", 1 / 3600)])
 def test_times_of_other_units_become_seconds(tmp_path, unit, size):
     test = read_relaxation(write(tmp_path / "a.csv", f"Zeit [{unit}],Kraft [N]", TIME * size, STRESS))

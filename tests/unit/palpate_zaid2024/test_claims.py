@@ -1,6 +1,6 @@
 import json
 import shutil
-from dataclasses import replace
+from dataclasses import fields, replace
 from importlib import import_module
 
 import pytest
@@ -12,10 +12,12 @@ from palpate_zaid2024.claim import CLAIMS
 from palpate_zaid2024.evidence import DESIGNS, Evidence
 
 from errors import check_values, refused
+from palpate.fea import MeshResult
 from palpate.study import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER, leave_out_pictures
 
 PAGES = import_module("palpate_zaid2024.write_claims")
+MESH_COLUMNS = ",".join(one.name for one in fields(MeshResult))
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED
 WHOLE = evaluate_grid(PAPER)
 
@@ -221,7 +223,7 @@ def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
     ],
 )
 def test_a_mesh_is_fine_enough_only_where_all_finer_ones_agree(tmp_path, errors, expected):
-    lines = ["elements,stress_error", *(f"{elements},{share}" for elements, share in errors.items())]
+    lines = [MESH_COLUMNS, *(f"8,{elements},9,8,0.1,0.2,{share},0,0,0,1" for elements, share in errors.items())]
     (tmp_path / "convergence.csv").write_text("\n".join(lines))
     assert assess_mesh(tmp_path / "convergence.csv").verdict == expected
 
@@ -234,7 +236,9 @@ def test_a_broken_mesh_study_is_refused(tmp_path):
 
 def test_each_contact_law_of_a_mesh_study_is_answered(tmp_path):
     for law in ("frictionless", "no_slip"):
-        (tmp_path / f"convergence_{law}.csv").write_text("elements,stress_error\n100,0.01\n200,0\n")
+        (tmp_path / f"convergence_{law}.csv").write_text(
+            f"{MESH_COLUMNS}\n8,100,9,8,0.1,0.2,0.01,0,0,0,1\n9,200,9,8,0.1,0.2,0,0,0,0,1\n"
+        )
     grids, meshes = read_evidence([tmp_path])
     answers = [answer for answer in assess_claims(grids, meshes) if answer.claim.name == "C2"]
     assert [answer.source for answer in answers] == ["mesh study, frictionless", "mesh study, no slip"]

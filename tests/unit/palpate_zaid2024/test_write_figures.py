@@ -38,4 +38,4 @@ def test_the_state_of_the_real_sensor_comes_first(page):
     assert first.startswith("Table 3")
     assert second.startswith("Table 2")
     assert "No sensor of this design" in page.read_text("utf-8").split("## Table 2")[0]
-    assert "Add the folder of `palpate calibration predict" in page.read_text("utf-8")
+    assert "give the folder of `palpate calibration predict` too" in page.read_text("utf-8")

@@ -78,6 +78,10 @@ def fitted():
     return make_reading(fit.pose, force=force, fit=fit)
 
 
+def test_one_component_of_a_reading_is_a_number_for_json():
+    assert json.dumps({"rx": readings()[0]["rx_deg"]}) == '{"rx": 3.0}'
+
+
 def test_forces_and_friction_stand_beside_the_pose(tmp_path):
     row = describe_reading(fitted())
     assert row["normal_force_n"] == pytest.approx(0.5)
