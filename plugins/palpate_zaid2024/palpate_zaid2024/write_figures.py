@@ -37,7 +37,7 @@ _DEPTH_MM, _TILT_DEG = 8.0, 12.0
 """Press of Fig. 10: the depth is printed, the tilt is the largest of the study."""
 _GRID_FIGURES = (("11", "travel", "travel_mm"), ("12", "heat", "rmse_deg"), ("12", "heat", "max_error_deg"))
 """Number in the paper, kind of picture and metric of figures of a grid."""
-_FRAME_MM = 27.0
+_FRAME_MM = 29.0
 """Half width and height of a panel of Fig. 10."""
 _RANGE = (0.5, 5.0)
 """Stretches of the paper's tests."""
