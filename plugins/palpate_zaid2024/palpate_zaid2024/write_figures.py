@@ -41,8 +41,6 @@ _FRAME_MM = 29.0
 """Half width and height of a panel of Fig. 10."""
 _RANGE = (0.5, 5.0)
 """Stretches of the paper's tests."""
-_COEFFICIENTS = {"C10": 14115.6, "C20": 110.6, "C30": 4.8}
-"""Table 2, Pa."""
 _MATERIAL = "zaid_2024_ecoflex_00_30"
 _NO_PREDICTION = "Degrees, mm for the depth. For a prediction, give the folder of `palpate calibration predict` too."
 _MPA = 1e-6
@@ -159,8 +157,8 @@ def _table_3(grids: Sequence[Evidence]) -> Report:
 
 
 def _table_2() -> Report:
-    law = get_material(_MATERIAL).law
-    rows = [[name, f"{pascal:g}", f"{getattr(law, name) / _MPA:g}"] for name, pascal in _COEFFICIENTS.items()]
+    paper, ours = get_material(TABLE_2).law, get_material(_MATERIAL).law
+    rows = [[name, *(f"{getattr(law, name) / _MPA:g}" for law in (paper, ours))] for name in ("C10", "C20", "C30")]
     return Report.of("", ("coefficient", "paper (Pa)", f"`{_MATERIAL}` (Pa)"), rows)
 
 

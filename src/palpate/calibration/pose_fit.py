@@ -28,7 +28,7 @@ class PoseFit(PoseEstimate):
     Attributes
     ----------
     covariance
-        (3, 3) of the pose, including the uncertainty of the unit.
+        (3, 3) of rx, ry (degrees) and depth (mm), including the uncertainty of the unit.
     inverse_friction, curvature
         1/µ, and the curvature of the wall (1/m); 0 if not fitted.
     force

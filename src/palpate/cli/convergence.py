@@ -49,8 +49,9 @@ def convergence(
 
     points = place_markers(flags.shape.skin_spec().build(), markers).positions
     check_folder(out)
+    problem = flags.problem()
     announce_compilation()
-    results = study_convergence(*flags.problem(), points, meshes, _print_mesh)
+    results = study_convergence(*problem, points, meshes, _print_mesh)
     if out is not None:
         _write_results(out, results)
     output.show([asdict(result) for result in results], _report(results, out))

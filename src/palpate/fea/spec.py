@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import partial
@@ -45,11 +46,9 @@ def check_contact(value: Any) -> str | float:
     if not 0 <= number <= GREATEST_FRICTION:
         remedy = f"choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to {GREATEST_FRICTION:g}"
         given = {"given": str(value), "remedy": remedy}
-        if number == number:
-            raise PydanticCustomError(
-                "friction-out-of-bounds", "the coefficient of friction is {given}; {remedy}", given
-            )
-        raise PydanticCustomError("contact-unknown", "unknown contact law '{given}'; {remedy}", given)
+        if math.isnan(number):
+            raise PydanticCustomError("contact-unknown", "unknown contact law '{given}'; {remedy}", given)
+        raise PydanticCustomError("friction-out-of-bounds", "the coefficient of friction is {given}; {remedy}", given)
     return number
 
 

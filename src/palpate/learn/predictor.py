@@ -72,9 +72,8 @@ class Predictor:
         given = {INPUT: np.ascontiguousarray(images_px, dtype=float)}
         found = [part.astype(float) for part in self.session.run(wanted, given)]
         forces = (found[-2], found[-1]) if self.forces else (None, None)
-        half, outside = (np.full(found[0].shape, np.inf), np.zeros(len(found[0])))
-        if self.level is not None:
-            half, outside = found[1:3]
+        unknown = np.full(found[0].shape, np.inf), np.zeros(len(found[0]))
+        half, outside = unknown if self.level is None else found[1:3]
         return Prediction(found[0], half, outside > 0, *forces, space=self.space)
 
 

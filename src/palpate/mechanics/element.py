@@ -221,7 +221,7 @@ def add_residual(
     Returns
     -------
     float
-        Stored energy, mJ.
+        Stored energy, mJ; infinite if the energy of the law is.
     """
     g, r, tau = np.empty((NODES, 3)), np.empty(DOFS), np.empty(6)
     energy = 0.0
