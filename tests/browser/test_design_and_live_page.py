@@ -31,6 +31,9 @@ def test_a_slider_changes_the_camera_at_once(page, link):
     before = dots(page)
     box(page, "distance").fill("80")
     wait_for_motion(page, before, 100, 1)
+    before = dots(page)
+    box(page, "height").fill("14")
+    wait_for_motion(page, before, 100, 1)
     box(page, "rings").fill("2")
     wait_for_dots(page, 19)
 

@@ -53,7 +53,7 @@ class DesignPage:
         with ui.element("div").classes("card"):
             heading("Dome")
             for name, label, step in _DOME:
-                NumberField(DomeSpec, name, label, step, self._setter("dome", name))
+                NumberField(DomeSpec, name, label, step, self._setter("skin", name))
             ui.select(
                 list(list_materials()),
                 value=DesignDraft().material.name,
