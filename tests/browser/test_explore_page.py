@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import re
 import time
 from pathlib import Path
@@ -166,6 +167,31 @@ def test_the_value_under_the_pointer_is_that_of_the_colour(page, link):
     assert apex == pytest.approx(3.0, rel=0.05), "the apex moves with the wall"
     page.mouse.move(box["x"] + 4, box["y"] + box["height"] - 4)
     page.wait_for_function("document.querySelector('.dome-probe').textContent === ''")
+
+
+AREA = """async () => {
+    const [{ placeSection }, { stage }, { THREE }] = await Promise.all(
+        ["palpate-stage/section.js", "palpate-stage", "nicegui-scene"].map(name => import(name)));
+    const { shell } = stage.slots.a; const count = shell.arrays.rest.length;
+    const three = { section: new THREE.Mesh(), skin: {}, positions: { array: shell.arrays.rest },
+        colours: { array: new Float32Array(count) }, field: new Float32Array(count / 3) };
+    placeSection(three, shell);
+    const points = three.section.geometry.getAttribute("position").array; let area = 0;
+    const corner = i => new THREE.Vector3(points[i], points[i + 1], points[i + 2]);
+    for (let i = 0; i < points.length; i += 9)
+        area += new THREE.Triangle(corner(i), corner(i + 3), corner(i + 6)).getArea();
+    return area; }"""
+
+
+def test_the_cut_is_moved_and_its_face_is_whole(page, link):
+    open_page(page, link)
+    for at in (0, 6, -12.5):
+        slide(page, "cut_at", at)
+        # of a hemisphere, half a ring whose area is the same in every plane
+        assert page.evaluate(AREA) == pytest.approx(math.pi / 2 * (22**2 - 20**2), rel=0.02)
+    page.wait_for_url(re.compile("cut_at=-12.5"))
+    page.get_by_role("checkbox", name="Cut away").click()
+    page.wait_for_function("!document.querySelector('.pose-bar input[name=cut_at]')")
 
 
 def test_a_resting_picture_has_more_pixels_than_the_screen(page, link):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from nicegui import ui
 from nicegui.element import Element
+
+from palpate.viewer.link import ColourQuantity
 
 SWITCHES = (("cut", "Cut away"), ("markers", "Markers"), ("trails", "Marker paths"), ("wall", "Wall"))
 """Parts of the 3-D view that a visitor shows or hides, with their labels."""
@@ -41,6 +44,37 @@ def view_buttons(*domes: DomeView) -> None:
             ui.button(side, on_click=partial(look, side)).props("flat dense no-caps")
 
 
+def look_row(
+    change: Callable[[str, Any], None], first: Mapping[str, Any], switches: Sequence[tuple[str, str]] = SWITCHES
+) -> None:
+    """Place colour and visible parts of the dome; `change` takes the name and value of one."""
+    colours = [str(item) for item in ColourQuantity]
+    with ui.element("div").classes("look"):
+        ui.toggle(
+            colours, value=str(first.get("colour", colours[0])), on_change=lambda event: change("colour", event.value)
+        ).props('no-caps dense unelevated role="group" aria-label="Colour of the dome" data-testid="colour"')
+        for name, label in switches:
+            ui.checkbox(
+                label, value=first.get(name, True), on_change=lambda event, name=name: change(name, event.value)
+            ).props("dense")
+
+
+def place_table(
+    headings: Sequence[str], rows: Iterable[Sequence[str | Callable[[], object]]], bold: int = -1
+) -> None:
+    """Place a table of texts, or of elements that are placed by a call; row `bold` is in bold type."""
+    with ui.element("div").classes("wide-table"), ui.element("table").classes("errors"):
+        with ui.element("tr"):
+            for name in headings:
+                with ui.element("th"):
+                    ui.label(name)
+        for number, row in enumerate(rows):
+            with ui.element("tr").classes("kept" if number == bold else ""):
+                for cell in row:
+                    with ui.element("td"):
+                        cell() if callable(cell) else ui.label(cell)
+
+
 class CameraView(Element, component="scripts/camera_view.js"):
     """Image of the camera below the skin; for `slot` see `DomeView`."""
 
@@ -55,11 +89,11 @@ class CameraView(Element, component="scripts/camera_view.js"):
 
 
 class PoseBar(Element, component="scripts/pose_bar.js"):
-    """Sliders for depth (mm), tilt and azimuth (degrees); emits ``rest`` with all three after a change."""
+    """Sliders for depth, tilt, azimuth and cut (mm, degrees); emits ``rest`` with all after a change."""
 
-    def __init__(self, depth: float, tilt: float, azimuth: float) -> None:
+    def __init__(self, depth: float, tilt: float, azimuth: float, cut_at: float = 0.0) -> None:
         super().__init__()
-        self._props["first"] = {"depth": depth, "tilt": tilt, "azimuth": azimuth}
+        self._props["first"] = {"depth": depth, "tilt": tilt, "azimuth": azimuth, "cut_at": cut_at}
 
     def show(self, name: str | None, slot: str = "a") -> None:
         """Put a design of the shelf on the stage, or take it off."""

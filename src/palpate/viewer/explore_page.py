@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 from urllib.parse import urlencode
 
@@ -14,7 +14,7 @@ from palpate.study import design_label, grid_column, own_column
 from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
-from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, view_buttons
+from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, look_row, view_buttons
 from palpate.viewer.labels import jitter_words
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
@@ -119,22 +119,10 @@ class ExplorePage:
             self._dome = DomeView("a", "Design shown")
             self._second = DomeView("b", "Compared design")
             view_buttons(self._dome, self._second)
-        self._build_look()
-        self._bar = PoseBar(view.depth, view.tilt, view.azimuth)
+        look_row(self._choose_look, asdict(view))
+        self._bar = PoseBar(view.depth, view.tilt, view.azimuth, view.cut_at)
         self._bar.on("rest", self._rest)
         self._bar.look(**{name: getattr(view, name) for name, _ in SWITCHES}, colour=str(view.colour))
-
-    def _build_look(self) -> None:
-        with ui.element("div").classes("look"):
-            ui.toggle(
-                [str(item) for item in ColourQuantity], value=str(self._view.colour), on_change=self._choose_colour
-            ).props('no-caps dense unelevated aria-label="Colour of the dome" data-testid="colour"')
-            for name, label in SWITCHES:
-                ui.checkbox(
-                    label,
-                    value=getattr(self._view, name),
-                    on_change=lambda event, name=name: self._choose_look(name, event.value),
-                ).props("dense")
 
     def _build_curves(self) -> None:
         with ui.element("div").classes("card"):
@@ -251,16 +239,12 @@ class ExplorePage:
         if event.series_type == "scatter":
             self._choose(_row_of(event, 2))
 
-    def _choose_colour(self, event: events.ValueChangeEventArguments[Any]) -> None:
-        self._change(colour=ColourQuantity(event.value))
-        self._bar.look(colour=event.value)
-
-    def _choose_look(self, name: str, value: bool) -> None:
-        self._change(**{name: value})
+    def _choose_look(self, name: str, value: Any) -> None:
+        self._change(**{name: ColourQuantity(value) if name == "colour" else value})
         self._bar.look(**{name: value})
 
     def _rest(self, event: events.GenericEventArguments) -> None:
-        pose = {name: float(event.args[name]) for name in ("depth", "tilt", "azimuth")}
+        pose = {name: float(event.args[name]) for name in ("depth", "tilt", "azimuth", "cut_at")}
         self._change(**pose)
         self._draw_curves()
 

@@ -54,10 +54,9 @@ def dome_parts(design: GridDesign, specimen: RenderedSkin, pose: tuple[float, fl
     turn = turn_about_axis(np.radians(azimuth_deg - motion.azimuth_deg))
     shell, nodes = specimen.shell, specimen.pressed.nodes
     moved = _between(motion, motion.displacement, depth)
-    first, _ = shell.parts["cut"]
-    seen = shell.nodes[: shell.triangles[:first].max() + 1]  # all but the cut, which a whole dome does not show
+    triangles = shell.triangles
+    seen = shell.nodes[: triangles.max() + 1]
     points, size = (nodes + moved)[seen], np.linalg.norm(moved[seen], axis=1)
-    triangles = shell.triangles[:first]
     if not specimen.pressed.mesh.spec.whole:
         triangles = np.concatenate([triangles, triangles[:, ::-1] + len(points)])
         points, size = np.concatenate([points, points * [-1.0, 1.0, 1.0]]), np.tile(size, 2)

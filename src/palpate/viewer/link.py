@@ -27,6 +27,8 @@ class View:
 
     Attributes
     ----------
+    result
+        Name of the opened result in a folder of results; empty if the result was given itself.
     design, other
         Numbers of the design shown and of the compared one; -1 for none.
     metric, across, up
@@ -35,12 +37,15 @@ class View:
         Query that selects designs; empty for all.
     depth, tilt, azimuth
         Pose of the wall: mm, degrees, degrees.
+    cut_at
+        Distance of the cut from the axis, mm; positive where more than half of the skin is cut away.
     colour
         Quantity shown by the colour.
     cut, markers, trails, wall
-        Visible parts: half the skin only, markers, their trails, the wall.
+        Visible parts: the skin behind the cut only, markers, their trails, the wall.
     """
 
+    result: str = ""
     design: int = 0
     other: int = -1
     metric: str = ""
@@ -50,6 +55,7 @@ class View:
     depth: float = 0.0
     tilt: float = 0.0
     azimuth: float = 0.0
+    cut_at: float = 0.0
     colour: ColourQuantity = ColourQuantity.DISPLACEMENT
     cut: bool = True
     markers: bool = True

@@ -18,7 +18,7 @@ _EDGE = 97
 
 
 def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera) -> bytes:
-    """Message of the constant parts: rest (v, 3) mm, triangles (k, 3), seam (v,), markers, skin, camera.
+    """Message of the constant parts: rest (v, 3) mm, triangles, cells, seam (v,), markers, skin, camera.
 
     The triangles are ordered by parts, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
     the clamped parts.
@@ -42,6 +42,7 @@ def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera)
     arrays = {
         "rest": pressed.mesh.nodes[shell.nodes],
         "triangles": shell.triangles,
+        "cells": shell.cells,
         "seam": shell.seam,
         "clamps": _clamps(skin),
         "rest_px": camera.project(layout.positions),

@@ -19,7 +19,7 @@ from palpate.fea import Press, WallSpec
 from palpate.viewer.charts import ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.design_cache import DesignCache
-from palpate.viewer.elements import SWITCHES, CameraView, DomeView, PoseBar, view_buttons
+from palpate.viewer.elements import CameraView, DomeView, PoseBar, look_row, view_buttons
 from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import WRONG_FIELD, NumberField
@@ -92,23 +92,11 @@ class Workbench:
         self._fault = error_label()
         with ui.element("div").classes("domes"):
             view_buttons(DomeView("a", "The design"))
-        self._look_row = ui.element("div").classes("look")
+        look_row(lambda name, value: self._bar.look(**{name: value}), {})
         self._bar = PoseBar(0.0, 0.0, 0.0)
-        self._build_look(self._bar)
         self._busy(False)
         self._timer = ui.timer(_LOOK_S, self._look, active=False)
         ui.context.client.on_disconnect(self._cancel_job)
-
-    def _build_look(self, bar: PoseBar) -> None:
-        colours = ["displacement", "stress", "contact"]
-        with self._look_row:
-            ui.toggle(colours, value=colours[0], on_change=lambda event: bar.look(colour=event.value)).props(
-                'no-caps dense unelevated role="group" aria-label="Colour of the dome"'
-            )
-            for name, label in SWITCHES:
-                ui.checkbox(
-                    label, value=True, on_change=lambda event, name=name: bar.look(**{name: event.value})
-                ).props("dense")
 
     def build_right(self) -> None:
         """Place the camera's view, findings and the force."""

@@ -29,7 +29,7 @@ def test_what_the_page_draws_is_whole(library):
     specimen = library.specimen(design)
     meta, arrays = read_message(describe_shell(specimen, design.design.layout, design.design.camera))
     assert meta["tilts_deg"] == [0, 3, 6]
-    assert arrays["triangles"].max() == len(arrays["rest"]) - 1
+    assert arrays["cells"].max() == len(arrays["rest"]) - 1
     motion = specimen.pressed.at(2.5)
     meta, moved = read_message(describe_motion(specimen, motion, stress=True))
     assert moved["displacement"].shape == (6, *arrays["rest"].shape)

@@ -1,14 +1,14 @@
-// The skin in 3-D: half of it is drawn and mirrored, so that the other half can be cut away; a whole one is clipped.
+// The skin in 3-D: of a half skin the mirror image is drawn as well; a plane that is moved cuts it open.
 import { OrbitControls, THREE } from "nicegui-scene";
 import { between, changed, listen, placeOf, save, stage } from "palpate-stage";
 import { drawGauge, GAUGE } from "palpate-stage/gauge.js";
+import { buildSection, placeSection } from "palpate-stage/section.js";
 import { colour, FAR_MM, isBlank, ramp, topOfAll } from "palpate-stage/tones.js";
 
 const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
 const CLAMP_MM = [4, 3];
 const REST_MS = 250;
 const [COARSE, SHARP] = [0.7, 1.5]; // pixels of a moving and of a resting picture without a graphics card
-const HALF = new THREE.Plane(new THREE.Vector3(1, 0, 0), 0);
 
 export default {
   props: { slotName: String, label: String },
@@ -108,9 +108,8 @@ export default {
       three.pivot.visible = true;
       const { turned } = slot.shell.meta;
       three.pivot.rotation.z = turned ? (stage.pose.azimuth * Math.PI) / 180 : 0;
-      three.other.visible = turned && !stage.look.cut;
-      three.cut.visible = turned && stage.look.cut;
-      three.skin.clippingPlanes = !turned && stage.look.cut ? [HALF] : [];
+      three.other.visible = turned && !(stage.look.cut && stage.pose.cut_at >= 0);
+      placeSection(three, slot.shell);
       this.say(slot, place);
     },
     say(slot, place) {
@@ -218,12 +217,12 @@ function newFault() {
 function valueAt(three, pointer) {
   const ray = new THREE.Raycaster();
   ray.setFromCamera(pointer, three.camera);
-  const meshes = [three.whole, three.cut, three.other].filter((mesh) => mesh.visible);
+  const meshes = [three.section, three.whole, three.other].filter((mesh) => mesh.visible);
   meshes.forEach((mesh) => (mesh.geometry.boundingSphere = null)); // the skin has moved since
   const planes = three.skin.clippingPlanes;
-  const hit = ray.intersectObjects(meshes).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0));
+  const hit = ray.intersectObjects(meshes).find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) > -1e-3));
   if (!hit) return null;
-  const at = (vertex) => three.field[vertex];
+  const at = (vertex) => (hit.object.userData.field ?? three.field)[vertex];
   return hit.barycoord.dot(new THREE.Vector3(at(hit.face.a), at(hit.face.b), at(hit.face.c)));
 }
 
@@ -249,7 +248,6 @@ function loadShell(three, shell) {
   const { rest, triangles } = shell.arrays;
   three.pivot.clear();
   three.fixed.clear();
-  const { parts } = shell.meta;
   const geometry = new THREE.BufferGeometry();
   three.positions = new THREE.BufferAttribute(new Float32Array(rest), 3);
   three.colours = new THREE.BufferAttribute(new Float32Array(rest.length), 3);
@@ -260,29 +258,17 @@ function loadShell(three, shell) {
   geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(triangles), 1));
   geometry.computeVertexNormals();
   three.geometry = geometry;
-  three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), rest.length / 3);
   const skin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 18, specular: 0x222222 });
-  const whole = (three.whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin));
-  const cutSkin = new THREE.MeshPhongMaterial({ color: 0xd4d4d4, vertexColors: true, side: THREE.DoubleSide, shininess: 0,
-    polygonOffset: true, polygonOffsetFactor: -1 });
+  const whole = (three.whole = new THREE.Mesh(geometry, skin));
   three.skin = skin;
-  three.cut = new THREE.Mesh(share(geometry, 3 * parts.cut[0], 3 * parts.cut[1]), cutSkin);
-  three.other = new THREE.Mesh(whole.geometry, skin);
+  three.section = buildSection();
+  three.other = new THREE.Mesh(geometry, skin);
   three.other.visible = false;
   three.other.scale.set(-1, 1, 1);
-  [whole, three.cut, three.other].forEach((mesh) => (mesh.frustumCulled = false));
-  three.pivot.add(whole, three.cut, three.other, buildWall(three, shell.meta));
+  [whole, three.section, three.other].forEach((mesh) => (mesh.frustumCulled = false));
+  three.pivot.add(whole, three.section, three.other, buildWall(three, shell.meta));
   buildMarkers(three, shell);
   three.fixed.add(buildClamps(shell.arrays.clamps));
-}
-
-// The same points and colours, of which only a part of the triangles is drawn.
-function share(geometry, first, count) {
-  const part = new THREE.BufferGeometry();
-  for (const name of ["position", "color", "normal"]) part.setAttribute(name, geometry.getAttribute(name));
-  part.setIndex(geometry.getIndex());
-  part.setDrawRange(first, count);
-  return part;
 }
 
 function buildWall(three, meta) {
@@ -385,19 +371,19 @@ function roomFor(geometry, size) {
   return place.array;
 }
 
-// Whether a marker sits on the half that is cut away: on the far side of the mirror plane at rest.
+// Whether a marker sits on the part that is cut away: on the far side of the cut at rest.
 function cutAway(positions, count, azimuth) {
   if (!stage.look.cut) return () => false;
   const angle = (azimuth * Math.PI) / 180;
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-  return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < -0.1;
+  return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < stage.pose.cut_at - 0.1;
 }
 
 // Normals of the drawn half; in the mirror plane they lie in it, so that no crease shows.
 function smooth(three, seam) {
   three.geometry.computeVertexNormals();
   const normals = three.geometry.getAttribute("normal");
-  for (let i = 0; i < three.cutFrom; i++) {
+  for (let i = 0; i < seam.length; i++) {
     if (!seam[i]) continue;
     const [y, z] = [normals.getY(i), normals.getZ(i)];
     const length = Math.hypot(y, z) || 1;

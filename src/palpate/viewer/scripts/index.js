@@ -11,7 +11,7 @@ const listeners = new Set();
 let drawn = false;
 
 export const stage = {
-  pose: { depth: 0, tilt: 0, azimuth: 0 },
+  pose: { depth: 0, tilt: 0, azimuth: 0, cut_at: 0 },
   look: { colour: "displacement", cut: true, markers: true, trails: true, wall: true, dark: false },
   slots: { a: emptySlot(), b: emptySlot() },
   fault: "",

@@ -1,4 +1,4 @@
-// Depth, tilt and azimuth of the wall. Sliders move the stage at once; the server hears of it when they rest.
+// Depth, tilt and azimuth of the wall, and the place of the cut. Sliders move the stage at once; the server hears of it when they rest.
 import { changed, listen, placeOf, setLook, setPose, show, stage } from "palpate-stage";
 
 const REST_MS = 250;
@@ -7,7 +7,7 @@ const PLAY_MM_S = 2.2;
 export default {
   props: { first: Object, alone: Boolean },
   template: `
-    <div class="pose-bar" role="group" aria-label="Pose of the wall">
+    <div class="pose-bar" role="group" aria-label="Pose of the wall, and cut">
       <button type="button" class="pose-play" :aria-label="playing ? 'Stop' : 'Play the press'" @click="play">{{ playing ? "❚❚" : "▶" }}</button>
       <label v-for="axis in axes" :key="axis.name">
         <span>{{ axis.title }}</span>
@@ -18,7 +18,8 @@ export default {
       </label>
     </div>`,
   data() {
-    return { playing: false, values: { depth: 0, tilt: 0, azimuth: 0 }, deepest: 8, tilts: [0, 12] };
+    return { playing: false, values: { depth: 0, tilt: 0, azimuth: 0, cut_at: 0 }, deepest: 8, tilts: [0, 12],
+      wide: 0, cutting: true };
   },
   computed: {
     axes() {
@@ -27,7 +28,8 @@ export default {
         { name: "depth", title: "Depth", unit: "mm", low: 0, high: this.deepest, step: 0.02, digits: 2 },
         { name: "tilt", title: "Tilt", unit: "°", low, high, step: 0.1, digits: 1 },
         { name: "azimuth", title: "Azimuth", unit: "°", low: 0, high: 360, step: 1, digits: 0 },
-      ];
+        { name: "cut_at", title: "Cut", unit: "mm", low: -this.wide, high: this.wide, step: 0.1, digits: 1 },
+      ].slice(0, this.cutting ? 4 : 3);
     },
   },
   mounted() {
@@ -62,15 +64,18 @@ export default {
     },
     // The sliders reach as far as the designs on the stage do.
     fit() {
+      this.cutting = stage.look.cut;
       const shown = Object.values(stage.slots).filter((slot) => slot.motion);
       if (!shown.length) return;
       const deepest = Math.max(...shown.map((slot) => slot.motion.meta.depths_mm.at(-1)));
       const tilts = shown.map((slot) => slot.shell.meta.tilts_deg);
       this.deepest = deepest;
       this.tilts = [Math.min(...tilts.map((all) => all[0])), Math.max(...tilts.map((all) => all.at(-1)))];
-      const [low, high] = this.tilts;
-      const reached = { depth: Math.min(this.values.depth, deepest), tilt: Math.min(Math.max(this.values.tilt, low), high) };
-      if (reached.depth !== this.values.depth || reached.tilt !== this.values.tilt) {
+      this.wide = Math.max(...shown.map((slot) => Math.floor(10 * slot.shell.meta.outer_radius_mm) / 10));
+      const within = (name, low, high) => Math.min(Math.max(this.values[name], low), high);
+      const reached = { depth: within("depth", 0, deepest), tilt: within("tilt", ...this.tilts),
+        cut_at: within("cut_at", -this.wide, this.wide) };
+      if (Object.keys(reached).some((name) => reached[name] !== this.values[name])) {
         Object.assign(this.values, reached);
         setPose(reached);
       }
