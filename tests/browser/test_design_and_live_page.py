@@ -115,6 +115,11 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
         "document.querySelector('.pose-bar input[name=depth]').valueAsNumber > 1.9", timeout=60_000
     )
     check_values(page.get_by_test_id("force-note").inner_text(), EndReason.DEPTH_REACHED, "2.00 mm")
+    with page.expect_download() as download:
+        page.get_by_test_id("vtk").click()
+    assert "press/press.pvd" in zipfile.ZipFile(Path(download.value.path())).namelist()
+    box(page, "height").fill("13")
+    page.get_by_test_id("vtk").wait_for(state="hidden")
 
 
 @pytest.mark.slow

@@ -285,6 +285,7 @@ EXPORTS = (
     ("heat_maps.svg", b"<svg"),
     ("dome.glb", b"glTF"),
     ("grid.csv", b"height_mm"),
+    ("press.zip", b"PK"),
     ("markers.csv", b"rx_deg"),
 )
 

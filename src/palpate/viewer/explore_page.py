@@ -19,6 +19,7 @@ from palpate.viewer.labels import jitter_words
 from palpate.viewer.library import DesignLibrary
 from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
+from palpate.viewer.press_download import download_press
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import GridDesign
 
@@ -77,6 +78,7 @@ class ExplorePage:
                 ("camera-svg", "Camera view (SVG)", lambda: self._camera.save("camera.svg")),
                 ("heat-maps-svg", "Heat maps (SVG)", self._save_heat),
                 ("dome-glb", "Dome at this pose (glTF)", lambda: self._download("dome.glb", depth=self._view.depth)),
+                ("press-zip", "Nearest solved press (VTK)", self._download_press),
                 ("markers-csv", "Markers at this tilt (CSV)", lambda: self._download("markers.csv")),
                 ("grid-csv", "Designs that are kept (CSV)", self._download_grid),
             ):
@@ -264,6 +266,14 @@ class ExplorePage:
         view = self._view
         query = {"name": view.design, "tilt": view.tilt, "azimuth": view.azimuth, **more}
         ui.download.from_url(f"/data/{file}?{urlencode(query)}", file)
+
+    async def _download_press(self) -> None:
+        try:
+            pressed = self._library.specimen(self._library.design(self._view.design)).pressed
+        except PalpateError as error:
+            show_error(self._fault, str(error), error.code)
+            return
+        await download_press(pressed.nearest(self._view.tilt, self._view.azimuth), self._fault)
 
     def _download_grid(self) -> None:
         ui.download.from_url(f"/data/grid.csv?{urlencode({'where': self._view.where})}", "grid.csv")

@@ -121,6 +121,16 @@ class PressedSkin:
         """(d,) depths, from 0."""
         return np.zeros(1) if self.press_field is None else self.press_field.depths_mm
 
+    def nearest(self, tilt_deg: float, azimuth_deg: float) -> Press:
+        """Return the solved press nearest to a pose of the wall (degrees); of a turned skin, nearest in tilt."""
+        pose = rotation_vector(tilt_deg, np.radians(0.0 if self.turned else azimuth_deg))
+
+        def distance(press: Press) -> float:
+            azimuth = 0.0 if self.turned else np.radians(press.obstacle.turn_deg)
+            return float(np.linalg.norm(rotation_vector(press.obstacle.radial, azimuth) - pose))
+
+        return min(self.solved, key=distance)
+
     @cached_property
     def nodes(self) -> FloatArray:
         """(n, 3) mm nodes of the skin at rest, without its gel."""
@@ -191,7 +201,7 @@ class PressedSkin:
             If the azimuth is not finite, or a marker is not on the skin.
         """
         azimuth = np.radians([_finite(azimuth_deg)])
-        if self.press_field is None:
+        if self.press_field is None or not len(layout):
             return np.broadcast_to(layout.positions, (len(motion.depths_mm), *layout.positions.shape))
         name = layout.positions.tobytes()
         if name not in self._fields:

@@ -1,14 +1,15 @@
-"""Long computations of the design page in separate processes: a press, a fabrication pack."""
+"""Long computations of the pages: a press, its export, a fabrication pack."""
 
 from __future__ import annotations
 
 import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 from palpate.core.run import Progress
 from palpate.fabrication import write_pack
-from palpate.fea import Press, solve_press
+from palpate.fea import Press, export_press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.sketch import DesignDraft
 
@@ -24,10 +25,26 @@ def press_sketch(sketch: DesignDraft, progress: Progress) -> Press:
 
 def pack_sketch(sketch: DesignDraft, progress: Progress) -> bytes:
     """Make the fabrication pack of a draft as a zip file, without progress reports."""
-    with tempfile.TemporaryDirectory(prefix="palpate-pack-") as name:
-        folder, archive = Path(name) / "pack", Path(name) / "pack.zip"
-        write_pack(folder, sketch.design, sketch.process)
+    return _zip_folder("pack", lambda folder: write_pack(folder, sketch.design, sketch.process))
+
+
+def press_archive(press: Press) -> bytes:
+    """Export a press for ParaView, as `palpate press --export`, as a zip file.
+
+    Raises
+    ------
+    PalpateError
+        As `palpate.fea.export_press`.
+    """
+    return _zip_folder("press", lambda folder: export_press(folder, press))
+
+
+def _zip_folder(name: str, write: Callable[[Path], object]) -> bytes:
+    """Return the folder of this name that `write` makes as a zip file."""
+    with tempfile.TemporaryDirectory(prefix=f"palpate-{name}-") as place:
+        folder, archive = Path(place) / name, Path(place) / f"{name}.zip"
+        write(folder)
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
             for path in sorted(folder.iterdir()):
-                file.write(path, f"pack/{path.name}")
+                file.write(path, f"{name}/{path.name}")
         return archive.read_bytes()

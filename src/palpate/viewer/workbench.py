@@ -24,6 +24,7 @@ from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import WRONG_FIELD, NumberField
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
+from palpate.viewer.press_download import download_press
 from palpate.viewer.pressed_skin import build_pressed_skin
 from palpate.viewer.shell import build_shell
 from palpate.viewer.sketch import DesignDraft, build_preview
@@ -55,6 +56,7 @@ class Workbench:
         self._valid = True
         self._finish: Callable[[Any], None] = self._show_press
         self._curves: list[ChartCurve] = []
+        self._solved: Press | None = None
         head.watch(self._draw_force)
 
     def build_wall(self, change: Callable[[str, Any], None]) -> dict[str, NumberField]:
@@ -81,6 +83,8 @@ class Workbench:
             )
             self._make = ui.button("Make", icon="precision_manufacturing", on_click=self._start_pack)
             self._make.props('no-caps outline dense data-testid="make"')
+            self._vtk = ui.button("VTK", icon="download", on_click=self._download_press)
+            self._vtk.props('no-caps outline dense aria-label="Download the press for ParaView" data-testid="vtk"')
             self._cancel = ui.button("Cancel", on_click=self._cancel_job)
             self._cancel.props('no-caps flat dense data-testid="cancel"')
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
@@ -122,11 +126,11 @@ class Workbench:
             self.complain(_describe(error), code_of(error))
             return
         self._valid = True
+        self._curves, self._solved = [], None
         self._enable()
         self.complain("")
         self._show_findings(self._drawn.findings)
         self._bar.show(self._shelf.put(self._drawn.design, self._drawn.specimen))
-        self._curves = []
         self._force_note.text = "Not pressed yet."
         self._draw_force()
 
@@ -165,6 +169,7 @@ class Workbench:
     def _enable(self) -> None:
         for button in (self._press, self._make):
             button.set_enabled(self._ready())
+        self._vtk.set_visibility(self._solved is not None)
 
     def _start_press(self) -> None:
         self._finish = self._show_press
@@ -213,8 +218,14 @@ class Workbench:
             self._cancelled = True
             self._pool.shutdown()  # at once: the visitor may have left, and nothing is shown any more
 
+    async def _download_press(self) -> None:
+        if self._solved is not None:
+            await download_press(self._solved, self._fault)
+
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered
+        self._solved = press
+        self._enable()
         pressed = build_pressed_skin([press])
         specimen = RenderedSkin(pressed, build_shell(pressed.mesh))
         motion = pressed.at(sketch.obstacle.tilt_deg)

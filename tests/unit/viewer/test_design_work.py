@@ -1,8 +1,10 @@
 """A design made up on the page: drawn at once, checked, and pressed or made by a process of its own."""
 
+import io
 import subprocess
 import sys
 import time
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from palpate.fea import WallSpec
 from palpate.viewer.design_cache import CACHE_SIZE, DesignCache
 from palpate.viewer.scene import describe_motion
 from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
-from palpate.viewer.work import press_sketch
+from palpate.viewer.work import press_archive, press_sketch
 
 
 def tell_threads_and_go(path, progress):
@@ -61,6 +63,12 @@ def test_a_press_of_a_sketch_reports_its_depth():
     assert ended[0][1].reason == ""
     assert ended[0][1].value.depth[-1] == pytest.approx(1.0)
     assert progress.share == pytest.approx(1.0)
+    press = ended[0][1].value
+    pytest.importorskip("meshio")
+    with zipfile.ZipFile(io.BytesIO(press_archive(press))) as archive:
+        increments = [f"press/press_{k:04d}.vtu" for k in range(len(press.depth))]
+        assert set(archive.namelist()) == {"press/press.pvd", "press/force.csv", *increments}
+        assert len(archive.read("press/force.csv").splitlines()) == 1 + len(press.depth)
 
 
 def test_a_sketch_is_drawn_at_rest_with_its_wall():

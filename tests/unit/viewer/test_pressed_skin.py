@@ -97,6 +97,13 @@ def test_a_tilt_that_was_not_pressed_is_refused(pressed, tilt):
         pressed.at(tilt)
 
 
+def test_the_nearest_solved_press_is_exported(pressed, pad):
+    assert [pressed.nearest(tilt, 77.0).obstacle.tilt_deg for tilt in (0.0, 1.4, 1.6, 6.0)] == [0, 0, 3, 6]
+    poses = {(press.obstacle.tilt_deg, press.obstacle.azimuth_deg) for press in pad.solved}
+    assert {(one.tilt_deg, one.azimuth_deg) for one in (pad.nearest(*pose).obstacle for pose in poses)} == poses
+    assert pad.nearest(2.0, 80.0).obstacle.azimuth_deg == 90
+
+
 def test_presses_that_do_not_belong_together_are_refused():
     with refused("presses-none"):
         build_pressed_skin([])
