@@ -116,10 +116,3 @@ def test_a_design_of_the_front_is_pressed_and_its_pack_is_made(page, search):
     with zipfile.ZipFile(Path(download.value.path())) as pack:
         assert {"pack/instructions.pdf", "pack/manifest.json", "pack/mold.step"} <= set(pack.namelist())
         assert pack.testzip() is None
-
-
-def test_results_inside_a_folder_are_named(search, folder, tmp_path, capsys):
-    shutil.copytree(folder, tmp_path / "mine")
-    with pytest.raises(SystemExit):
-        main(["view", str(tmp_path), "--port", "0"])
-    check_refusal(capsys.readouterr().err, "results-missing", tmp_path / "mine")

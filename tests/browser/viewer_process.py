@@ -1,5 +1,6 @@
 """The viewer as a process of its own, as a person starts it."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -11,11 +12,12 @@ ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
-def viewer(*words: str | Path) -> Iterator[str]:
-    """Run the viewer; yields its link."""
+def viewer(*words: str | Path, cwd: Path = ROOT / "src") -> Iterator[str]:
+    """Run the viewer in a folder; yields its link."""
     process = subprocess.Popen(
         [sys.executable, "-m", "palpate", "view", *map(str, words), "--port", "0"],
-        cwd=ROOT / "src",
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -7,9 +7,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from palpate.cli.output import RESULTS
+
 _RESULTS = (
-    "Result folder of a study, a search or a training on a recording; without it, only the design and press of a "
-    "dome are available."
+    "Result folder of a study, search or training on a recording, file of a press or twin, or a folder of these; by "
+    "default results, if it has any."
 )
 _HOST = "Address to listen at; at other addresses than this machine's own, visitors need a token."
 _PORT = "Port to listen at; 0 selects a free port."
@@ -25,8 +27,10 @@ def view(
 ) -> None:
     """Show results in a browser; design and press a dome there."""
     from palpate.learn import is_recorded_model
-    from palpate.viewer import ServeSpec, serve
+    from palpate.viewer import ServeSpec, find_results, serve
 
+    if results is None and RESULTS.is_dir() and find_results(RESULTS):
+        results = RESULTS
     if results is not None and results.is_file() and is_recorded_model(results):
         results = results.parent
     serve(results, ServeSpec(host, port, token), _announce)

@@ -16,15 +16,15 @@ CACHE_SIZE = 24
 
 @dataclass(eq=False)
 class DesignCache:
-    """Designs by name: the number of a row, or the name that `put` gave.
+    """Designs by name: result and number of a row (``"first/3"``), or the name that `put` gave.
 
     Attributes
     ----------
-    library
-        Designs of the result folder; `None` without one.
+    libraries
+        Designs of each opened study by its name; that of a study that was given itself is empty.
     """
 
-    library: DesignLibrary | None = None
+    libraries: dict[str, DesignLibrary] = field(default_factory=dict)
     _made: OrderedDict[str, tuple[GridDesign, RenderedSkin]] = field(default_factory=OrderedDict)
     _count: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
@@ -49,9 +49,11 @@ class DesignCache:
         """
         if name in self._made:
             return self._made[name]
-        if self.library is None or not (name.isascii() and name.isdigit() and len(name) < 8):
+        result, _, number = name.rpartition("/")
+        library = self.libraries.get(result)
+        if library is None or not (number.isascii() and number.isdigit() and len(number) < 8):
             raise PalpateError(
                 f"There is no design '{name[:40]}' any more.", "Load the page again.", code="design-expired"
             )
-        design = self.library.design(int(name))
-        return design, self.library.specimen(design)
+        design = library.design(int(number))
+        return design, library.specimen(design)

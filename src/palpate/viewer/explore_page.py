@@ -172,8 +172,8 @@ class ExplorePage:
         self._domes.classes(add="two") if self._view.other >= 0 else self._domes.classes(remove="two")
         for element in (self._second, self._camera_second):
             element.set_visibility(self._view.other >= 0)
-        self._bar.show(str(self._view.design))
-        self._bar.show(str(self._view.other) if self._view.other >= 0 else None, "b")
+        self._bar.show(self._name(self._view.design))
+        self._bar.show(self._name(self._view.other) if self._view.other >= 0 else None, "b")
         self._draw_curves()
 
     def _draw_curves(self) -> None:
@@ -198,6 +198,10 @@ class ExplorePage:
         unit = grid_column(own_column(self._grid.columns, "rmse_jitter_deg")).measure
         set_chart(self._error, line_chart(errors, ("depth (mm)", f"RMSE ({unit})"), ink, [here] if errors else []))
         self._force_note.text = " ".join(_end_sentence(*one) for one in shown) or "No press to show."
+
+    def _name(self, number: int) -> str:
+        """Name of a design for the cache."""
+        return f"{self._view.result}/{number}" if self._view.result else str(number)
 
     def _numbers(self) -> list[int]:
         return [number for number in (self._view.design, self._view.other) if number >= 0]
@@ -264,7 +268,7 @@ class ExplorePage:
 
     def _download(self, file: str, **more: float) -> None:
         view = self._view
-        query = {"name": view.design, "tilt": view.tilt, "azimuth": view.azimuth, **more}
+        query = {"name": self._name(view.design), "tilt": view.tilt, "azimuth": view.azimuth, **more}
         ui.download.from_url(f"/data/{file}?{urlencode(query)}", file)
 
     async def _download_press(self) -> None:
@@ -276,7 +280,7 @@ class ExplorePage:
         await download_press(pressed.nearest(self._view.tilt, self._view.azimuth), self._fault)
 
     def _download_grid(self) -> None:
-        ui.download.from_url(f"/data/grid.csv?{urlencode({'where': self._view.where})}", "grid.csv")
+        ui.download.from_url(self._head.address("/data/grid.csv", where=self._view.where), "grid.csv")
 
 
 def _select(options: dict[Any, str], value: Any, label: str, name: str) -> ui.select:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
 
 from fastapi import Request
 from nicegui import ui
@@ -21,7 +23,7 @@ class PageHeader:
     Parameters
     ----------
     request
-        Request of the page, with the preferred theme.
+        Request of the page, with the preferred theme; `result` in its query is the name of an opened result.
     here
         Path of this page.
     about
@@ -33,11 +35,14 @@ class PageHeader:
         ui.colors(primary=FIRST)
         self._dark = ui.dark_mode(request.cookies.get(COOKIE) == "1")
         self._watchers: list[Callable[[], None]] = []
+        self._result = request.query_params.get("result", "")
         with ui.element("header").classes("head"):
             ui.link("palpate", "/").classes("wordmark").props('aria-label="palpate, to the explorer"')
             with ui.element("nav").props('aria-label="Pages"'):
+                if self._result:
+                    ui.link("Results", "/").classes("tab up")
                 for path, name in PAGES:
-                    link = ui.link(name, path).classes("tab")
+                    link = ui.link(name, self.address(path)).classes("tab")
                     if path == here:
                         link.classes("here").props('aria-current="page"')
             ui.label(about).classes("about").tooltip(about)
@@ -45,6 +50,11 @@ class PageHeader:
             self._switch = ui.button(icon=self._icon(), on_click=self._turn).props(
                 'flat round dense aria-label="Light or dark" data-testid="theme"'
             )
+
+    def address(self, path: str, **query: Any) -> str:
+        """Return the address of a page or file of the opened result."""
+        parts = {"result": self._result, **query} if self._result else query
+        return f"{path}?{urlencode(parts)}" if parts else path
 
     @property
     def ink(self) -> Theme:

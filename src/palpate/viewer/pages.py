@@ -2,61 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from fastapi import FastAPI, Request
 from nicegui import ui
 
 from palpate.core import PalpateError
-from palpate.optimise import is_search, read_search
-from palpate.study import is_grid
+from palpate.fea import Press
+from palpate.optimise import SearchFolder
+from palpate.surrogate import Twin
 from palpate.viewer.design_cache import DesignCache
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
 from palpate.viewer.library import DesignLibrary
-from palpate.viewer.live_opening import DesignOpening, TrainedOpening
+from palpate.viewer.live_opening import DesignOpening, LiveOpening, TrainedOpening
 from palpate.viewer.live_page import LivePage
+from palpate.viewer.opened_results import OpenedResult, OpenedResults
 from palpate.viewer.page_head import PageHeader, error_label, show_error
-from palpate.viewer.results import read_results
+from palpate.viewer.results_page import show_press, show_results, show_twin
 from palpate.viewer.routes import answer_errors, make_routes
 from palpate.viewer.search_page import SearchPage
-from palpate.viewer.trained import is_trained_sensor, read_trained_sensor
+from palpate.viewer.trained import TrainedSensor
 from palpate.viewer.trained_page import TrainedPage
 
 TITLE = "palpate"
 
 
-def build_app(folder: Path | None) -> FastAPI:
-    """Return the application for a result folder; without a readable one, its page reports the reason."""
-    shelf, learnt = DesignCache(), None
-    reason = PalpateError("No result folder was given.", "Give one to `palpate view`.", code="results-missing")
-    search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
-    if search is not None:
-        reason = PalpateError(
-            "A search has no trained model to read a sensor with.", "Open a study instead.", code="model-missing"
-        )
-    elif folder is not None:
-        try:
-            if is_trained_sensor(folder):
-                learnt = read_trained_sensor(folder)
-            else:
-                shelf = DesignCache(DesignLibrary(read_results(folder)))
-        except PalpateError as error:
-            reason = error
+def build_app(path: Path | None) -> FastAPI:
+    """Return the application for a result or a folder of results; its pages report unreadable ones."""
+    results = OpenedResults(path)
+    shelf = results.shelf
     app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)
     answer_errors(app)
-    app.include_router(make_routes(shelf, learnt))
+    app.include_router(make_routes(shelf, results.sensors))
 
     @ui.page("/", title=TITLE)
     def explore(request: Request) -> None:
-        if search is not None:
-            show_search(request, search, shelf)
-        elif learnt is not None:
-            TrainedPage(learnt, request).build()
-        elif shelf.library is None:
-            show_reason(request, "/", reason)
-        else:
-            ExplorePage(shelf.library, request).build()
+        show_page(results, request, "/", lambda found: show_result(found, shelf, request))
 
     @ui.page("/design", title=f"{TITLE}: design")
     def design(request: Request) -> None:
@@ -64,23 +47,54 @@ def build_app(folder: Path | None) -> FastAPI:
 
     @ui.page("/live", title=f"{TITLE}: live")
     def live(request: Request) -> None:
-        if learnt is not None:
-            LivePage(TrainedOpening(learnt), request).build()
-        elif shelf.library is None:
-            show_reason(request, "/live", reason)
-        else:
-            LivePage(DesignOpening(shelf.library), request).build()
+        show_page(results, request, "/live", lambda found: LivePage(read_live(found), request).build())
 
     ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
     return app
 
 
-def show_search(request: Request, folder: Path, shelf: DesignCache) -> None:
-    """Show the page of a search in the present state of its folder."""
+def show_page(results: OpenedResults, request: Request, here: str, show: Callable[[OpenedResult], None]) -> None:
+    """Show the result that a request names, or the list; or the reason why it cannot be opened."""
+    name = request.query_params.get("result", "")
+    if results.path is not None and not name and "" not in (found := results.find()):
+        show_results(results.path, found, request, here)
+        return
     try:
-        SearchPage(read_search(folder), shelf, request).build()
+        show(results.open(name))
     except PalpateError as error:
-        show_reason(request, "/", error)
+        show_reason(request, here, error)
+
+
+def show_result(found: OpenedResult, shelf: DesignCache, request: Request) -> None:
+    """Show the page of an opened result."""
+    match found:
+        case SearchFolder():
+            SearchPage(found, shelf, request).build()
+        case TrainedSensor():
+            TrainedPage(found, request).build()
+        case Press():
+            show_press(found, shelf, request)
+        case Twin():
+            show_twin(found, request)
+        case _:
+            ExplorePage(found, request).build()
+
+
+def read_live(found: OpenedResult) -> LiveOpening:
+    """Return the selection of a sensor that an opened result reads.
+
+    Raises
+    ------
+    PalpateError
+        If it has no trained model.
+    """
+    if isinstance(found, TrainedSensor):
+        return TrainedOpening(found)
+    if isinstance(found, DesignLibrary):
+        return DesignOpening(found)
+    raise PalpateError(
+        "Only a study or a model of a recording reads a sensor.", "Open one of them instead.", code="model-missing"
+    )
 
 
 def show_reason(request: Request, here: str, reason: PalpateError) -> None:

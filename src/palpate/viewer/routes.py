@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from fastapi import APIRouter, FastAPI, Request, Response
@@ -19,22 +20,22 @@ from palpate.viewer.trained import TrainedSensor
 BINARY = "application/octet-stream"
 
 
-def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> APIRouter:
-    """Make the routes below ``/data``: ``name`` of a cached design, tilt and azimuth in degrees."""
+def make_routes(shelf: DesignCache, sensors: Mapping[str, TrainedSensor] | None = None) -> APIRouter:
+    """Make the routes below ``/data``: name of a cached design or picture, tilt and azimuth in degrees."""
     router = APIRouter(prefix="/data")
 
-    @router.get("/shell/{name}")
+    @router.get("/shell/{name:path}")
     def shell(name: str) -> Response:
         design, specimen = shelf.find(name)
         return Response(describe_shell(specimen, design.design.layout, design.design.camera), media_type=BINARY)
 
-    @router.get("/motion/{name}")
+    @router.get("/motion/{name:path}")
     def motion(name: str, tilt: float = 0.0, azimuth: float = 0.0, stress: bool = False) -> Response:
         _, specimen = shelf.find(name)
         seen = specimen.pressed.at(tilt, azimuth)
         return Response(describe_motion(specimen, seen, stress=stress), media_type=BINARY)
 
-    @router.get("/markers/{name}")
+    @router.get("/markers/{name:path}")
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
         pressed = specimen.pressed
@@ -52,16 +53,16 @@ def make_routes(shelf: DesignCache, sensors: TrainedSensor | None = None) -> API
         return Response(model, media_type="model/gltf-binary", headers=_attachment("dome.glb"))
 
     @router.get("/grid.csv")
-    def grid(where: str = "") -> Response:
-        if shelf.library is None:
+    def grid(where: str = "", result: str = "") -> Response:
+        if result not in shelf.libraries:
             raise PalpateError("There is no grid.", "Start the viewer with a result folder.", code="grid-missing")
-        found = shelf.library.results.grid
+        found = shelf.libraries[result].results.grid
         rows = [dict(found.designs[i]) for i in sorted(selected_rows(found, where))]
         return _csv("grid.csv", rows)
 
     @router.get("/learnt/{name}")
-    def picture(name: str) -> Response:
-        found = {} if sensors is None else sensors.pictures
+    def picture(name: str, result: str = "") -> Response:
+        found = sensors[result].pictures if sensors and result in sensors else {}
         if name not in found:
             raise PalpateError(
                 "There is no such picture.",

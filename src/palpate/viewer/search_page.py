@@ -141,7 +141,7 @@ class SearchPage:
         value: Any = event.value
         if isinstance(value, list) and len(value) > 2 and int(value[2]) != self._shown:
             self._shown = int(value[2])
-            ui.run_javascript(f"history.replaceState(null, '', '/?design={self._shown}')")
+            ui.run_javascript(f"history.replaceState(null, '', '{self._head.address('/', design=self._shown)}')")
             self._draw_front()
             self._show()
 

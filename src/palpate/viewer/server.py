@@ -1,4 +1,4 @@
-"""Server of the viewer: one process, one result folder, access control."""
+"""Server of the viewer: one process, one result or folder of results, access control."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from palpate.core import PalpateError, load_extra
 from palpate.viewer.guard import LOOPBACK, Guard, ServerAddress
 
-_GIVE = "Give the result folder of a study or of a search, or none to design a dome."
+_GIVE = "Give a result of a study, search or training, a press, a twin, or a folder of these."
 SHORTEST_TOKEN = 16
 """Minimum number of characters of a token."""
 
@@ -91,7 +91,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Parameters
     ----------
     folder
-        Result folder of a study or a search; without one, only pages that need no results are shown.
+        A result, or a folder of results, which are listed; without one, only pages that need no results are shown.
     spec
         Where to listen.
     announce
@@ -104,28 +104,15 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     MissingExtraError
         If NiceGUI is not installed.
     """
-    if folder is not None and not folder.is_dir():
-        raise PalpateError(f"{folder} is no folder.", _GIVE, code="folder-missing")
+    if folder is not None and not folder.exists():
+        raise PalpateError(f"{folder} does not exist.", _GIVE, code="folder-missing")
     load_extra("nicegui", "web", "NiceGUI")
     uvicorn: Any = load_extra("uvicorn", "web")
-    from palpate.optimise import is_search
-    from palpate.study import is_grid
+    from palpate.viewer.opened_results import find_results
     from palpate.viewer.pages import build_app
-    from palpate.viewer.trained import is_trained_sensor
 
-    def is_result(path: Path) -> bool:
-        try:
-            return path.is_dir() and (is_grid(path) or is_search(path) or is_trained_sensor(path))
-        except OSError:  # a folder that this user cannot open
-            return False
-
-    if folder is not None and not is_result(folder):
-        found = [str(path) for path in sorted(folder.iterdir()) if is_result(path)]
-        raise PalpateError(
-            f"{folder} contains no grid, no search and no model of a recording.",
-            f"Open a result inside it by palpate view: {', '.join(found)}." if found else _GIVE,
-            code="results-missing",
-        )
+    if folder is not None and not find_results(folder):
+        raise PalpateError(f"{folder} contains no result.", _GIVE, code="results-missing")
     door, listener = bind_server(spec)
     try:
         guarded = Guard(build_app(folder), door)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import Request
 from nicegui import ui
 
+from palpate.viewer.elements import place_table
 from palpate.viewer.page_head import PageHeader, heading
 from palpate.viewer.trained import PICTURES, TrainedSensor, error_columns, error_rows
 
@@ -22,7 +23,7 @@ class TrainedPage:
 
     def __init__(self, sensor: TrainedSensor, request: Request) -> None:
         self._learnt = sensor
-        PageHeader(request, "/", sensor.folder.resolve().name)
+        self._head = PageHeader(request, "/", sensor.folder.resolve().name)
 
     def build(self) -> None:
         """Place the report."""
@@ -39,22 +40,12 @@ class TrainedPage:
                         ui.label(str(sentence)).classes("faint")
             with ui.element("div").classes("card"):
                 heading(f"Errors on the {about['test']} test images; the selected estimator first")
-                self._build_errors()
-                ui.link("Read images", "/live").classes("go")
+                rows = error_rows(self._learnt)
+                place_table(error_columns(self._learnt), rows, 0 if rows[0][0] == report.get("best") else -1)
+                ui.link("Read images", self._head.address("/live")).classes("go")
             for name in self._learnt.pictures:
                 with ui.element("div").classes("card"):
                     heading(PICTURES[name])
-                    ui.image(f"/data/learnt/{name}").props(f'alt="{PICTURES[name]}" fit=contain no-spinner')
-
-    def _build_errors(self) -> None:
-        best = str(self._learnt.report.get("best", ""))
-        with ui.element("div").classes("wide-table"), ui.element("table").classes("errors"):
-            with ui.element("tr"):
-                for name in error_columns(self._learnt):
-                    with ui.element("th"):
-                        ui.label(name)
-            for row in error_rows(self._learnt):
-                with ui.element("tr").classes("kept" if row[0] == best else ""):
-                    for text in row:
-                        with ui.element("td"):
-                            ui.label(text)
+                    ui.image(self._head.address(f"/data/learnt/{name}")).props(
+                        f'alt="{PICTURES[name]}" fit=contain no-spinner'
+                    )

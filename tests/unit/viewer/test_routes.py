@@ -26,7 +26,7 @@ def browser(tmp_path_factory):
     app = FastAPI()
     answer_errors(app)
     folder = write_results(tmp_path_factory.mktemp("results"))
-    app.include_router(make_routes(DesignCache(DesignLibrary(read_results(folder)))))
+    app.include_router(make_routes(DesignCache({"": DesignLibrary(read_results(folder))})))
     return TestClient(app)
 
 
@@ -72,6 +72,19 @@ def test_markers_as_a_table_begin_at_rest(browser):
 def test_designs_that_are_kept_are_a_table(browser):
     rows = list(csv.DictReader(io.StringIO(browser.get("/data/grid.csv?where=markers >= 19").text)))
     assert [row["markers"] for row in rows] == ["19", "37"]
+
+
+def test_designs_of_a_folder_of_results_have_the_name_of_their_study(tmp_path):
+    app, shelf = FastAPI(), DesignCache({"my study #1": DesignLibrary(read_results(write_results(tmp_path)))})
+    answer_errors(app)
+    app.include_router(make_routes(shelf))
+    browser = TestClient(app)
+    assert browser.get("/data/shell/my%20study%20%231%2F1").status_code == 200
+    assert browser.get("/data/markers.csv", params={"name": "my study #1/1"}).status_code == 200
+    rows = browser.get("/data/grid.csv", params={"result": "my study #1"}).text.splitlines()
+    assert len(rows) == 1 + 3
+    for path in ("/data/shell/1", "/data/shell/my%20study/1", "/data/grid.csv", "/data/learnt/errors.png?result=x"):
+        assert browser.get(path).status_code == 422
 
 
 def test_the_model_is_a_whole_gltf_file(browser):

@@ -44,7 +44,7 @@ export async function show(name, slotName) {
     return;
   }
   if (slot.name === name) return;
-  const shell = await ask(`/data/shell/${name}`);
+  const shell = await ask(`/data/shell/${encodeURIComponent(name)}`);
   if (!shell) return;
   if (stage.slots[slotName] !== slot) return;
   Object.assign(slot, { name, shell, motion: null, markers: null });
@@ -93,8 +93,8 @@ async function fetchPose(slot) {
   const stress = stage.look.colour === "stress";
   const known = slot.motion && slot.motion.tilt === tilt && slot.motion.way === way && (!stress || slot.motion.arrays.stress);
   const [motion, markers] = await Promise.all([
-    known ? slot.motion : ask(`/data/motion/${name}?tilt=${tilt}&azimuth=${way}&stress=${stress}`),
-    ask(`/data/markers/${name}?tilt=${tilt}&azimuth=${azimuth}`),
+    known ? slot.motion : ask(`/data/motion/${encodeURIComponent(name)}?tilt=${tilt}&azimuth=${way}&stress=${stress}`),
+    ask(`/data/markers/${encodeURIComponent(name)}?tilt=${tilt}&azimuth=${azimuth}`),
   ]);
   if (slot.name !== name || !motion || !markers) return;
   Object.assign(motion, { tilt, way });
