@@ -102,7 +102,7 @@ def correct_history(
     its old edge. Ahead of the edge of the sticking region, a free surface moves as the square root of the distance
     from it. While the edge advances at the rate L, a point at x, reached at the share a = x / L of the increment,
     therefore moves by ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, while it moves by ``sqrt(x)`` in the solution
-    (docs/design_notes/mechanics.md). In the first increment no point sticks yet, and a point slides until its time of
+    (docs/theory/contact.md). In the first increment no point sticks yet, and a point slides until its time of
     contact.
     """
     reach0, place0 = before.obstacle.closest_points(before.points)
