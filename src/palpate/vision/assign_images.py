@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -131,7 +131,10 @@ def assign_images(
 
 
 def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, progress: Progress) -> None:
-    """Fit the sensor's modes of motion, in rounds: fit to the best images, then assign all of them again."""
+    """Fit the sensor's modes of motion, in rounds: fit to the best images, then assign all of them again.
+
+    They are dropped if fewer images are accepted than by a smooth field.
+    """
     some = np.unique(np.linspace(0, len(blobs) - 1, min(_PILOT, len(blobs))).astype(int))
     some = some[[len(blobs[number]) >= LEAST_DOTS for number in some]]
     found = []
@@ -140,6 +143,7 @@ def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, pr
         correspondent.remember(blobs[number], found[-1])
     if np.mean([one.confident for one in found]) >= _PLAIN:
         return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
+    plain, accepted = replace(correspondent), sum(one.accepted for one in found)
     seen = np.array([marker_descriptor(blobs[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
     for share in _TEACH:
@@ -162,4 +166,8 @@ def _learn_motions(blobs: Sequence[FloatArray], correspondent: MarkerMatcher, pr
             min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
             max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
         )
+    if sum(one.accepted for one in found) < accepted:  # too few images for all motions of this sensor
+        for name in ("motions", "fields", "seen", "usual"):
+            setattr(correspondent, name, getattr(plain, name))
+        return
     progress.note(f"motions of the sensor: fitted to {len(taught)} images")
