@@ -1,8 +1,8 @@
 """Few images of a motion with many modes: learned motions must not reject what a smooth field assigns."""
 
 import numpy as np
-from drawn_tactip import DrawnSensor, place_heads
 
+from drawn_tactip import DrawnSensor, place_heads
 from palpate.core.run import Progress
 from palpate.vision import assign_images
 
