@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from palpate.cli.border import keep_results
 from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.flag import flags_of
-from palpate.cli.output import Output, check_folder
+from palpate.cli.output import RESULTS, Output, check_folder
 from palpate.cli.progress import show_progress
 from palpate.core import ArtefactStore, PalpateError, wrap_write_errors
 from palpate.core.report import page_markdown, plain_page
@@ -20,7 +20,7 @@ from palpate.datasets import ColumnMapping
 from palpate.learn import RecordingSpec
 
 if TYPE_CHECKING:
-    from palpate.learn import RecordingResult
+    from palpate.learn import PretrainedModel, RecordingResult, SimulatedStart
 
 _RECORDING = (
     "Table of poses (text, JSON lines, Parquet) in the folder of its images or video; an HDF5, NPZ or Zarr file; a "
@@ -39,7 +39,10 @@ _FORCES = (
 )
 _TIMES = "Unit of times whose column has no unit in its name."
 _FORCE_UNIT = "Unit of forces whose column has no unit in its name; torques are in this unit times m."
-_START = "Model to start from: of another unit of the same design (model.h5), or of its simulation (.onnx)."
+_START = (
+    "Start of the training: the study of the design (.yaml), whose twin simulates it; the model of another unit of "
+    "this design (model.h5); or a network trained on simulated images (.onnx)."
+)
 
 
 @Parameter(name="*")
@@ -83,10 +86,10 @@ def learn(
 ) -> None:
     """Train estimators on recorded presses with known poses, and report their errors on test presses."""
     from palpate.datasets import read_recording
-    from palpate.learn import read_pretrained, recording_page, recording_report, train_on_recording
+    from palpate.learn import recording_page, recording_report, train_on_recording
 
     check_folder(out)
-    begin = read_pretrained(start) if start is not None else None
+    begin = _read_start(start) if start is not None else None
     found = read_recording(recording, table.mapping(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _print_line(note)
@@ -99,6 +102,34 @@ def learn(
         learnt = train_on_recording(found, spec, store, progress, begin, first)
         _write(out, learnt)
     output.show(recording_report(learnt), *plain_page(recording_page(learnt)))
+
+
+def _read_start(path: Path) -> PretrainedModel | SimulatedStart:
+    """Read a model, or a study of one design and its twin."""
+    from palpate.learn import SimulatedStart, read_pretrained
+    from palpate.study import read_study
+    from palpate.surrogate import find_twin, read_twin
+
+    if path.suffix not in (".yaml", ".yml"):
+        return read_pretrained(path)
+    study = read_study(path)
+    skins, layouts = list(study.designs.skins()), study.designs.markers
+    if len(skins) * len(layouts) != 1:
+        raise PalpateError(
+            f"{path} has {len(skins) * len(layouts)} designs, and a training starts from one.",
+            "Give a study of the recorded sensor's design alone.",
+            code="start-designs",
+        )
+    design = study.design(skins[0], layouts[0])
+    found = find_twin(RESULTS, design.skin, design.material, lambda error: _print_line(f"Skipped: {error.problem}"))
+    if found is None:
+        raise PalpateError(
+            f"No twin of {design.skin.name} with the material of {path} was found in {RESULTS}/*/twins.",
+            f"Make it once: palpate calibration predict {path}",
+            code="start-twin-missing",
+        )
+    _print_line(f"Start: the twin {found}.")
+    return SimulatedStart(path.name, design, read_twin(found))
 
 
 def _write(out: Path, result: RecordingResult) -> None:

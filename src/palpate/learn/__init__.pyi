@@ -4,7 +4,6 @@ from palpate.learn.calibrate import Coverage, calibrate_interval, measure_covera
 from palpate.learn.compare_with_bound import compare_with_bound, find_leakage, pool_bounds
 from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
-from palpate.learn.ensemble import Ensemble
 from palpate.learn.error_bound import ErrorBound, compute_error_bounds
 from palpate.learn.estimator import Estimator
 from palpate.learn.fine_tune import PretrainedModel, read_pretrained
@@ -20,6 +19,7 @@ from palpate.learn.recording_report import draw_recording_report, recording_page
 from palpate.learn.recording_spec import RecordingSpec
 from palpate.learn.rotation import RotationAugmentation
 from palpate.learn.search_estimator import search_estimator
+from palpate.learn.simulated_start import SimulatedStart
 from palpate.learn.space import PAPER_SPACE
 from palpate.learn.spec import LearningSpec, TrainingSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
@@ -33,7 +33,6 @@ __all__ = [
     "PAPER_SPACE",
     "Coverage",
     "DepthErrors",
-    "Ensemble",
     "EnsembleMember",
     "ErrorBound",
     "ErrorSummary",
@@ -48,6 +47,7 @@ __all__ = [
     "RecordingResult",
     "RecordingSpec",
     "RotationAugmentation",
+    "SimulatedStart",
     "TiltErrors",
     "TrainingJob",
     "TrainingRun",

@@ -11,22 +11,23 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, generator
 from palpate.core.run import Progress
 from palpate.datasets import PressSplit
+from palpate.learn.gaussian_process import FEWEST_ROWS, MOST_ROWS
 from palpate.learn.member import EnsembleMember
 from palpate.learn.prepare_recording import PreparedRecording
 from palpate.learn.recording_spec import RecordingSpec
 
 MOST_PRESSES = 40
 """Up to so many presses estimators are cross-validated; above, presses are held out. By hand."""
-_FOLDS, _EACH, _MOST_IMAGES = 10, 20, 1000
-"""Folds, maximum number of presses for one fold each, maximum number of images. By hand."""
+_FOLDS = 10
+"""Number of folds; fewer than `FEWEST_ROWS` presses have one each. By hand."""
 
 
 def count_folds(seen: PreparedRecording, spec: RecordingSpec) -> int:
     """Number of folds of the cross-validation of a recording; 0 if presses are held out instead."""
     count = len(np.unique(seen.press))
-    if count > MOST_PRESSES or len(seen.press) > _MOST_IMAGES or spec.estimators == "picture":
+    if count > MOST_PRESSES or len(seen.press) > MOST_ROWS or spec.estimators == "picture":
         return 0
-    return count if count <= _EACH else _FOLDS
+    return count if count <= FEWEST_ROWS else _FOLDS
 
 
 def cross_validate(

@@ -1,6 +1,7 @@
 """Fine-tuning of a pretrained estimator on markers to a unit by few presses.
 
-The estimator comes from another recording or from the simulated design. The pretrained layout at rest is matched to
+The estimator comes from another recording, or from images of the simulated design; see
+`palpate.learn.simulated_start` for the simulation itself. The pretrained layout at rest is matched to
 this unit's blobs (`palpate.vision.match_markers`); the linear map between both rest images transforms displacements,
 which removes differences of camera and print. With very few presses only a linear correction of its outputs is
 fitted. With more, a network is trained further, at a low rate and regularised towards its initial weights; to a
@@ -9,7 +10,9 @@ Gaussian process another one is added, of its errors.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +28,7 @@ from palpate.learn.member import MarkerNetwork, MarkerProcess
 from palpate.learn.prepare_recording import PreparedRecording
 from palpate.learn.recording_model import read_model
 from palpate.learn.ridge import solve_ridge
+from palpate.learn.simulated_start import SimulatedStart
 from palpate.learn.training_set import TrainingSet
 from palpate.vision import MarkerMatcher, ObservedLayout
 
@@ -143,9 +147,9 @@ def transfer_estimator(start: PretrainedModel, seen: PreparedRecording) -> Marke
 
 
 def fine_tune_members(
-    start: PretrainedModel, seen: PreparedRecording, progress: Progress
+    start: PretrainedModel | SimulatedStart, seen: PreparedRecording, progress: Progress
 ) -> dict[str, MarkerNetwork | MarkerProcess]:
-    """Return the corrected and the fine-tuned estimator by name.
+    """Return the corrected and the fine-tuned estimator by name, or that of a corrected simulation.
 
     Raises
     ------
@@ -158,12 +162,15 @@ def fine_tune_members(
             "Train without --from.",
             code="recording-markers-unassigned",
         )
-    carried = transfer_estimator(start, seen)
     lesson, _ = seen.samples(markers=True)
-    parts = [_correct(carried, lesson), _adapt(carried, lesson)]
+    if isinstance(start, SimulatedStart):
+        parts: list[MarkerNetwork | MarkerProcess] = [start.train(seen, lesson)]
+    else:
+        carried = transfer_estimator(start, seen)
+        parts = [_correct(carried, lesson), _adapt(carried, lesson)]
     found = {part.name: part for part in parts}
     for name, part in found.items():
-        error = lesson.error(part.predict(seen.moved[lesson.validation]))
+        error = lesson.error(part.predict(seen.moved[lesson.chosen_by]))
         progress.note(f"{name}: validation error {error:.4f} of the deviation")
     return found
 
@@ -182,13 +189,20 @@ def _adapt(carried: MarkerNetwork | MarkerProcess, lesson: TrainingSet) -> Marke
     return _correct(carried, lesson).fine_tune(f"{ADAPTED}-{carried.kind}", lesson)
 
 
-def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -> tuple[CurvePoint, ...]:
-    """Errors on the test presses: pretrained, and fine-tuned with increasing numbers of presses."""
+def compute_fine_tuning_curve(
+    start: PretrainedModel | SimulatedStart, seen: PreparedRecording
+) -> tuple[CurvePoint, ...]:
+    """Errors on the test presses: of the start, and with increasing numbers of presses."""
     if seen.assigned is None:
         return ()
-    carried = transfer_estimator(start, seen)
     samples, test = seen.samples(markers=True)
+    if isinstance(start, SimulatedStart):
+        carried: MarkerNetwork | MarkerProcess = start.train(seen, replace(samples, train=samples.train & False))
+        adapt: Callable[[TrainingSet], MarkerNetwork | MarkerProcess] = partial(start.train, seen)
+    else:
+        carried = transfer_estimator(start, seen)
+        adapt = partial(_adapt, carried)
     errors: FloatArray = carried.predict(seen.moved[test]) - seen.targets[test]
     first = CurvePoint(0, f"{start.name} as it is", tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0))))
-    adapted = compute_learning_curve(samples, seen.press, test, lambda some, _: [_adapt(carried, some)])
+    adapted = compute_learning_curve(samples, seen.press, test, lambda some, _: [adapt(some)])
     return (first, *(replace(point, estimator="adapted") for point in adapted))

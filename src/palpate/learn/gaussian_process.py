@@ -33,15 +33,15 @@ COMPONENTS, MOST_TUNED, MOST_ROWS = 60, 300, 1000
 
 Networks are better from some 1 000 presses on, and the time of one estimate grows with the number kept. By hand.
 """
-_POWERS, _LENGTHS, _NOISES = (0.25, 0.5, 0.75), (0.7, 1.0, 1.5, 2.2, 3.2, 5.0), (1e-4, 1e-3, 1e-2, 1e-1)
+_POWERS, LENGTHS, _NOISES = (0.25, 0.5, 0.75), (0.7, 1.0, 1.5, 2.2, 3.2, 5.0), (1e-4, 1e-3, 1e-2, 1e-1)
 """Kernels that are tried: power of the deviation by which components are scaled, length, noise.
 
 The length is relative to the RMS component. The left-out error chooses. By hand.
 """
 _OUTLIER, _MOST_OUTLIERS = 6.0, 0.05
 """Relative distance of images that are dropped, over the median, and their maximum share. By hand."""
-_FEWEST_ROWS, _ANGLE_ROWS = 20, 300
-"""Minimum number of images for choices and outliers, maximum number for the symmetry. By hand."""
+FEWEST_ROWS = 20
+"""Minimum number of images for choices and outliers; fewer are better read by a motion model. By hand."""
 
 
 class Kernel(NamedTuple):
@@ -97,10 +97,10 @@ def covariance(first: FloatArray, second: FloatArray, scale: FloatArray, actions
 def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
     """Symmetry of samples: meaning of rx and ry, with or without reflections, by left-out error."""
     symmetry = samples.rotation
-    if symmetry is None or samples.train.sum() < _FEWEST_ROWS:
+    if symmetry is None or samples.train.sum() < FEWEST_ROWS:
         return symmetry
 
-    rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:_ANGLE_ROWS]
+    rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:MOST_TUNED]
     found: list[tuple[float, RotationAugmentation]] = []
     for frame in dict.fromkeys((symmetry.frame_rad, None)):
         option = symmetry._replace(frame_rad=frame)
@@ -115,10 +115,11 @@ def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
     return min(found, key=lambda one: one[0])[1]
 
 
-def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
+def train_process(samples: TrainingSet, *, doubtful: bool = True) -> dict[str, NDArray[Any]]:
     """Train a process of each group of targets; return its numbers by name, see `predict_process`.
 
-    ``error`` is the root mean square error of the first group in presses left out, over the deviation.
+    ``error`` is the root mean square error of the first group in presses left out, over the deviation. Unless
+    `doubtful`, no image is dropped.
     """
     rows = generator(samples.seed, "process").permutation(np.flatnonzero(samples.train))[:MOST_ROWS]
     arrays, moved = _find_components(samples, rows)
@@ -137,7 +138,7 @@ def train_process(samples: TrainingSet) -> dict[str, NDArray[Any]]:
         kernels = [kernel for kernel, _ in chosen]
         weights, apart = _solve(presses, groups, kernels)
         kept = apart <= max(_OUTLIER, float(np.quantile(apart, 1.0 - _MOST_OUTLIERS)))
-        if last or kept.all() or len(rows) < _FEWEST_ROWS:
+        if last or kept.all() or len(rows) < FEWEST_ROWS or not doubtful:
             break
         presses = presses.rows(kept)
     arrays |= {"features": presses.components, "mean": mean, "sd_targets": sd, "error": np.array(chosen[0][1])}
@@ -220,15 +221,15 @@ def _choose(
 ) -> list[tuple[Kernel, float]]:
     """Kernel of minimum left-out error, and that error, for each column of targets (n b, v)."""
     best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
-    rows = _press_rows(presses.press, len(targets) // len(presses.press))
+    rows = press_rows(presses.press, len(targets) // len(presses.press))
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
         scale = scale * max(float(np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())), 1e-9)
-        for length in _LENGTHS:
+        for length in LENGTHS:
             decomposed = _decompose(presses, scale * length, actions)
             for noise in _NOISES:
-                errors = _left_out_errors(decomposed, noise, targets, rows)
-                for column, error in enumerate(errors):
+                errors = left_out(decomposed, noise * float(decomposed[0].mean()), targets, rows)
+                for column, error in enumerate(np.sqrt(np.mean(errors**2, axis=0))):
                     if error < best[column][1]:
                         best[column] = Kernel(scale * length, noise), float(error)
     return best
@@ -240,7 +241,7 @@ def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tup
     return np.maximum(values, 0.0), vectors
 
 
-def _press_rows(press: IntArray, width: int) -> list[IntArray]:
+def press_rows(press: IntArray, width: int) -> list[IntArray]:
     """Rows (p, s) of the targets of each press, `width` an image; presses of as many images are together."""
     order = np.argsort(press, kind="stable")
     together: dict[int, list[IntArray]] = {}
@@ -250,17 +251,25 @@ def _press_rows(press: IntArray, width: int) -> list[IntArray]:
     return [np.array(rows) for rows in together.values()]
 
 
-def _left_out_errors(
+def left_out(
     decomposed: tuple[FloatArray, FloatArray], noise: float, targets: FloatArray, rows: Sequence[IntArray]
 ) -> FloatArray:
-    """Root mean square errors (v,) of the targets (n b, v) of each press from all others."""
+    """Errors (n, v) of the targets (n, v) of each press from all others.
+
+    Parameters
+    ----------
+    decomposed, noise
+        Eigenvalues (n,) and eigenvectors (n, n) of the covariance, and the variance of the noise.
+    targets, rows
+        The targets, and the rows (p, s) of each press, see `press_rows`.
+    """
     values, vectors = decomposed
-    inverse = 1.0 / (values + noise * values.mean())
+    inverse = 1.0 / (values + noise)
     weights = vectors @ (inverse[:, None] * (vectors.T @ targets))
     left = np.empty_like(weights)
     for own in rows:
         left[own] = np.linalg.solve((vectors[own] * inverse) @ vectors[own].transpose(0, 2, 1), weights[own])
-    return np.asarray(np.sqrt(np.mean(left**2, axis=0)))
+    return left
 
 
 def _solve(

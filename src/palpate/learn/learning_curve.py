@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import BoolArray, IntArray, MissingExtraError, load_extra
+from palpate.learn.gaussian_process import MOST_ROWS
 from palpate.learn.member import EnsembleMember, ImageRidge, MarkerNetwork, MarkerProcess, TrainingRun
 from palpate.learn.training_set import TrainingSet
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of training presses, as far as the recording has them. By hand."""
-_CLOSED = 1000
-"""Number of presses up to which no network is better than the Gaussian process. By hand."""
 _EPOCHS = 150
 """Epochs of the network of the curve: fewer than the model's, so that its errors are larger. By hand."""
 
@@ -66,7 +65,7 @@ def train_quickly(samples: TrainingSet, presses: int) -> Iterator[EnsembleMember
     """A closed form, and a network on markers if there are enough presses and torch is installed."""
     kind = ImageRidge if samples.inputs.dtype == np.uint8 else MarkerProcess
     yield kind.train(kind.kind, samples, TrainingRun())
-    if kind is MarkerProcess and presses > _CLOSED:
+    if kind is MarkerProcess and presses > MOST_ROWS:
         with contextlib.suppress(MissingExtraError):
             load_extra("torch", "learn")
             from palpate.learn.train_member import train_marker_network

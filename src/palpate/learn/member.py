@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, Registry, load_extra
 from palpate.core.run import Progress
-from palpate.learn.gaussian_process import move_features, predict_process, train_process
+from palpate.learn.gaussian_process import FEWEST_ROWS, move_features, predict_process, train_process
 from palpate.learn.graph import image_graph, open_session
+from palpate.learn.motion_model import SimulatedMotion, draw_poses, fit_motion
 from palpate.learn.perceptron import evaluate_perceptrons
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.training_set import TrainingSet, flat_features
@@ -104,6 +105,11 @@ class EnsembleMember(ABC):
         """Poses (n, k) of displacements or images (n, ...)."""
 
     @classmethod
+    def suits(cls, samples: TrainingSet) -> bool:
+        """Whether it can be trained on samples, and may be better than other kinds."""
+        return True
+
+    @classmethod
     def passes(cls, samples: TrainingSet, epochs: int) -> int:
         """Passes over the training samples, if the user chooses them; else 0."""
         return 0
@@ -158,9 +164,8 @@ class ImageRidge(_Ridge):
     sides = SIDES
 
 
-@final
 class MarkerProcess(EnsembleMember):
-    """A Gaussian process on displacements: the best estimator of few presses."""
+    """A Gaussian process on displacements: the best estimator of some 30 to 1 000 presses."""
 
     kind = "dots-process"
     reads_markers = True
@@ -216,6 +221,35 @@ class MarkerProcess(EnsembleMember):
             arrays = {key: one for key, one in mine.items() if not key.startswith(_ADDED)}
             found.append(arrays | {"moved": move_features(arrays)})
         return found
+
+
+@final
+class MotionProcess(MarkerProcess):
+    """A Gaussian process trained on draws of a `MotionModel`: the best estimator of some ten presses."""
+
+    kind = "dots-motion"
+
+    @classmethod
+    def suits(cls, samples: TrainingSet) -> bool:
+        return samples.rotation is not None and samples.train.sum() <= FEWEST_ROWS
+
+    @classmethod
+    def train(cls, name: str, samples: TrainingSet, run: TrainingRun) -> Self:
+        return cls.of_motion(name, samples)
+
+    @classmethod
+    def of_motion(cls, name: str, samples: TrainingSet, simulation: SimulatedMotion | None = None) -> Self:
+        """Train on draws from the motion model of samples, which corrects a simulation if one is given."""
+        model = fit_motion(samples, simulation)
+        poses = draw_poses(samples.targets[samples.train], samples.seed)
+        every = np.ones(len(poses), bool)
+        fields = model.draw(poses, samples.seed)
+        drawn = TrainingSet(fields, poses, every, ~every, samples.seed, samples.rotation)
+        found = cls(name, train_process(drawn, doubtful=False))
+        # what breaks the symmetry, such as the tilt of the camera, shifts all estimates alike
+        left = samples.targets[samples.train] - found.predict(samples.inputs[samples.train])
+        shifted = found.transform_outputs(name, np.eye(left.shape[1]), left.mean(axis=0))
+        return cls(name, shifted.arrays)
 
 
 @final
@@ -319,6 +353,7 @@ ESTIMATORS: Registry[type[EnsembleMember]] = Registry(
         "picture-ridge": "palpate.learn.member:ImageRidge",
         "dots-ridge": "palpate.learn.member:MarkerRidge",
         "dots-process": "palpate.learn.member:MarkerProcess",
+        "dots-motion": "palpate.learn.member:MotionProcess",
         "dots-network": "palpate.learn.member:MarkerNetwork",
         "picture-network": "palpate.learn.member:ImageNetwork",
     },

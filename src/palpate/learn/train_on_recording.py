@@ -25,6 +25,7 @@ from palpate.learn.recording_spec import RecordingSpec
 from palpate.learn.rotation import pattern_order
 from palpate.learn.row_offset import find_row_offset
 from palpate.learn.select_model import WHOLE, EstimatorScore, select_model
+from palpate.learn.simulated_start import SimulatedStart
 from palpate.learn.train_members import TrainingJob, train_members
 
 _LEAST_SAMPLES = 4
@@ -69,7 +70,7 @@ def train_on_recording(
     spec: RecordingSpec,
     store: ArtefactStore,
     progress: Progress,
-    start: PretrainedModel | None = None,
+    start: PretrainedModel | SimulatedStart | None = None,
     first: RecordingResult | None = None,
 ) -> RecordingResult:
     """Train estimators on a recording.
@@ -83,7 +84,7 @@ def train_on_recording(
     progress
         Receives the images and trainings done.
     start
-        Pretrained model: of another unit, or of a simulation.
+        Pretrained model of another unit, or the simulation of the design.
     first
         Result of fewer estimators for the same recording: its learning curve and times are reused.
 
@@ -120,6 +121,9 @@ def train_on_recording(
         held_out = predict_parts(seen, parts, every)
     model, scores, best = select_model(scored, spec, parts, held_out, seconds)
     _refuse_strangers(scored, scores)
+    if start is not None and set(model.parts) <= {job.name for job in plan_jobs(seen, spec, few)}:
+        note = f"{start.name} is not a suitable start: estimators without it have smaller errors, and are used."
+        scored = replace(scored, notes=(*scored.notes, note))
     if not few and len(np.unique(seen.press)) <= MOST_ROWS:
         # estimators without choices on validation presses are trained on all presses, after their errors are known
         whole_set = replace(seen, split=PressSplit(every, ~every, ~every))
@@ -159,7 +163,8 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -
             continue
         if few and not kind.uses_validation:
             samples = replace(samples, train=samples.train | samples.validation)
-        yield TrainingJob(kind, kind_name, samples, spec.epochs)
+        if kind.suits(samples):
+            yield TrainingJob(kind, kind_name, samples, spec.epochs)
         if kind.takes_rotation and rotation is not None:
             places = rotation.places_px
             if not reads_markers:  # in px of the small images
@@ -167,7 +172,8 @@ def plan_jobs(seen: PreparedRecording, spec: RecordingSpec, few: bool = False) -
                 places = (places + 0.5) * scale - 0.5
             if reads_markers or pattern_order(rotation.places_px) > 1:
                 turned = replace(samples, rotation=rotation._replace(places_px=places))
-                yield TrainingJob(kind, f"{kind_name}-turned", turned, spec.epochs)
+                if kind.suits(turned):
+                    yield TrainingJob(kind, f"{kind_name}-turned", turned, spec.epochs)
         if kind.takes_auxiliary and seen.recording.others:
             others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
             whole = replace(samples, targets=np.hstack([samples.targets, others]), auxiliary=others.shape[1])

@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from palpate.learn import Ensemble, Prediction, RecordedModel
+from palpate.learn import Prediction, RecordedModel
+from palpate.learn.ensemble import Ensemble
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.vision import Correspondence, MatchFault
