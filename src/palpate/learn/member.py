@@ -246,7 +246,7 @@ class MotionProcess(MarkerProcess):
         fields = model.draw(poses, samples.seed)
         drawn = TrainingSet(fields, poses, every, ~every, samples.seed, samples.rotation)
         found = cls(name, train_process(drawn, doubtful=False))
-        # what breaks the symmetry, such as the tilt of the camera, shifts all estimates alike
+        # a broken symmetry, such as by the tilt of the camera, shifts all estimates alike
         left = samples.targets[samples.train] - found.predict(samples.inputs[samples.train])
         shifted = found.transform_outputs(name, np.eye(left.shape[1]), left.mean(axis=0))
         return cls(name, shifted.arrays)
