@@ -110,7 +110,7 @@ def _read_start(path: Path) -> PretrainedModel | SimulatedStart:
     from palpate.study import read_study
     from palpate.surrogate import find_twin, read_twin
 
-    if path.suffix not in (".yaml", ".yml"):
+    if path.suffix.lower() not in (".yaml", ".yml"):
         return read_pretrained(path)
     study = read_study(path)
     skins, layouts = list(study.designs.skins()), study.designs.markers

@@ -147,9 +147,11 @@ def transfer_estimator(start: PretrainedModel, seen: PreparedRecording) -> Marke
 
 
 def fine_tune_members(
-    start: PretrainedModel | SimulatedStart, seen: PreparedRecording, progress: Progress
+    start: PretrainedModel | SimulatedStart, seen: PreparedRecording, progress: Progress, few: bool = False
 ) -> dict[str, MarkerNetwork | MarkerProcess]:
     """Return the corrected and the fine-tuned estimator by name, or that of a corrected simulation.
+
+    A simulation makes no choices on validation presses: if there are few presses, these train it as well.
 
     Raises
     ------
@@ -164,7 +166,8 @@ def fine_tune_members(
         )
     lesson, _ = seen.samples(markers=True)
     if isinstance(start, SimulatedStart):
-        parts: list[MarkerNetwork | MarkerProcess] = [start.train(seen, lesson)]
+        train = lesson.train | lesson.validation if few else lesson.train
+        parts: list[MarkerNetwork | MarkerProcess] = [start.train(seen, replace(lesson, train=train))]
     else:
         carried = transfer_estimator(start, seen)
         parts = [_correct(carried, lesson), _adapt(carried, lesson)]

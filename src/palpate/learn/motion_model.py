@@ -6,8 +6,9 @@ presses than its inverse. For a pose s, with the motion L(s) of the markers by a
     u(s) = u_0(s) + L(s) h + e(s)
 
 Here u_0 and L come from a simulation, or are zero; e is a Gaussian process over the pose, trained on the presses and
-their rotations and reflections. A press that is left out shows the errors of the model. The estimator is a Gaussian
-process trained on drawn poses, with displacements of this model and such errors: it inverts the model.
+their rotations and reflections. Each press is predicted from the rest: that gives examples of the model's errors. The
+estimator is a second Gaussian process, from displacements to poses. It is trained on drawn poses and their
+displacements by the model, with such errors.
 """
 
 from __future__ import annotations
@@ -179,7 +180,7 @@ def _fit(
 
 
 def draw_poses(poses: FloatArray, seed: int) -> FloatArray:
-    """Poses (n, k) in the range of others (r, k), and beyond it by 1 / (r + 1), which these miss."""
+    """Poses (n, k) in the range of presses (r, k), widened by 1 / (r + 1), the part that these miss."""
     random, wider = generator(seed, "poses"), 1.0 / (len(poses) + 1.0)
     count = 2 * MOST_TUNED
     azimuth, share = 2.0 * np.pi * random.random(count), np.sqrt(random.random(count))

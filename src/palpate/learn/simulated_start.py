@@ -1,8 +1,8 @@
 """Start of a training from a simulation: displacements of a recording's markers by a twin.
 
-Markers are where the recording shows them: a lens with the recorded distances from the centre projects the design's
-markers in the order of their distances. Distance and lens of the camera, the frame of the poses and the zero of the
-depth have the minimum residual of the recorded presses.
+The markers of the recording are placed on the skin by a lens: it maps the sorted distances of the design's markers
+from the centre to those in the image at rest. Distance of the camera, frame of the poses and zero of the depth are
+chosen to minimise the residual of the recorded presses.
 """
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ class SimulatedStart:
         wanted = tuple(f"{one.axis}_{one.unit}" for one in seen.recording.poses)
         if wanted != TILT_SPACE.names:
             raise PalpateError(
-                f"{self.name} estimates {', '.join(TILT_SPACE.names)}, not {', '.join(wanted)}.",
-                "Choose by --targets.",
+                f"The targets are {', '.join(wanted)}; {self.name} simulates {', '.join(TILT_SPACE.names)}.",
+                "Give a table with these, chosen by --targets, or train without --from.",
                 code="start-outputs-differ",
             )
         self._refuse_beyond(seen)
@@ -145,13 +145,25 @@ class SimulatedStart:
             return np.asarray((left - np.einsum("npk,nk->np", modes, hidden)).ravel())
 
         modes = np.zeros((*fields.shape, len(HIDDEN_SD)))
-        starts = [(2.0 * np.pi * number / COUNT, mirror) for mirror in mirrors for number in range(COUNT)]
-        errors = [float(np.sum(residual(np.array([angle, 0.0, 0.0]), mirror) ** 2)) for angle, mirror in starts]
-        angle, mirror = starts[int(np.argmin(errors))]
-        modes = motion(np.array([angle, 0.0, 0.0]), mirror).hidden_modes(poses)
+        zero = max(0.0, -float(poses[:, 2].min()))
+        starts = [
+            (np.array([2.0 * np.pi * number / COUNT, zero, 0.0]), mirror)
+            for mirror in mirrors
+            for number in range(COUNT)
+        ]
+        errors = [float(np.sum(residual(*one) ** 2)) for one in starts]
+        begin, mirror = starts[int(np.argmin(errors))]
+        modes = motion(begin, mirror).hidden_modes(poses)
         limit = np.array([np.inf, np.inf, 2.0 * np.log(2.0)])  # the camera is at most four times as far or near
-        found = least_squares(residual, [angle, 0.0, 0.0], bounds=(-limit, limit), args=(mirror,))
-        return motion(found.x, mirror)
+        found = motion(least_squares(residual, begin, bounds=(-limit, limit), args=(mirror,)).x, mirror)
+        left = np.linalg.norm(fields - found.fields(poses)) / max(float(np.linalg.norm(fields)), 1e-12)
+        if left > 0.5:
+            raise PalpateError(
+                f"{self.name} does not explain how the markers move: {left:.0%} of their motion is left.",
+                "Give the study of this sensor, and depths from first contact, or train without --from.",
+                code="start-unsuitable",
+            )
+        return found
 
 
 @dataclass(frozen=True, eq=False)

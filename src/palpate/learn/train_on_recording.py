@@ -110,7 +110,7 @@ def train_on_recording(
             if first is None and part.effort != "all":
                 early = time.monotonic() - begin
         parts = {job.name: parts[job.name] for job in jobs}
-        return parts if start is None else parts | fine_tune_members(start, own, Progress() if few else progress)
+        return parts if start is None else parts | fine_tune_members(start, own, Progress() if few else progress, few)
 
     every = np.ones(len(seen.targets), bool)
     if few:
@@ -129,6 +129,9 @@ def train_on_recording(
         whole_set = replace(seen, split=PressSplit(every, ~every, ~every))
         jobs = [one for one in plan_jobs(whole_set, spec) if one.name in model.parts and not one.kind.uses_validation]
         again = {part.name: part for part, _ in train_members(jobs, spec.threads, store, progress)}
+        if isinstance(start, SimulatedStart):
+            again |= fine_tune_members(start, whole_set, Progress())
+        again = {name: part for name, part in again.items() if name in model.parts}
         model = replace(model, parts={**model.parts, **again})
     if first is None:
         samples, test = seen.samples(markers=bool(seen.accepted.sum() > 0.5 * len(seen.accepted)))

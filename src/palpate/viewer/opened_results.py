@@ -61,14 +61,14 @@ def find_results(folder: Path) -> dict[str, Path]:
 
 def describe_result(path: Path) -> tuple[str, str, str]:
     """Kind, number of designs or presses, and date; an unreadable result has the reason as number."""
-    kind = kind_of(path)
+    kind, date = kind_of(path), ""
     try:
+        files = [path] if path.is_file() else [one for one in path.iterdir() if not one.name.endswith(_DRAFTS)]
+        date = f"{datetime.fromtimestamp(max(one.stat().st_mtime for one in files)):%Y-%m-%d %H:%M}"
         number = _number(_READERS[kind](path))
-    except PalpateError as error:
+    except (PalpateError, OSError) as error:
         number = str(error)
-    files = [path] if path.is_file() else [one for one in path.iterdir() if not one.name.endswith(_DRAFTS)]
-    date = datetime.fromtimestamp(max(one.stat().st_mtime for one in files))
-    return kind, number, f"{date:%Y-%m-%d %H:%M}"
+    return kind, number, date
 
 
 def _number(result: OpenedResult) -> str:

@@ -6,6 +6,7 @@ another sign of ry.
 """
 
 import csv
+import sys
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -151,15 +152,36 @@ def test_the_curve_begins_without_presses(seen: PreparedRecording) -> None:
     assert max(points[-1].rmse[:2]) < 0.5 * max(points[0].rmse[:2])
 
 
+def test_a_simulation_that_hardly_moves_or_depths_of_another_sign_are_unsuitable(seen: PreparedRecording) -> None:
+    twin, (samples, _) = small_twin(), seen.samples(markers=True)
+    still = replace(twin, amplitudes=replace(twin.amplitudes, coefficients=twin.amplitudes.coefficients * 0.02))
+    with refused("start-unsuitable"):
+        replace(start(), twin=still).train(seen, samples)
+    reversed_depth = samples.targets * [1.0, 1.0, -1.0]
+    with refused("start-unsuitable"):
+        start().train(replace(seen, targets=reversed_depth), replace(samples, targets=reversed_depth))
+
+
+def test_the_zero_of_the_depth_may_be_far_above(seen: PreparedRecording) -> None:
+    samples, _ = seen.samples(markers=True)
+    lifted = samples.targets - [0.0, 0.0, 30.0]
+    found = start().train(replace(seen, targets=lifted), replace(samples, targets=lifted))
+    left = found.predict(seen.moved[samples.train]) - lifted[samples.train]
+    assert (np.sqrt(np.mean(left**2, axis=0)) < [0.5, 0.5, 0.1]).all()
+
+
 @pytest.mark.slow
-def test_an_unsuitable_start_is_named_and_left_out(seen: PreparedRecording, folder: Path) -> None:
-    flat = small_twin()
-    still = replace(flat, amplitudes=replace(flat.amplitudes, coefficients=flat.amplitudes.coefficients * 0.02))
+def test_a_start_with_larger_errors_is_named_and_left_out(
+    seen: PreparedRecording, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    samples, _ = seen.samples(markers=True)
+    bad = MarkerProcess.train("x", samples, TrainingRun()).transform_outputs("bad", np.eye(3), np.array([40.0, 9, 9]))
+    module = sys.modules["palpate.learn.train_on_recording"]
+    monkeypatch.setattr(module, "fine_tune_members", lambda *given: {"bad": bad})
     spec = RecordingSpec(estimators="ridge", threads=1)
-    wrong = replace(start(), twin=still)
-    found = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), Progress(), wrong)
-    assert "simulation-motion" not in found.model.parts
-    assert any("no suitable start" in note for note in found.seen.notes)
+    found = train_on_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), Progress(), start())
+    assert "bad" not in found.model.parts
+    assert any("not a suitable start" in note for note in found.seen.notes)
 
 
 def test_studies_that_are_no_start_are_refused(
