@@ -50,7 +50,7 @@ class MotionModel:
     Attributes
     ----------
     symmetry, simulation
-        The symmetry of the sensor, and the simulation that the model corrects; `None` without one.
+        The symmetry of the sensor, and the simulation that the model corrects; `None` without them.
     poses, lengths, weights
         (r, k) poses of the presses under each element of the group, (k,) lengths of the kernel, (r, c) weights.
     basis
@@ -63,7 +63,7 @@ class MotionModel:
         RMS of the errors.
     """
 
-    symmetry: RotationAugmentation
+    symmetry: RotationAugmentation | None
     simulation: SimulatedMotion | None
     poses: FloatArray
     lengths: FloatArray
@@ -84,7 +84,7 @@ class MotionModel:
         share = np.sqrt(np.mean(fields**2, axis=1)) * random.choice((-1.0, 1.0), len(poses))
         fields += share[:, None] * self.errors[chosen] @ self.basis.T
         fields += random.normal(0.0, self.noise_px, fields.shape)
-        return np.asarray(fields.reshape(len(poses), -1, 2) + self.symmetry.base_px)
+        return np.asarray(fields.reshape(len(poses), -1, 2) + _base_px(self.symmetry))
 
     def _directed(self, poses: FloatArray) -> FloatArray:
         return _directed(poses, self.symmetry) / self.lengths
@@ -98,15 +98,14 @@ def fit_motion(samples: TrainingSet, simulation: SimulatedMotion | None = None) 
     Parameters
     ----------
     samples
-        Displacements and poses, with a rotation.
+        Displacements and poses; without a rotation, the sensor has no symmetry.
     simulation
         Simulation that the model corrects.
     """
-    symmetry = samples.rotation
-    assert symmetry is not None
+    base_px = _base_px(samples.rotation)
     rows = generator(samples.seed, "motion").permutation(np.flatnonzero(samples.train))[:COMPONENTS]
     poses, press = samples.targets[rows], samples.press_numbers[rows]
-    fields = (samples.inputs[rows] - symmetry.base_px).reshape(len(rows), -1)
+    fields = (samples.inputs[rows] - base_px).reshape(len(rows), -1)
     hidden, modes = np.zeros((len(rows), len(HIDDEN_SD))), np.zeros((*fields.shape, len(HIDDEN_SD)))
     if simulation is not None:
         fields = fields - simulation.fields(poses)
@@ -116,7 +115,7 @@ def fit_motion(samples: TrainingSet, simulation: SimulatedMotion | None = None) 
     if simulation is not None:  # errors of left-out presses show their hidden motions better
         hidden = hidden + estimate_hidden(errors, modes)
         model, errors = _fit(fields - np.einsum("npk,nk->np", modes, hidden), poses, press, samples, simulation)
-    sizes = np.sqrt(np.mean((samples.inputs[rows] - symmetry.base_px) ** 2, axis=(1, 2)))
+    sizes = np.sqrt(np.mean((samples.inputs[rows] - base_px) ** 2, axis=(1, 2)))
     relative = model.errors.reshape(len(rows), -1, model.errors.shape[1]) / np.maximum(sizes, 1e-9)[:, None, None]
     sd = np.sqrt(np.mean(hidden**2, axis=0))
     sd[:2] = np.sqrt(np.mean(sd[:2] ** 2))  # the sensor has no preferred direction
@@ -137,12 +136,12 @@ def _fit(
     simulation: SimulatedMotion | None,
 ) -> tuple[MotionModel, FloatArray]:
     """Model of displacements (n, 2 m), and the errors (n, 2 m) of each press from all others."""
-    symmetry = samples.rotation
-    assert symmetry is not None
-    turns = symmetry.turns(STEPS)
-    operators = RotationOperators(symmetry.places_px).operators(turns)
-    moved = np.stack([fields @ each.T for each in operators], axis=1).reshape(-1, fields.shape[1])
-    turned = np.stack([symmetry.turn_targets(poses, turn) for turn in turns], axis=1).reshape(-1, poses.shape[1])
+    symmetry, turns, moved, turned = samples.rotation, [np.eye(2)], fields, poses
+    if symmetry is not None:
+        turns = symmetry.turns(STEPS)
+        operators = RotationOperators(symmetry.places_px).operators(turns)
+        moved = np.stack([fields @ each.T for each in operators], axis=1).reshape(-1, fields.shape[1])
+        turned = np.stack([symmetry.turn_targets(poses, each) for each in turns], axis=1).reshape(-1, poses.shape[1])
     _, directions = principal_directions(moved.T @ moved / len(moved))
     basis = directions[:, :COMPONENTS]
     components = moved @ basis
@@ -199,8 +198,14 @@ def add_simulation_error(fields: FloatArray, rest_px: FloatArray, seed: int) -> 
     return np.asarray(fields * random.normal(1.0 + share[..., None], 0.5 * _SIMULATION_ERROR, fields.shape))
 
 
-def _directed(poses: FloatArray, symmetry: RotationAugmentation) -> FloatArray:
+def _base_px(symmetry: RotationAugmentation | None) -> FloatArray:
+    return np.zeros(2) if symmetry is None else symmetry.base_px
+
+
+def _directed(poses: FloatArray, symmetry: RotationAugmentation | None) -> FloatArray:
     """Poses (n, k) with their tilts as rotation vectors."""
+    if symmetry is None:
+        return poses
     return np.column_stack([tilt_vector(poses[:, :2], symmetry.angles), poses[:, 2:]])
 
 
