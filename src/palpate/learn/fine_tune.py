@@ -195,10 +195,12 @@ def _adapt(carried: MarkerNetwork | MarkerProcess, lesson: TrainingSet) -> Marke
 def compute_fine_tuning_curve(
     start: PretrainedModel | SimulatedStart, seen: PreparedRecording
 ) -> tuple[CurvePoint, ...]:
-    """Errors on the test presses: of the start, and with increasing numbers of presses."""
+    """Errors on the test presses, if there are any, of the start and with more and more presses."""
     if seen.assigned is None:
         return ()
     samples, test = seen.samples(markers=True)
+    if not (samples.train.any() and samples.validation.any() and test.any()):
+        return ()
     if isinstance(start, SimulatedStart):
         carried: MarkerNetwork | MarkerProcess = start.train(seen, replace(samples, train=samples.train & False))
         adapt: Callable[[TrainingSet], MarkerNetwork | MarkerProcess] = partial(start.train, seen)

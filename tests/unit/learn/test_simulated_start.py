@@ -170,6 +170,10 @@ def test_the_zero_of_the_depth_may_be_far_above(seen: PreparedRecording) -> None
     assert (np.sqrt(np.mean(left**2, axis=0)) < [0.5, 0.5, 0.1]).all()
 
 
+def test_no_curve_is_computed_if_no_validation_press_is_assigned(seen: PreparedRecording) -> None:
+    assert compute_fine_tuning_curve(start(), replace(seen, accepted=seen.accepted & ~seen.split.validation)) == ()
+
+
 @pytest.mark.slow
 def test_a_start_with_larger_errors_is_named_and_left_out(
     seen: PreparedRecording, folder: Path, monkeypatch: pytest.MonkeyPatch
