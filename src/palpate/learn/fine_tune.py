@@ -1,7 +1,7 @@
 """Fine-tuning of a pretrained estimator on markers to a unit by few presses.
 
-The estimator comes from another recording, or from images of the simulated design; see
-`palpate.learn.simulated_start` for the simulation itself. The pretrained layout at rest is matched to
+The estimator comes from another recording, or from images of the simulated design; `palpate.learn.simulated_start`
+trains one on the simulation itself. The pretrained layout at rest is matched to
 this unit's blobs (`palpate.vision.match_markers`); the linear map between both rest images transforms displacements,
 which removes differences of camera and print. With very few presses only a linear correction of its outputs is
 fitted. With more, a network is trained further, at a low rate and regularised towards its initial weights; to a
@@ -202,7 +202,9 @@ def compute_fine_tuning_curve(
     if not (samples.train.any() and samples.validation.any() and test.any()):
         return ()
     if isinstance(start, SimulatedStart):
-        carried: MarkerNetwork | MarkerProcess = start.train(seen, replace(samples, train=samples.train & False))
+        carried: MarkerNetwork | MarkerProcess = start.train(
+            seen, replace(samples, train=np.zeros_like(samples.train))
+        )
         adapt: Callable[[TrainingSet], MarkerNetwork | MarkerProcess] = partial(start.train, seen)
     else:
         carried = transfer_estimator(start, seen)

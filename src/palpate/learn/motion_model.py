@@ -56,11 +56,9 @@ class MotionModel:
     basis
         (2 m, c) displacements px of the components.
     errors
-        (r, c) errors of the presses that were left out, under each element, over the RMS displacement of a press.
+        (r, c) errors of the presses that were left out, under each element, over the RMS displacement of their press.
     hidden_sd, noise_px
-        (3,) deviation of the hidden motions, and of a marker's position.
-    left_out_px
-        RMS of the errors.
+        (3,) deviations of the hidden motions (mm, mm, degrees), and deviation of a marker's position, px.
     """
 
     symmetry: RotationAugmentation | None
@@ -72,7 +70,6 @@ class MotionModel:
     errors: FloatArray
     hidden_sd: FloatArray
     noise_px: float
-    left_out_px: float
 
     def draw(self, poses: FloatArray, seed: int = 0) -> FloatArray:
         """Displacements (n, m, 2) px of poses (n, k), with hidden motions and errors drawn at random."""
@@ -162,7 +159,6 @@ def _fit(
     decomposed = np.maximum(values, 0.0), vectors
     weights = vectors @ ((vectors.T @ components) / (decomposed[0] + best)[:, None])
     errors = left_out(decomposed, best, components, rows)
-    own = errors[:: len(turns)] @ basis.T
     model = MotionModel(
         symmetry=symmetry,
         simulation=simulation,
@@ -173,9 +169,8 @@ def _fit(
         errors=errors,
         hidden_sd=np.zeros_like(HIDDEN_SD),
         noise_px=noise_px,
-        left_out_px=float(np.sqrt(np.mean(own**2))),
     )
-    return model, own
+    return model, errors[:: len(turns)] @ basis.T
 
 
 def draw_poses(poses: FloatArray, seed: int) -> FloatArray:

@@ -168,7 +168,17 @@ class SimulatedStart:
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """Markers of a twin under a camera on the axis, whose radius in the image is focal · (tan θ, θ)."""
+    """Markers of a twin under a camera on the axis, whose radius in the image is focal · (tan θ, θ).
+
+    Attributes
+    ----------
+    markers, rest_px
+        Markers of the twin, and (m, 2) px where the recording shows them at rest.
+    middle, distance_mm, focal
+        (2,) px of the axis, distance below the base, and (2,) px of the two terms.
+    misfit_px
+        RMS residual of the sorted radii at rest.
+    """
 
     markers: MarkerTwin
     rest_px: FloatArray
@@ -192,7 +202,19 @@ class _View:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Displacements of a recording's markers by a twin, see `palpate.learn.motion_model.SimulatedMotion`."""
+    """Displacements of a recording's markers by a twin, see `palpate.learn.motion_model.SimulatedMotion`.
+
+    Attributes
+    ----------
+    view
+        The markers under the camera.
+    frame
+        (2, 2) rotation, or with a reflection, from tilts in the image's frame to those of the table.
+    zero_mm
+        Depth from first contact at which the table counts 0.
+    angles
+        Meaning of rx and ry, one of `palpate.learn.rotation.ANGLES`.
+    """
 
     view: _View
     frame: FloatArray
