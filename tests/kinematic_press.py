@@ -54,7 +54,12 @@ class KinematicPress:
         self.mesh = SimpleNamespace(skin=skin)
         self.ended_depth = self.reached
         self.obstacle = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=8.0, pose_space=TILT_SPACE
+            radial=self.tilt_deg,
+            turn_deg=self.azimuth_deg,
+            depth_step=STEP,
+            depth=8.0,
+            pose_space=TILT_SPACE,
+            centred=True,
         )
 
     def positions(self, points):

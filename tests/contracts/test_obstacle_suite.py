@@ -7,6 +7,7 @@ from palpate.design.barrel import BarrelSpec
 from palpate.design.ellipsoid import Ellipsoid
 from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
+from palpate.fea.plate import PlateSpec
 from palpate.fea.route import RouteSpec
 from palpate.fea.side_wall import SideWallSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
@@ -20,6 +21,8 @@ ROWS: list[ObstacleSpec] = [
     CylinderSpec(radius=5),
     EdgeSpec(radius=3, offset=2),
     EdgeSpec(radius=2, opening_deg=150, offset=-6),
+    PlateSpec(tilt_deg=5, hole_diameter=4, edge_radius=1),
+    PlateSpec(tilt_deg=3, hole_diameter=3, edge_radius=0.5, sink_diameter=6, offset=2),
     RouteSpec(waypoints=((3, 0, 0, 4, -2), (3, 1, 0.5, 4, -2, 5))),
 ]
 

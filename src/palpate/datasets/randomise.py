@@ -1,9 +1,10 @@
 """Domain randomisation: markers of units that deviate from the design.
 
-Every virtual press is that of another unit. With fields u of the presses of the design, of walls with friction µ_k
-and of a thinner and a thicker dome, a unit's displacement is
+Every virtual press is that of another unit, under the obstacle of the study or a further one. With fields u of the
+presses of the design, of walls with friction µ_k, of a thinner and a thicker dome and of a further obstacle j, a
+unit's displacement is
 
-    u = u_0 + (1 - a) (u_k - u_0) + a (u_k+1 - u_0) + b (u_± - u_0),      0 ≤ a, b ≤ 1
+    u = u_0 + (1 - a) (u_k - u_0) + a (u_k+1 - u_0) + b (u_± - u_0) + (u_j - u_0),      0 ≤ a, b ≤ 1
 
 that is, linear between neighbouring frictions (no slip, if the design has it, is next to the largest) and from the
 design's thickness to the thinner or thicker one. A misprinted marker moves with the surface, to first order in its
@@ -41,15 +42,23 @@ class PerturbedPresses:
         Presses of the design with each of `RandomisationSpec.frictions`, in that order.
     thicknesses
         Presses of a thinner and of a thicker wall, or none.
+    obstacles
+        Presses of the design by each of `RandomisationSpec.obstacles`, in that order.
     """
 
     frictions: tuple[Sequence[Press], ...] = ()
     thicknesses: tuple[Sequence[Press], ...] = ()
+    obstacles: tuple[Sequence[Press], ...] = ()
+
+    @property
+    def groups(self) -> tuple[Sequence[Press], ...]:
+        """All of them, in this order."""
+        return (*self.frictions, *self.thicknesses, *self.obstacles)
 
     @property
     def count(self) -> int:
         """Number of presses."""
-        return sum(len(group) for group in (*self.frictions, *self.thicknesses))
+        return sum(len(group) for group in self.groups)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +70,7 @@ class RandomisedField:
     base
         The design.
     others
-        Frictions by descending coefficient, then thicknesses.
+        Frictions by descending coefficient, then thicknesses, then obstacles.
     weights
         (n presses, len(others)) share of each other's difference from the base.
     tangent_fields
@@ -148,16 +157,16 @@ def randomise_field(
     Raises
     ------
     PalpateError
-        If the presses for a friction or thickness are missing, or have other depths than the design's.
+        If the presses for a friction, thickness or obstacle are missing, or have other depths than the design's.
     """
     chosen, base = spec.randomise or RandomisationSpec(), build_field(presses, layout)
     _refuse_missing(chosen, relatives)
-    others = tuple(build_field(group, layout) for group in (*relatives.frictions, *relatives.thicknesses))
+    others = tuple(build_field(group, layout) for group in relatives.groups)
     for other in others:
         if len(other.depths_mm) != len(base.depths_mm) or not np.allclose(other.depths_mm, base.depths_mm):
             raise PalpateError(
-                f"Presses of another friction or thickness end at {other.depths_mm.max(initial=0.0):g} mm, the "
-                f"design's at {base.depths_mm.max(initial=0.0):g} mm.",
+                f"Presses of another friction, thickness or obstacle end at {other.depths_mm.max(initial=0.0):g} mm, "
+                f"the design's at {base.depths_mm.max(initial=0.0):g} mm.",
                 "Press less deep, or vary less.",
                 code="dataset-variation-short",
             )
@@ -170,9 +179,9 @@ def randomise_field(
 
 
 def _draw_weights(spec: RandomisationSpec, seed: int, count: int) -> FloatArray:
-    """Return the shares (count, frictions and thicknesses) of the relatives in every virtual press."""
-    frictions = len(spec.frictions)
-    weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
+    """Return the share of each relative in every virtual press, (count, relatives)."""
+    frictions, obstacles = len(spec.frictions), len(spec.obstacles)
+    weights = np.zeros((count, frictions + (2 if spec.thickness else 0) + obstacles))
     if frictions:
         place = generator(seed, "friction").uniform(0.0, frictions, count)  # 0: the design's contact
         knots = np.arange(1, frictions + 1)
@@ -181,6 +190,9 @@ def _draw_weights(spec: RandomisationSpec, seed: int, count: int) -> FloatArray:
         thick = generator(seed, "thickness").uniform(-1.0, 1.0, count)
         weights[:, frictions] = np.maximum(-thick, 0.0)
         weights[:, frictions + 1] = np.maximum(thick, 0.0)
+    if obstacles:
+        chosen = generator(seed, "obstacle").integers(0, obstacles + 1, count)  # 0: the study's obstacle
+        weights[:, -obstacles:] = chosen[:, None] == np.arange(1, obstacles + 1)
     return weights
 
 
@@ -200,6 +212,7 @@ def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> Non
     wanted: Mapping[str, tuple[int, int]] = {
         "friction": (len(spec.frictions), len(relatives.frictions)),
         "thickness": (2 if spec.thickness else 0, len(relatives.thicknesses)),
+        "obstacle": (len(spec.obstacles), len(relatives.obstacles)),
     }
     for name, (needed, given) in wanted.items():
         if needed != given:

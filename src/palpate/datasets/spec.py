@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import SerializerFunctionWrapHandler, field_validator, model_serializer
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer
 from pydantic_core import PydanticCustomError
 
-from palpate.core import Spec, parameter
-from palpate.fea import check_contact
+from palpate.core import PalpateError, Spec, parameter
+from palpate.fea import check_contact, obstacle_from_data
 
 
 class RandomisationSpec(Spec):
@@ -30,6 +30,10 @@ class RandomisationSpec(Spec):
         ge=0,
         le=1,
     )
+    obstacles: tuple[dict[str, Any], ...] = Field(
+        default=(),
+        description="further obstacles, each by its kind and numbers; a virtual press has one of them or the study's",
+    )
     dot: float = parameter(0.0, unit="mm", meaning="maximum print error of a marker, both ways", ge=0, le=2)
     camera_offset: float = parameter(0.0, unit="mm", meaning="maximum offset of the camera along x and y", ge=0, le=5)
     camera_distance: float = parameter(0.0, unit="mm", meaning="maximum change of the camera's distance", ge=0, le=10)
@@ -48,6 +52,32 @@ class RandomisationSpec(Spec):
                 "frictions-malformed", "frictions must be numbers of at least 0.05, each given once.", {}
             )
         return tuple(sorted(frictions, reverse=True))
+
+    @field_validator("obstacles")
+    @classmethod
+    def _obstacles_are_known(cls, obstacles: tuple[dict[str, Any], ...]) -> tuple[dict[str, Any], ...]:
+        try:
+            found = [obstacle_from_data(each) for each in obstacles]
+        except PalpateError as error:
+            raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
+        for each in found:
+            common = {"depth", "depth_step", "contact", "unload", "azimuth_deg", each.position_name}
+            for name in sorted(common & each.model_fields_set):
+                raise PydanticCustomError(
+                    "obstacle-travel-given",
+                    "{name} of {label} is that of the study; leave it out.",
+                    {"name": name, "label": each.label},
+                )
+        kinds = [{"kind": each["kind"]} if "kind" in each else {} for each in obstacles]
+        return tuple(
+            kind | each.model_dump(mode="json", exclude_unset=True) for kind, each in zip(kinds, found, strict=True)
+        )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_no_obstacles(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out an empty list of obstacles, so that older artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        return {name: value for name, value in content.items() if name != "obstacles" or value}
 
     @property
     def varies_camera(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.fea.deck_mesh import node_lines
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.spec import ObstacleSpec, check_half_model
 from palpate.fea.wall import WallSpec
 from palpate.mesh import Mesh
 
@@ -47,6 +47,7 @@ def ascii_label(wall: ObstacleSpec) -> str:
 
 def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """Return the obstacle over a mesh; `elements` are already numbered."""
+    check_half_model(mesh, obstacle_spec)
     if obstacle_spec.moves_laterally:
         raise PalpateError(
             f"The obstacle of a deck moves along one line; this one also moves laterally: {obstacle_spec.label}.",
@@ -66,7 +67,10 @@ def deck_wall(mesh: Mesh, obstacle_spec: ObstacleSpec, elements: int, dialect: D
     )
     points, facets = obstacle.patch(touched, half)
     if dialect is Dialect.CALCULIX:
-        inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
+        gap, thick = obstacle.gap(points), 0.1 * min(half, np.ptp(points, axis=0).max())
+        if gap.curvature is not None:  # the normals of a rounded body meet at its radius
+            thick = min(thick, 0.5 / float(np.linalg.norm(gap.curvature, 2, axis=(1, 2)).max()))
+        inner = points + thick * gap.normal
         points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
     return DeckWall(ascii_label(obstacle_spec), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
 

@@ -16,6 +16,7 @@ OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
         "ball": "palpate.fea.ball:BallSpec",
         "cylinder": "palpate.fea.cylinder:CylinderSpec",
         "edge": "palpate.fea.edge:EdgeSpec",
+        "plate": "palpate.fea.plate:PlateSpec",
         "route": "palpate.fea.route:RouteSpec",
         "side_wall": "palpate.fea.side_wall:SideWallSpec",
     },

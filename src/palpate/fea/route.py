@@ -100,6 +100,10 @@ class RouteSpec(ObstacleSpec):
         return f"route of {len(self.waypoints)} waypoints"
 
     @property
+    def mirrored(self) -> bool:
+        return False
+
+    @property
     def moves_laterally(self) -> bool:
         return True
 
@@ -136,14 +140,8 @@ class RouteSpec(ObstacleSpec):
         Raises
         ------
         PalpateError
-            If the mesh is half a skin, or the wall reaches the clamped rim at a waypoint.
+            If the wall reaches the clamped rim at a waypoint.
         """
-        if not mesh.spec.whole:
-            raise PalpateError(
-                "A half mesh cannot be used with a route, which is not symmetric.",
-                "Use a whole mesh: MeshSpec(whole=True), --whole.",
-                code="mesh-whole-needed",
-            )
         path = partial(self._at, self.at_first_contact(mesh)[1])
         for number, (point, length) in enumerate(zip(self.waypoints, self.stop_depths, strict=True), start=1):
             tilt_deg, plane = float(np.hypot(point.rx_deg, point.ry_deg)), path(length)

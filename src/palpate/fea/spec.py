@@ -99,6 +99,16 @@ class ObstacleSpec(Spec, ABC):
         return True
 
     @property
+    def mirrored(self) -> bool:
+        """Whether shape and motion are symmetric about the plane of its tilt or offset."""
+        return True
+
+    @property
+    def centred(self) -> bool:
+        """Whether its shape and motion at tilt or offset 0 are the same at every azimuth."""
+        return self.mirrored
+
+    @property
     def moves_laterally(self) -> bool:
         """Whether the obstacle also moves laterally to the skin's axis."""
         return False
@@ -180,7 +190,15 @@ def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
     """Raise a `PalpateError` if the obstacle misses the skin or a half model is asymmetric about it."""
     obstacle.check_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
-    if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
+    if mesh.spec.whole:
+        return
+    if not obstacle.mirrored:
+        raise PalpateError(
+            f"Half a skin is not symmetric under this obstacle: {obstacle.label}.",
+            "Use a whole mesh: --whole, or MeshSpec(whole=True).",
+            code="mesh-whole-needed",
+        )
+    if symmetry is Symmetry.REVOLVED:
         return
     if symmetry is Symmetry.NONE or min(obstacle.turn_deg % 180, -obstacle.turn_deg % 180) > _SAME_TURN_DEG:
         raise PalpateError(

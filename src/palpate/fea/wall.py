@@ -61,6 +61,14 @@ class WallSpec(ObstacleSpec):
         return any(getattr(self, name) for name in self.LATERAL_FIELDS)
 
     @property
+    def mirrored(self) -> bool:
+        return not (self.lateral_rate_across or self.twist_rate_deg)
+
+    @property
+    def centred(self) -> bool:
+        return not (self.lateral_rate or self.lateral_rate_across)
+
+    @property
     def label(self) -> str:
         bent = f" of curvature {self.curvature:g}/m" if self.curvature else ""
         return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.moves_laterally else "")
@@ -87,13 +95,6 @@ class WallSpec(ObstacleSpec):
         down = partial(translate_obstacle, touched, self.approach_axis(mesh))
         if not self.moves_laterally:
             return down
-        if not mesh.spec.whole and (self.lateral_rate_across or self.twist_rate_deg):
-            raise PalpateError(
-                f"A wall that moves by {self.lateral_rate_across:g} mm/mm across its slope, or twists by "
-                f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
-                "Use a whole mesh: MeshSpec(whole=True), --whole.",
-                code="mesh-whole-needed",
-            )
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
         way = self.lateral_rate * along + self.lateral_rate_across * across

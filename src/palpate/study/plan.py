@@ -16,7 +16,7 @@ from palpate.design import (
     place_markers,
     raise_on_errors,
 )
-from palpate.fea import Branch
+from palpate.fea import Branch, obstacle_from_data
 from palpate.study.accuracy_task import AccuracyTask, plan_accuracy, plan_prediction, plan_twin
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
@@ -145,7 +145,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
         yield PressTask(
             design=study.design(skin),
             # half a skin is symmetric about the plane of the tilt
-            mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
+            mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg or not study.obstacle.mirrored else mesh,
             obstacle=study.obstacle_at(position, **turned),
             solver=study.solver,
         )
@@ -160,7 +160,7 @@ def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:
-    """Presses of units that differ from the design, for `RandomisationSpec`: friction, thinner, thicker."""
+    """Presses for `RandomisationSpec`: other frictions, thinner, thicker, other obstacles."""
     varied = study.dataset.randomise
     if varied is None:
         return
@@ -169,6 +169,17 @@ def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask
     for step in (-varied.thickness, varied.thickness) if varied.thickness else ():
         other = type(skin).model_validate(skin.model_dump() | {"thickness": skin.thickness + step})
         yield _plan_presses(study, other)
+    travel = study.obstacle.model_dump(include={"depth", "depth_step", "contact"})
+    for given in varied.obstacles:
+        obstacle = obstacle_from_data(travel | given)
+        if obstacle.pose_space != study.obstacle.pose_space:
+            raise PalpateError(
+                f"A dataset under {study.obstacle.label} is not randomised by this obstacle: {obstacle.label}.",
+                "Use obstacles whose pose has the same components.",
+                code="obstacle-pose-differs",
+            )
+        obstacle.check_skin(build_skin(skin), study.mesh.rim)
+        yield _plan_presses(study.model_copy(update={"obstacle": obstacle}), skin)
 
 
 def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:

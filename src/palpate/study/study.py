@@ -305,7 +305,7 @@ class Study(Spec):
     def _positions_are_those_of_the_obstacle(self) -> Self:
         field = positions_field(self.obstacle)
         other = "offsets_mm" if field == "tilts_deg" else "tilts_deg"
-        defaults_fit = type(self.obstacle) is WallSpec
+        defaults_fit = field == "tilts_deg" and not self.obstacle.sideways
         other_given = other in self.model_fields_set and getattr(self, other)
         if other_given or not (defaults_fit or field in self.model_fields_set):
             raise PydanticCustomError(

@@ -6,6 +6,7 @@ import json
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -140,7 +141,7 @@ class DatasetTask(Task):
     design: Design
     spec: DatasetSpec
     perturbed_presses: tuple[tuple[PressTask, ...], ...] = ()
-    """Presses of deviating units: for each friction of `spec.randomise`, then thinner, then thicker."""
+    """Presses of `spec.randomise`: one group a friction, thinner, thicker, one an obstacle."""
 
     @property
     def name(self) -> str:
@@ -174,8 +175,12 @@ class DatasetTask(Task):
             [read_press(find_artefact(store, task)) for task in group]
             for group in (self.presses, *self.perturbed_presses)
         ]
-        frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
-        relatives = PerturbedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
+        varied = self.spec.randomise
+        first, last = (
+            1 + len(varied.frictions if varied else ()),
+            len(groups) - len(varied.obstacles if varied else ()),
+        )
+        relatives = PerturbedPresses(*(tuple(groups[begin:end]) for begin, end in pairwise((1, first, last, None))))
         return generate_dataset(groups[0], self.design.layout, self.design.camera, self.spec, relatives, forces)
 
 

@@ -7,8 +7,9 @@ seen in the mirror y → −y of the tilt's frame, and that wall turned by half 
     u(x, y, z; −t) = M u(x, −y, z; t),      M = diag(1, −1, 1);      c_k(−t) = (−1)^k c_k(t)
 
 of nodal fields u and of Fourier coefficients c_k; of the force, the parts up the slope and along the axis of the tilt
-change sign. The same holds for a ball offset by −t. Below, the *tilt* of an obstacle that does not tilt is its offset
-in mm.
+change sign. The same holds for a ball offset by −t. A wall that moves up its slope, or a plate whose hole lies off
+the axis, depends on the azimuth at tilt 0; its splines end there. Below, the *tilt* of an obstacle that does not tilt
+is its offset in mm.
 """
 
 from __future__ import annotations
@@ -113,7 +114,8 @@ class RevolvedField(PressField):
         return gathered
 
     def _cut(self, values: NDArray[Any], mirrored: NDArray[Any], slopes: NDArray[Any] | None = None) -> TiltRuns:
-        return cut_into_runs(self.runs.tilts_deg, self.runs.branch, self.runs.ended, values, mirrored, slopes)
+        opposite = mirrored if all(press.obstacle.centred for press in self.presses) else None
+        return cut_into_runs(self.runs.tilts_deg, self.runs.branch, self.runs.ended, values, opposite, slopes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -125,7 +125,7 @@ WITHOUT_VALUE = listed(
     force-not-positive forces-need-wall grid-empty grid-missing grid-selection-empty image-damaged
     image-mirrored image-not-encoded image-not-finite inverted-state-gel
     inverted-state-route law-exponent-zero law-term-incomplete limit-obstacle-level
-    markers-outside-skin mesh-half-needed mesh-whole-needed model-missing*2 model-no-design network-no-force*2
+    markers-outside-skin mesh-half-needed model-missing*2 model-no-design network-no-force*2
     network-no-unit*3 notebook-missing obstacle-misses-skin option-not-for-solver
     options-exclusive*2 outline-begins-with-curve outline-leaves-axis-aslant picture-missing press-curve-missing
     press-pose-incomplete presses-designs-differ presses-none*3 presses-obstacles-differ presses-share-no-depth

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from errors import refused
 from kinematic_press import RADIUS, KinematicPress, PinholeCamera, kinematic_positions, rings, solved
@@ -156,3 +157,41 @@ def test_a_varied_dataset_survives_its_file(tmp_path):
 def test_frictions_are_numbers_given_once():
     with refused("frictions-malformed"):
         RandomisationSpec(frictions=(1.0, 1.0))
+
+
+def test_a_press_has_the_obstacle_of_the_study_or_one_of_the_others():
+    holes = ({"kind": "plate", "hole_diameter": 4.0}, {"kind": "plate", "hole_diameter": "8 mm", "offset": -1.0})
+    others = PerturbedPresses(obstacles=(group(slip=0.2), group(slip=0.5)))
+    varied = generate_dataset(group(), LAYOUT, CAMERA, spec(obstacles=holes), others)
+    alone = [generate_dataset(group(slip=by), LAYOUT, CAMERA, DatasetSpec(n_presses=60)) for by in (0.0, 0.2, 0.5)]
+    same = np.array([np.isclose(varied.images_px, one.images_px).all(axis=(1, 2)) for one in alone])
+    moved = varied.poses[:, 2] > 0
+    assert (same[:, moved].sum(axis=0) == 1).all()
+    for press in np.unique(varied.press):
+        assert len(np.unique(same[:, moved & (varied.press == press)], axis=1).T) == 1
+    assert (same[:, moved].mean(axis=1) > 0.15).all()
+    with refused("dataset-variation-missing"):
+        generate_dataset(group(), LAYOUT, CAMERA, spec(obstacles=holes), PerturbedPresses(obstacles=(group(),)))
+
+
+def test_obstacles_are_written_only_if_there_are_some():
+    assert "obstacles" not in spec(frictions=(0.7,)).model_dump(mode="json")["randomise"]
+    varied = spec(obstacles=({"kind": "plate", "hole_diameter": "4 mm"},))
+    assert varied.model_dump(mode="json")["randomise"]["obstacles"] == [{"kind": "plate", "hole_diameter": 4.0}]
+    assert DatasetSpec.model_validate_json(varied.model_dump_json()) == varied
+
+
+@pytest.mark.parametrize(
+    "obstacle",
+    [
+        {"kind": "anvil"},
+        {"kind": "plate", "hole_diameter": -1.0},
+        {"kind": "plate", "depth": 3.0},
+        {"kind": "plate", "tilt_deg": 3.0},
+        {"kind": "plate", "contact": 0.5},
+    ],
+)
+def test_wrong_obstacles_are_refused(obstacle):
+    with pytest.raises(ValidationError) as caught:
+        RandomisationSpec(obstacles=(obstacle,))
+    assert caught.value.errors()[0]["loc"] == ("obstacles",)

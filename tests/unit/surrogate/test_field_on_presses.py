@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, rotation_vector
 from palpate.fea import WallSpec
+from palpate.fea.plate import PlateSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.surrogate import build_field
@@ -15,10 +16,10 @@ DOME = build_skin(DomeSpec(height=20, thickness=3))
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 
 
-def press(tilt_deg, azimuth_deg=0.0):
-    mesh = mesh_skin(DOME, MeshSpec(cells=8))
-    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=DEPTH)
-    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall)
+def press(tilt_deg, azimuth_deg=0.0, spec=WallSpec, **obstacle):
+    placed = spec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=DEPTH, **obstacle)
+    mesh = mesh_skin(DOME, MeshSpec(cells=8, whole=not placed.mirrored))
+    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), placed)
 
 
 @pytest.fixture(scope="module")
@@ -32,3 +33,19 @@ def test_a_tilt_between_two_presses_and_another_azimuth_agree_with_the_direct_so
     rx, ry = tilt * np.cos(np.deg2rad([azimuth])), tilt * np.sin(np.deg2rad([azimuth]))
     found = field.positions(rx, ry, 3)[0]
     assert np.linalg.norm(found - direct, axis=1).max() < 0.005 * DEPTH
+
+
+@pytest.mark.parametrize("off", [{"offset": 4.0}, pytest.param({"offset_across": 3.0}, marks=pytest.mark.slow)])
+def test_a_hole_off_the_axis_turns_with_the_tilt_and_ends_at_the_untilted_press(off, monkeypatch):
+    hole = {"spec": PlateSpec, "hole_diameter": 5.0, "edge_radius": 1.0, **off}
+    presses = [press(tilt, **hole) for tilt in (0.0, 2.0, 4.0, 6.0)]
+    direct = press(1.0, 70.0, **hole).positions(LAYOUT.positions)[-1]
+    at = rotation_vector(1.0, np.radians([70.0]))
+
+    def apart():
+        return np.linalg.norm(build_field(presses, LAYOUT).positions(at[:, 0], at[:, 1], 3)[0] - direct, axis=1).max()
+
+    ended = apart()
+    monkeypatch.setattr(PlateSpec, "centred", True)
+    assert ended < 0.01 * DEPTH
+    assert apart() > 1.1 * ended or "offset" not in off

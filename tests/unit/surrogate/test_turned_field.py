@@ -61,7 +61,12 @@ class PadPress:
         skin = PAD if self.symmetry is Symmetry.MIRRORED else SimpleNamespace(name="odd", symmetry=self.symmetry)
         self.mesh = SimpleNamespace(skin=skin)
         self.obstacle = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=DEPTH, pose_space=TILT_SPACE
+            radial=self.tilt_deg,
+            turn_deg=self.azimuth_deg,
+            depth_step=STEP,
+            depth=DEPTH,
+            pose_space=TILT_SPACE,
+            centred=True,
         )
 
     def displacement_at(self, points: np.ndarray, by: str = "") -> np.ndarray:
