@@ -28,7 +28,7 @@ name: quick
 designs: {heights: [20 mm], thicknesses: [2 mm], markers: [7]}
 mesh: {cells: 4}
 tilts_deg: [0, 3]
-obstacle: {depth: 1 mm}
+obstacle: {depth: 3 mm, depth_step: 1 mm}
 """
 """A study whose first press fills the disk as soon as another's."""
 WANTED = """

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from palpate.core import PalpateError
 from palpate.design import (
     MarkerSpec,
@@ -74,9 +76,10 @@ def plan_study(study: Study) -> Plan:
     Raises
     ------
     PalpateError
-        If a design cannot be built: the message names it.
+        If a design cannot be built, which the message names, or all images of a press are left out.
     """
     study = study.seeded()
+    _refuse_no_image(study)
     designs, built = [], []
     for skin in study.designs.skins():
         _refuse_unfit(study, skin.build())
@@ -113,6 +116,19 @@ def plan_reading_twins(study: Study) -> tuple[AccuracyTask, ...]:
         for markers in study.designs.markers:
             found.append(plan_accuracy(study, twin, study.design(skin, check_markers(skin, markers))))
     return tuple(found)
+
+
+def _refuse_no_image(study: Study) -> None:
+    """Reject a study that leaves out all images of its presses, before they are solved."""
+    steps = study.obstacle.depth / study.obstacle.depth_step
+    images = int(steps + 2 * np.spacing(steps))  # 2.4 mm are three steps of 0.8 mm
+    if images <= study.dataset.dropped_images:
+        raise PalpateError(
+            f"A press of {study.obstacle.depth:g} mm by {study.obstacle.depth_step:g} mm has {images} images; "
+            f"dataset.dropped_images leaves out {study.dataset.dropped_images}.",
+            "Press deeper, shorten depth_step, or leave out fewer images.",
+            code="dataset-no-image",
+        )
 
 
 def _refuse_unfit(study: Study, skin: Skin) -> None:

@@ -5,7 +5,7 @@ import pytest
 from errors import refused
 from palpate.study import Study, plan_study
 
-STUDY = {"name": "holes", "tilts_deg": [0, 6], "obstacle": {"kind": "plate", "hole_diameter": 4.0, "depth": 2.0}}
+STUDY = {"name": "holes", "tilts_deg": [0, 6], "obstacle": {"kind": "plate", "hole_diameter": 4.0, "depth": 2.4}}
 
 
 def varied(**study: object) -> Study:
@@ -15,8 +15,8 @@ def varied(**study: object) -> Study:
 def test_a_plate_is_pressed_at_the_tilts_of_the_study() -> None:
     presses = plan_study(Study.model_validate(STUDY)).designs[0].dataset.presses
     assert [(press.obstacle.kind, press.obstacle.radial, press.obstacle.depth) for press in presses] == [
-        ("plate", 0.0, 2.0),
-        ("plate", 6.0, 2.0),
+        ("plate", 0.0, 2.4),
+        ("plate", 6.0, 2.4),
     ]
 
 
@@ -46,10 +46,15 @@ def test_an_obstacle_that_is_not_mirrored_presses_a_whole_mesh(obstacle: dict[st
     assert all(press.mesh.whole for press in presses)
 
 
+def test_three_steps_leave_one_image() -> None:
+    assert plan_study(varied(obstacle={"depth": 2.4, "depth_step": 0.8})).designs
+
+
 @pytest.mark.parametrize(
     ("study", "code"),
     [
         ({"dataset": {"randomise": {"obstacles": [{"kind": "ball"}]}}}, "obstacle-pose-differs"),
+        ({"obstacle": {"depth": 2.3, "depth_step": 0.8}}, "dataset-no-image"),
         ({"dataset": {"randomise": {"obstacles": [{"kind": "plate", "hole_diameter": 60}]}}}, "obstacle-misses-skin"),
     ],
 )
