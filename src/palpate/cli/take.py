@@ -70,7 +70,7 @@ def take(
     unit = built.unit(reads.material)
     twin = _find_twin(reads, built) if spec.next or rig.robot == _SIMULATED else None
     settings = {"robot": rig.robot, "source": rig.source, "seed": rig.seed, **spec.model_dump(mode="json")}
-    folder = RecordingFolder(out, settings | {"skin": unit.design.skin.spec_data})
+    folder = RecordingFolder(out, settings | {"skin": unit.design.skin.spec_data, "markers": len(unit.design.layout)})
 
     grid, table, before = [] if spec.next else spec.grid(), out / "poses.csv", len(folder)
 

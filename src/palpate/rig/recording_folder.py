@@ -31,7 +31,7 @@ class RecordingFolder:
     Parameters
     ----------
     folder
-        The folder; created if it does not exist.
+        The folder; created by `write_plan`.
     settings
         Plain data that must be equal in all parts of one recording.
 
@@ -52,12 +52,11 @@ class RecordingFolder:
         self._rows: list[list[str]] = []
         self.plan: dict[str, Any] = {}
         with wrap_write_errors(folder, "Choose another folder."):
-            folder.mkdir(parents=True, exist_ok=True)
             for draft in folder.glob(f"{DRAFT}*"):
                 shutil.rmtree(draft)
         if self._about.exists():
             self._resume()
-        elif any(folder.iterdir()):
+        elif folder.exists() and any(folder.iterdir()):
             raise PalpateError(
                 f"{folder} has files of something else.", "Choose another folder.", code="folder-exists"
             )
@@ -87,6 +86,8 @@ class RecordingFolder:
         """Add to the plan, and write it."""
         self.plan |= json.loads(json_text(plan))
         content = {"settings": self._settings, "plan": self.plan, "made_by": provenance()}
+        with wrap_write_errors(self.folder, "Choose another folder."):
+            self.folder.mkdir(parents=True, exist_ok=True)
         with atomic_write(self._about) as draft:
             draft.write_text(json_text(content) + "\n", encoding="utf-8")
 
