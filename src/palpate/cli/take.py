@@ -32,6 +32,8 @@ _ROBOT = (
 _SOURCE = "Camera of the sensor: its number, or the text of another package's source; not with --robot simulated."
 _SEED = "Random seed of the simulated unit and rig."
 _SIMULATED = "simulated"
+_CHANGING = {"dwell_s", "clear", "blank", "saturated", "buffered"}
+"""Settings that may change when a recording is resumed."""
 
 
 @Parameter(name="*")
@@ -69,9 +71,8 @@ def take(
         )
     unit = built.unit(reads.material)
     twin = _find_twin(reads, built) if spec.next or rig.robot == _SIMULATED else None
-    settings = {"robot": rig.robot, "source": rig.source, "seed": rig.seed, **spec.model_dump(mode="json")}
-    folder = RecordingFolder(out, settings | {"skin": unit.design.skin.spec_data, "markers": len(unit.design.layout)})
-
+    settings = {"seed": rig.seed, "skin": unit.design.skin.spec_data, "markers": len(unit.design.layout)}
+    folder = RecordingFolder(out, settings | spec.model_dump(mode="json", exclude=_CHANGING))
     grid, table, before = [] if spec.next else spec.grid(), out / "poses.csv", len(folder)
 
     def choose(number: int) -> PlannedPress:
@@ -81,6 +82,7 @@ def take(
 
     count = spec.next or len(grid)
     with _open_rig(rig, spec, unit.design, twin, folder) as (robot, next_image), show_progress() as progress:
+        folder.write_plan(robot=rig.robot, source=rig.source, **spec.model_dump(mode="json", include=_CHANGING))
         Acquisition(robot, next_image, unit.design.skin, folder, spec, progress).take(count, choose)
     new = len(folder) - before
     facts = {"table": str(table), "images": len(folder), "new_images": new, "presses": count}

@@ -61,6 +61,7 @@ class Acquisition:
         self._robot, self._next_image, self._spec = robot, next_image, spec
         self._folder, self._progress = folder, progress or Progress()
         self._before: NDArray[Any] | None = None
+        self._moving = False
         if "start" not in folder.plan:
             here = robot.flange_pose()
             folder.write_plan(start={"rotation": here.rotation.tolist(), "position": here.position.tolist()})
@@ -103,8 +104,9 @@ class Acquisition:
                     presses = self._folder.plan["presses"]
                 self._press(number, *presses[number])
         except BaseException:
-            with suppress(PalpateError):
-                self._retract()
+            if not self._moving:
+                with suppress(PalpateError):
+                    self._retract()
             raise
 
     def _press(self, number: int, tilt: float, azimuth: float) -> None:
@@ -139,4 +141,6 @@ class Acquisition:
         where = f"depth {pose[2]:.3f} mm" if pose[2] > 0 else f"the wall {-pose[2]:g} mm clear of the skin"
         tilt = float(np.hypot(*pose[:2]))
         self._robot.announce(f"rx {pose[0]:.3f}°, ry {pose[1]:.3f}° (tilt {tilt:.3f}°), {where}")
+        self._moving = True
         self._robot.move(self._frame.flange_at(pose))
+        self._moving = False

@@ -63,8 +63,11 @@ def images_of(source: Source, buffered: int) -> NextImage:
     ended = PalpateError(f"{source.name} has no more images.", "Start the same command again.", code="source-gone")
 
     def take() -> NDArray[Any] | PalpateError:
-        for _ in range(buffered if source.live else 0):
-            next(images, None)
-        return next(images, ended)
+        try:
+            for _ in range(buffered if source.live else 0):
+                next(images, None)
+            return next(images, ended)
+        except Exception as error:  # a camera's library may raise anything
+            return PalpateError.of(error)
 
     return take

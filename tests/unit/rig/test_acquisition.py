@@ -101,8 +101,10 @@ def test_a_lost_camera_or_robot_costs_no_image(tmp_path: Path, call: int) -> Non
         take(tmp_path, rig := TestRig(camera_fails=call))
     frame = PressFrame(START, SKIN, Placement(position=np.array([0.0, 0.0, 100.0])))
     assert frame.pose_at(rig.pose)[2] < 0
+    stopped = TestRig(robot_fails=2)
     with refused("robot-lost"):
-        take(tmp_path, TestRig(robot_fails=2))
+        take(tmp_path, stopped)
+    assert stopped.moves == 2
     again = TestRig()
     take(tmp_path, again)
     check_whole(tmp_path, IMAGES)
