@@ -76,8 +76,9 @@ def compare(twin: Twin, design: Design, number: int, count: int, draws: int) -> 
     assert fitter is not None
     model = fitter.model
 
-    def by_error(mounting: Mounting, _: list[Place]) -> NextPress:
-        return rank_next_presses(model, mounting, INVERSE_FRICTION, spec)[1][0]
+    def by_error(mounting: Mounting, places: list[Place]) -> NextPress:
+        ranked, taken = rank_next_presses(model, mounting, INVERSE_FRICTION, spec)[1], [place[:2] for place in places]
+        return next(press for press in ranked if press[:2] not in taken)
 
     def by_spread(mounting: Mounting, places: list[Place]) -> NextPress:
         ranked = rank_next_presses(model, mounting, INVERSE_FRICTION, spec)[1]

@@ -73,18 +73,19 @@ def take(
     twin = _find_twin(reads, built) if spec.next or rig.robot == _SIMULATED else None
     settings = {"seed": rig.seed, "skin": unit.design.skin.spec_data, "markers": len(unit.design.layout)}
     folder = RecordingFolder(out, settings | spec.model_dump(mode="json", exclude=_CHANGING))
-    grid, table, before = [] if spec.next else spec.grid(), out / "poses.csv", len(folder)
+    grid, table, taken = [] if spec.next else spec.grid(), out / "poses.csv", len(folder)
 
     def choose(number: int) -> PlannedPress:
         if twin is None or not spec.next:
             return grid[number]
-        return choose_next_press(number, table, unit, twin, spec)
+        before = [(tilt, azimuth) for tilt, azimuth in folder.plan["presses"]]
+        return choose_next_press(before, table, unit, twin, spec)
 
     count = spec.next or len(grid)
     with _open_rig(rig, spec, unit.design, twin, folder) as (robot, next_image), show_progress() as progress:
         folder.write_plan(robot=rig.robot, source=rig.source, **spec.model_dump(mode="json", include=_CHANGING))
         Acquisition(robot, next_image, unit.design.skin, folder, spec, progress).take(count, choose)
-    new = len(folder) - before
+    new = len(folder) - taken
     facts = {"table": str(table), "images": len(folder), "new_images": new, "presses": count}
     output.show(facts, f"{len(folder)} images of {count} presses and at rest, {new} of them new: {table}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,19 @@ from palpate.surrogate import Twin
 
 
 def choose_next_press(
-    number: int, table: Path, unit: Unit, twin: Twin, spec: TakeSpec, robot: RobotUncertainty | None = None
+    before: Sequence[PlannedPress],
+    table: Path,
+    unit: Unit,
+    twin: Twin,
+    spec: TakeSpec,
+    robot: RobotUncertainty | None = None,
 ) -> PlannedPress:
-    """Return the press that reduces the predicted error of a unit most.
+    """Return the press that reduces the predicted error of a unit most, at a pose without a press so far.
 
     Parameters
     ----------
-    number
-        Number of presses so far; the first press is that of `palpate.calibration.calibration_pose`.
+    before
+        Presses so far; the first press is that of `palpate.calibration.calibration_pose`.
     table
         Poses of the recording so far, in the folder of its images.
     unit, twin
@@ -37,7 +43,7 @@ def choose_next_press(
         If the presses so far do not fit a unit of this design.
     """
     most, robot = min(spec.max_tilt_deg, float(twin.tilts_deg[-1])), robot or RobotUncertainty()
-    if number == 0:
+    if not before:
         return calibration_pose(0, most)
     known = read_ground_truth(table).locate(table.parent)
     sensor = open_sensor([read_image(Path(name)) for name in known.rest], unit, twin, SensorSpec())
@@ -48,5 +54,6 @@ def choose_next_press(
         noise_px=fitter.noise_px, robot=robot, max_tilt_deg=most, min_depth=min(spec.min_depth, spec.depth)
     )
     friction = float(np.median(found.inverse_frictions))
-    best = rank_next_presses(fitter.model, found.mounting, friction, accuracy)[1][0]
-    return best.tilt_deg, best.azimuth_deg
+    ranked = rank_next_presses(fitter.model, found.mounting, friction, accuracy)[1]
+    places = [(press.tilt_deg, press.azimuth_deg) for press in ranked]
+    return next((place for place in places if place not in before), places[0])

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import os
 import subprocess
 import sys
@@ -245,4 +246,9 @@ def test_sixty_presses_survive_a_kill_a_lost_camera_and_a_lost_robot(
     known = ("--unit", str(tmp_path / "unit.json"), "--no-zero", "--min-depth", "1")
     assert run("calibration", "accept", table, *reads, *known) == 0
     assert run("recording", "train", str(folder), "--estimators", "ridge", "--out", str(tmp_path / "model")) == 0
+    planned = tmp_path / "planned"
+    assert run(*words[:2], str(planned), *words[3:], "--next", "3", "--depths", "2", "--max-tilt", "12") == 0
+    chosen = json.loads((planned / "recording.json").read_text(encoding="utf-8"))["plan"]["presses"]
+    assert len({tuple(press) for press in chosen}) == 3
+    check_whole(planned, 5 + 3 * 2)
     capsys.readouterr()
