@@ -87,7 +87,7 @@ def take(
         Acquisition(robot, next_image, unit.design.skin, folder, spec, progress).take(count, choose)
     new = len(folder) - taken
     facts = {"table": str(table), "images": len(folder), "new_images": new, "presses": count}
-    output.show(facts, f"{len(folder)} images of {count} presses and at rest, {new} of them new: {table}")
+    output.show(facts, f"Images: {len(folder)} ({new} new). Presses: {count}. Table: {table}")
 
 
 def _find_twin(reads: ModelFlags, built: UnitFlags) -> Twin:

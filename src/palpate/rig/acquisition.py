@@ -139,8 +139,9 @@ class Acquisition:
 
     def _move(self, pose: FloatArray) -> None:
         where = f"depth {pose[2]:.3f} mm" if pose[2] > 0 else f"the wall {-pose[2]:g} mm clear of the skin"
-        tilt = float(np.hypot(*pose[:2]))
-        self._robot.announce(f"rx {pose[0]:.3f}°, ry {pose[1]:.3f}° (tilt {tilt:.3f}°), {where}")
+        tilt, azimuth = np.hypot(*pose[:2]), np.degrees(np.arctan2(pose[1], pose[0]))
+        tilted = f"rx {pose[0]:.3f}°, ry {pose[1]:.3f}° (tilt {tilt:.3f}° towards {azimuth:.1f}°)"
+        self._robot.announce(f"{tilted}, {where}")
         self._moving = True
         self._robot.move(self._frame.flange_at(pose))
         self._moving = False

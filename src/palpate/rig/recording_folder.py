@@ -51,26 +51,29 @@ class RecordingFolder:
         self._settings = json.loads(json_text(dict(settings)))
         self._rows: list[list[str]] = []
         self.plan: dict[str, Any] = {}
-        with wrap_write_errors(folder, "Choose another folder."):
-            for draft in folder.glob(f"{DRAFT}*"):
-                shutil.rmtree(draft)
         if self._about.exists():
             self._resume()
-        elif folder.exists() and any(folder.iterdir()):
+        elif folder.exists() and any(not path.name.startswith(DRAFT) for path in folder.iterdir()):
             raise PalpateError(
                 f"{folder} has files of something else.", "Choose another folder.", code="folder-exists"
             )
 
     def _resume(self) -> None:
-        about = json.loads(self._about.read_text(encoding="utf-8"))
-        if about["settings"] != self._settings:
-            changed = [name for name in self._settings if about["settings"].get(name) != self._settings[name]]
+        try:
+            about = json.loads(self._about.read_text(encoding="utf-8"))
+            before, self.plan = dict(about["settings"]), dict(about["plan"])
+        except (ValueError, LookupError, TypeError):
+            before = {}
+        if before != self._settings:
+            changed = [name for name in self._settings if before.get(name) != self._settings[name]]
             raise PalpateError(
                 f"{self.folder} has a recording with another {', '.join(changed)}.",
                 "Give the flags of that recording, or choose another folder.",
                 code="recording-settings-differ",
             )
-        self.plan = about["plan"]
+        with wrap_write_errors(self.folder, "Choose another folder."):
+            for draft in self.folder.glob(f"{DRAFT}*"):
+                shutil.rmtree(draft)
         table = self.folder / "poses.csv"
         if table.exists():
             lines = table.read_text(encoding="utf-8").splitlines()[1:]

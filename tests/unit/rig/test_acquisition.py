@@ -149,6 +149,9 @@ def test_other_settings_and_other_folders_are_refused(tmp_path: Path) -> None:
         RecordingFolder(tmp_path / "new", SPEC.model_copy(update={"tilts": 4}).model_dump(mode="json"))
     with refused("folder-exists"):
         RecordingFolder(tmp_path, {})
+    (tmp_path / "recording.json").write_text("{}")
+    with refused("recording-settings-differ"):
+        RecordingFolder(tmp_path, {"tilts": 4})
 
 
 class NumberedSource(Source):
