@@ -55,6 +55,7 @@ STAGES = [
     "learn",
     "sensor",
     "simulation",
+    "rig",
     "study",
     "optimise",
     "verify",

@@ -1,11 +1,23 @@
-"""The simulated robot, without and with its errors, is a robot."""
+"""The manual robot and the simulated one, without and with its errors, are robots."""
+
+import io
+import sys
 
 import numpy as np
 import pytest
 
+from palpate.rig import ManualRobot
 from palpate.sensor import Placement, Robot
 from palpate.simulation import SimulatedRobot, SimulatedRobotSpec
 from palpate.testing import RobotSuite
+
+
+class TestManualRobot(RobotSuite):
+    @pytest.fixture
+    def robot(self, monkeypatch: pytest.MonkeyPatch) -> Robot:
+        """The user confirms each pose."""
+        monkeypatch.setattr(sys, "stdin", io.StringIO("\n" * 10))
+        return ManualRobot()
 
 
 class TestSimulatedRobot(RobotSuite):

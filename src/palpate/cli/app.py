@@ -98,8 +98,11 @@ _GROUPS = {
         },
     ),
     "recording": (
-        "Train estimators on recordings of any sensor with markers.",
-        {"train": ("learn:learn", "Train estimators on a recording with poses.")},
+        "Take recordings, and train estimators on those of any sensor with markers.",
+        {
+            "take": ("take:take", "Take a recording of presses by a robot, manually or simulated."),
+            "train": ("learn:learn", "Train estimators on a recording with poses."),
+        },
     ),
     "simulation": (
         "Simulate built units and robots.",

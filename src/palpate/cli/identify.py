@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
-from numpy.typing import NDArray
 
 from palpate.camera import read_image
 from palpate.cli.column_flags import ColumnFlags
 from palpate.cli.output import Output, check_file, check_folder
 from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
-from palpate.core import FloatArray, PalpateError
+from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 
 if TYPE_CHECKING:
     from palpate.calibration import RobotUncertainty
-    from palpate.sensor import GroundTruth
 
 _COLUMNS = (
     Column("name", "parameter"),
@@ -96,7 +93,7 @@ def identify(
     unit = built.unit(reads.material)
     model = open_model(reads.find(built), unit.design.skin)
     sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
-    presses = list(_presses(known))
+    presses = list(known.presses())
     found = identify_unit(sensor, presses, robot.spec())
     if files.out is not None:
         write_unit(
@@ -131,19 +128,3 @@ def identify(
 def _rounded(row: dict[str, Any]) -> dict[str, Any]:
     digits = 1 - math.floor(math.log10(row["sd"])) if row["sd"] > 0 else 6
     return row | {"mean": round(row["mean"], digits)}
-
-
-def _presses(known: GroundTruth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
-    """Yield the presses of a recording: poses, images and forces of the images with a known depth."""
-    import numpy as np
-
-    for number in range(int(known.press.max()) + 1):
-        which = np.flatnonzero((known.press == number) & np.isfinite(known.poses[:, 2]))
-        if not len(which):
-            raise PalpateError(
-                f"Press {number + 1} has no depth.",
-                "Give the robot's depth of its images; the zero of the depth scale is arbitrary.",
-                code="press-depth-missing",
-            )
-        images = [read_image(Path(known.images[k])) for k in which]
-        yield known.poses[which], images, known.forces[which]

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray
+
+if TYPE_CHECKING:
+    from palpate.design import Skin
 
 
 def _unturned() -> FloatArray:
@@ -49,6 +53,17 @@ class Placement:
     def inverse(self) -> Placement:
         """Return the pose of the outer frame in this one."""
         return Placement(self.rotation.T, -self.rotation.T @ self.position)
+
+    def wall_pose(self, point: FloatArray, normal: FloatArray, skin: Skin, thickness: float = 0.0) -> FloatArray:
+        """Return rx, ry (degrees) and depth (mm) of a flat wall under a sensor at this pose.
+
+        `point` (3,) mm is on the wall and `normal` (3,) into it, in the outer frame; `thickness` (mm) is added to
+        that of the skin. Without contact the depth is negative.
+        """
+        inward = self.rotation.T @ normal
+        height = float(inward @ self.inverse().apply(point))
+        reach = float(skin.support_point(inward) @ inward) + thickness
+        return np.array([*tilt_from_normal(inward), (reach - height) / inward[2]])
 
     def moved(self, by: FloatArray) -> Placement:
         """Return the pose with its origin moved by (3,) mm along the axes of the outer frame."""

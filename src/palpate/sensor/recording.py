@@ -11,11 +11,15 @@ rest images. The depth may be on any scale (see `palpate.sensor.depth_zero`), or
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from palpate.camera import read_image
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.datasets import (
     REST,
@@ -69,6 +73,24 @@ class GroundTruth:
         """
         paths = [str(path) for path in find_files(folder, (*self.rest, *self.images))]
         return replace(self, rest=tuple(paths[: len(self.rest)]), images=tuple(paths[len(self.rest) :]))
+
+    def presses(self) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
+        """Yield poses, images and forces of each press, of images with a known depth (`identify_unit`).
+
+        Raises
+        ------
+        PalpateError
+            If a press has no depth, or an image cannot be read.
+        """
+        for number in range(int(self.press.max()) + 1):
+            which = np.flatnonzero((self.press == number) & np.isfinite(self.poses[:, 2]))
+            if not len(which):
+                raise PalpateError(
+                    f"Press {number + 1} has no depth.",
+                    "Give the robot's depth of its images; the zero of the depth scale is arbitrary.",
+                    code="press-depth-missing",
+                )
+            yield self.poses[which], [read_image(Path(self.images[k])) for k in which], self.forces[which]
 
 
 def read_ground_truth(path: Path, choice: ColumnMapping | None = None) -> GroundTruth:

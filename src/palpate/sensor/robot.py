@@ -8,7 +8,10 @@ from palpate.sensor.placement import Placement
 
 
 class Robot(ABC):
-    """Robot that carries the sensor. Right-handed frames, mm; the flange's z points away from the robot."""
+    """Robot that carries the sensor. Right-handed frames, mm; the flange's z points away from the robot.
+
+    The constructor of a robot that is opened by a text has this text as its only argument.
+    """
 
     @abstractmethod
     def move(self, base_from_flange: Placement) -> None:
@@ -23,3 +26,11 @@ class Robot(ABC):
     @abstractmethod
     def flange_pose(self) -> Placement:
         """Return the flange pose reported by the robot, ``base_from_flange``."""
+
+    def announce(self, text: str) -> None:
+        """Receive the next pose in words, before `move`; a robot that is moved manually shows it."""
+        return
+
+    def close(self) -> None:
+        """Disconnect from the robot."""
+        return

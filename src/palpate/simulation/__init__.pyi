@@ -13,6 +13,7 @@ from palpate.simulation.backend import SolverBackend, TwinBackend, UnitBackend
 from palpate.simulation.budget import run_budget
 from palpate.simulation.result import bench_summary, describe_bench, run_bench, write_bench
 from palpate.simulation.run_trial import FINER, VirtualBench, run_unit_trial, unit_recipe
+from palpate.simulation.simulated_rig import simulate_rig
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.simulation.simulated_source import SimulatedSource, sample_presses, simulate_sensor
 from palpate.simulation.simulated_unit import SimulatedUnit
@@ -47,6 +48,7 @@ __all__ = [
     "run_budget",
     "run_unit_trial",
     "sample_presses",
+    "simulate_rig",
     "simulate_sensor",
     "unit_recipe",
     "write_alignments",

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.calibration import Deviation, RobotUncertainty, ToleranceSpec, calibration_pose, sample_deviation
+from palpate.calibration import RobotUncertainty, ToleranceSpec, calibration_pose, sample_deviation
 from palpate.core import FloatArray, PalpateError, atomic_write, generator, provenance
 from palpate.core.report import write_csv
 from palpate.design import Design, PoseDensity, rotation_vector, wall_normal
@@ -35,7 +35,7 @@ from palpate.sensor import (
     rotation_from_vector,
 )
 from palpate.simulation.backend import SolverBackend, TwinBackend, UnitBackend
-from palpate.simulation.simulated_cell import FlatWall, SimulatedCell
+from palpate.simulation.simulated_cell import FlatWall, SimulatedCell, seat_unit
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.simulation.simulated_unit import SimulatedUnit
 from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec
@@ -185,7 +185,7 @@ class VirtualUnit:
         play, rng = self.play, generator(self.play.seed, "mount", self.number)
         askew = rotation_from_vector(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
         along = np.array([0.0, 0.0, _LENGTH_MM])
-        self._mounted = Placement(askew @ _seating(self.deviation), along)
+        self._mounted = Placement(askew @ seat_unit(self.deviation), along)
         nominal = Tool(Placement(position=along))
         tilt = rotation_vector(_REFERENCE_DEG, rng.uniform(0.0, 2.0 * np.pi))
         cell, robot = self._before(tilt, 1.0, rng)
@@ -220,13 +220,6 @@ class VirtualUnit:
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
         return AlignmentTrial(tilt, friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
-
-
-def _seating(deviation: Deviation) -> FloatArray:
-    """Rotation (3, 3) of the skin on its mount."""
-    return rotation_from_vector(
-        np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])
-    ) @ rotation_from_vector(np.array([0.0, 0.0, deviation.seating_turn_deg]))
 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.calibration import CONTACT_STATE
+from palpate.calibration import CONTACT_STATE, Deviation
 from palpate.core import FloatArray, PalpateError
 from palpate.core.state import State
 from palpate.design import TILT_SPACE
-from palpate.sensor import Placement, rotation_from_vector, tilt_from_normal
+from palpate.sensor import Placement, rotation_from_vector
 from palpate.simulation.backend import UnitBackend
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.surrogate import LATERAL
@@ -80,10 +80,11 @@ class SimulatedCell:
         self.max_force_n = 0.0
 
     def push(self, base_from_flange: Placement) -> FloatArray:
-        """Return the force (3,) N on the flange at a true placement, base's frame, and record the maximum."""
+        """Return the force (3,) N on the flange at a true placement, base's frame; 0 ends a contact."""
         sensor = base_from_flange @ self._mounted
         pose = self._pose(sensor)
         if pose[2] <= 0.0:
+            self._first = None
             return np.zeros(3)
         on_wall = sensor.rotation @ self._backend.force(self._contact(pose))
         return -on_wall
@@ -122,11 +123,9 @@ class SimulatedCell:
 
     def _pose(self, sensor: Placement) -> FloatArray:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths are no contact."""
-        normal = sensor.rotation.T @ self._wall.normal
-        height = float(normal @ sensor.inverse().apply(self._wall.point))
         unit = self._backend.unit
-        reach = float(unit.design.skin.support_point(normal) @ normal) + unit.deviation.thickness
-        return np.array([*tilt_from_normal(normal), (reach - height) / normal[2]])
+        point, normal = self._wall.point, self._wall.normal
+        return sensor.wall_pose(point, normal, unit.design.skin, unit.deviation.thickness)
 
     def _contact(self, pose: FloatArray) -> State:
         """Return the contact at a pose (3,), without motion in the plane of the wall."""
@@ -148,3 +147,10 @@ class SimulatedCell:
 def _turned_axes(pose: FloatArray) -> FloatArray:
     """The wall's x and y as columns (3, 2), in the skin's frame."""
     return rotation_from_vector(np.array([pose[0], pose[1], 0.0]))[:, :2]
+
+
+def seat_unit(deviation: Deviation) -> FloatArray:
+    """Rotation (3, 3) of the skin on its mount."""
+    return rotation_from_vector(
+        np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])
+    ) @ rotation_from_vector(np.array([0.0, 0.0, deviation.seating_turn_deg]))

@@ -242,6 +242,23 @@ ROWS = {
             "--from {twin}",
         ),
     ),
+    "recording take": Row(
+        f"--out new --robot simulated --model {{twin}} {BUILT} --tilts 1 --azimuths 1 --depths 1 --dwell 0",
+        ("--model", "--layout", "--lens", "--unit"),
+        ("--out",),
+        (
+            "--robot manual",
+            "--robot nobody --source {recording}",
+            "--robot manual --source {nowhere}",
+            "--source 0",
+            "--depth 9",
+            "--max-tilt 13",
+            "--tilts 0",
+            "--next 101",
+            "--model {model}",
+            "--out {results}",
+        ),
+    ),
     "simulation align": Row(
         f"--model {{twin}} --out new {BUILT} --walls 1",
         ("--model", "--layout"),

@@ -1,0 +1,36 @@
+"""Robots by name; other packages register more."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from palpate.core import PalpateError, Registry
+from palpate.sensor import Robot
+
+ROBOTS: Registry[type[Robot]] = Registry(
+    "palpate.robots",
+    "robot",
+    {"manual": "palpate.rig.manual_robot:ManualRobot"},
+    fits=lambda found: isinstance(found, type) and issubclass(found, Robot),
+    remedy="`simulated` is a simulated unit; a package with an entry point in the group palpate.robots adds another.",
+)
+"""Robots by name."""
+
+
+def open_robot(text: str) -> Robot:
+    """Open a robot by its name and, after a colon, the text of its constructor, such as an address.
+
+    Raises
+    ------
+    PalpateError
+        If the name is unknown, or the robot cannot be reached.
+    """
+    name, _, rest = text.partition(":")
+    kind: Any = ROBOTS.get(name)
+    robot: Robot = kind(rest)
+    return robot
+
+
+def robot_lost(problem: str) -> PalpateError:
+    """Return the error of a robot that answers no more."""
+    return PalpateError(problem, "Check the robot, and start the same command again.", code="robot-lost")
