@@ -65,8 +65,8 @@ def take(
     check_folder(out)
     if (rig.source is None) != (rig.robot == _SIMULATED):
         raise PalpateError(
-            "--source is the camera of a robot or of a manual rig; a simulated rig has its own.",
-            "Give --source, or --robot simulated without it.",
+            f"The rig {rig.robot} needs {'no --source: it has its own camera' if rig.source else 'a camera'}.",
+            "Give --source for a robot or a manual rig, or --robot simulated without it.",
             code="options-exclusive",
         )
     unit = built.unit(reads.material)
@@ -97,7 +97,7 @@ def _find_twin(reads: ModelFlags, built: UnitFlags) -> Twin:
     twin = open_model(reads.find(built), built.unit().design.skin)
     if not isinstance(twin, Twin):
         raise PalpateError(
-            "--next and --robot simulated require a twin, and this model is a trained network.",
+            f"--next and --robot simulated require a twin, and this is a trained model: {type(twin).__name__}.",
             "Give the twin of the design (.h5): `palpate calibration predict` makes it.",
             code="model-not-twin",
         )

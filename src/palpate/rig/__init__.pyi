@@ -6,7 +6,7 @@ from palpate.rig.manual_robot import ManualRobot
 from palpate.rig.next_press import choose_next_press
 from palpate.rig.press_frame import PressFrame
 from palpate.rig.recording_folder import RecordingFolder
-from palpate.rig.robots import ROBOTS, open_robot, robot_lost
+from palpate.rig.robots import ROBOTS, open_robot
 from palpate.rig.take_spec import PlannedPress, TakeSpec
 
 __all__ = [
@@ -22,6 +22,5 @@ __all__ = [
     "find_image_fault",
     "images_of",
     "open_robot",
-    "robot_lost",
     "take_image",
 ]

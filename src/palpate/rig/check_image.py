@@ -17,44 +17,50 @@ NextImage = Callable[[], NDArray[Any] | PalpateError]
 
 
 def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: TakeSpec) -> str:
-    """Return the fault of an image (h, w) or (h, w, 3), a sentence, or an empty text.
+    """Return the fault of an image (h, w) or (h, w, 3), the end of a sentence, or an empty text.
 
     `before` is the image of another pose, which a frozen camera repeats.
 
     Examples
     --------
     >>> find_image_fault(np.zeros((8, 8), np.uint8), None, TakeSpec())
-    'The image is blank.'
+    'is blank: its standard deviation is 0 of 255'
     """
     top = float(np.iinfo(image.dtype).max) if np.issubdtype(image.dtype, np.integer) else 1.0
-    if float((image >= top).mean()) > spec.saturated:
-        return "The image is saturated."
-    if float(image.std()) < spec.blank * top:
-        return "The image is blank."
+    share, spread = float((image >= top).mean()), float(image.std())
+    if share > spec.saturated:
+        return f"is saturated at {share:.0%} of its pixels"
+    if spread < spec.blank * top:
+        return f"is blank: its standard deviation is {spread:.2g} of {top:g}"
     if before is not None and np.array_equal(image, before):
-        return "The camera is frozen: two images of different poses are equal."
+        return "equals that of another pose: the camera is frozen"
     return ""
 
 
-def take_image(next_image: NextImage, before: NDArray[Any] | None, spec: TakeSpec) -> NDArray[Any]:
-    """Return the next image without a fault; one with a fault is taken again once.
+def take_image(
+    next_image: NextImage, before: NDArray[Any] | None, spec: TakeSpec, *, again: bool = True
+) -> NDArray[Any]:
+    """Return the next image without a fault; one with a fault is taken again once, if `again`.
 
     Raises
     ------
     PalpateError
-        If the second image has a fault or is missing, too.
+        If the last image has a fault, or is missing.
     """
-    fault = PalpateError("No image was taken.", code="image-rejected")
-    for _ in range(2):
-        image = next_image()
-        if isinstance(image, PalpateError):
-            fault = image
-            continue
-        found = find_image_fault(image, before, spec)
-        if not found:
-            return image
-        fault = PalpateError(found, "Check camera and light; start the same command again.", code="image-rejected")
-    raise fault
+    image = next_image()
+    if isinstance(image, PalpateError):
+        error = image
+    elif fault := find_image_fault(image, before, spec):
+        error = PalpateError(
+            f"An image of this pose, taken twice, {fault}.",
+            "Check camera and light; start the same command again.",
+            code="image-rejected",
+        )
+    else:
+        return image
+    if again:
+        return take_image(next_image, before, spec, again=False)
+    raise error
 
 
 def images_of(source: Source, buffered: int) -> NextImage:

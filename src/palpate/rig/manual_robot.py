@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import final
 
-from palpate.rig.robots import robot_lost
+from palpate.core import PalpateError
 from palpate.sensor import Placement, Robot
 
 
@@ -26,7 +26,11 @@ class ManualRobot(Robot):
         sys.stderr.write(f"Set {self._text}; then press Enter: ")
         sys.stderr.flush()
         if not sys.stdin.readline():
-            raise robot_lost("The input ended before the pose was confirmed.")
+            raise PalpateError(
+                f"The input ended before the pose was confirmed: {self._text}.",
+                "Start the same command again; it resumes.",
+                code="robot-lost",
+            )
         self._pose = base_from_flange
 
     def flange_pose(self) -> Placement:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from palpate.core import PalpateError, Registry
+from palpate.core import Registry
 from palpate.sensor import Robot
 
 ROBOTS: Registry[type[Robot]] = Registry(
@@ -29,8 +29,3 @@ def open_robot(text: str) -> Robot:
     kind: Any = ROBOTS.get(name)
     robot: Robot = kind(rest)
     return robot
-
-
-def robot_lost(problem: str) -> PalpateError:
-    """Return the error of a robot that answers no more."""
-    return PalpateError(problem, "Check the robot, and start the same command again.", code="robot-lost")

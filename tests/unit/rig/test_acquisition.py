@@ -20,7 +20,7 @@ from palpate.camera import Source
 from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_skin
-from palpate.rig import Acquisition, ManualRobot, PressFrame, RecordingFolder, TakeSpec, images_of, robot_lost
+from palpate.rig import Acquisition, ManualRobot, PressFrame, RecordingFolder, TakeSpec, images_of
 from palpate.sensor import Placement, Robot, rotation_from_vector
 from palpate.simulation import SimulatedRobot
 from palpate.simulation.simulated_cell import SimulatedCell
@@ -44,7 +44,7 @@ class TestRig(Robot):
     def move(self, base_from_flange: Placement) -> None:
         self.moves += 1
         if self.robot_fails in range(self.moves + 1):
-            raise robot_lost("The robot does not answer.")
+            raise PalpateError("The robot does not answer.", "Check it.", code="robot-lost")
         self.pose = base_from_flange
 
     def flange_pose(self) -> Placement:
@@ -235,7 +235,7 @@ def test_sixty_presses_survive_a_kill_a_lost_camera_and_a_lost_robot(
 
         def stop(robot: SimulatedRobot, pose: Placement) -> None:
             if next(moves, None) is None:
-                raise robot_lost("The robot does not answer.")
+                raise PalpateError("The robot does not answer.", "Check it.", code="robot-lost")
             move(robot, pose)
 
         lost.setattr(SimulatedRobot, "move", stop)
