@@ -249,8 +249,9 @@ def _contact(
     probe = np.argmin(np.linalg.norm(surface.points - touched, axis=1))
     gap, area = [], []
     for d, u in zip(depth, displacement, strict=True):
-        reach = path(d).penetration(surface.interpolate(mesh.nodes + u))
-        gap.append(-reach[probe])
+        points = surface.interpolate(mesh.nodes + u)
+        reach = path(d).penetration(points)
+        gap.append(-path(d).depth_below(points[probe : probe + 1])[0])
         area.append(surface.current_area(mesh.nodes + u, reach > 0))
     return np.array(gap), np.array(area)
 

@@ -3,7 +3,7 @@
 *Contact stabilisation.* Beyond a depth of some thicknesses, the flattened disc of a thin skin has almost no contact
 pressure: some 7 Pa at T = 2 mm, less than the mesh resolves at T = 1 mm. Quadrature points of the disc then lose
 contact, and the discrete skin inverts where the continuum would not. The middle of the contact patch is therefore
-held by a weak spring that also pulls. Its maximum tension is recorded with every equilibrium. The flat branch counts
+held by a weak spring that also pulls, except over a hole. Its maximum tension is recorded with every equilibrium. The flat branch counts
 as lost if this exceeds the solver's `adhesion` (silicone itself adheres much more strongly).
 """
 
@@ -91,7 +91,7 @@ class SkinMonitor(Monitor):
     def gap(self, at: float, state: State) -> float:
         """Return the distance in mm between the obstacle at a depth and the first-contact point."""
         met = self.loading.contact_pair(at, state)
-        return -float(met.obstacle.penetration(met.points[self.probe : self.probe + 1])[0])
+        return -float(met.obstacle.depth_below(met.points[self.probe : self.probe + 1])[0])
 
     def inverted(self, at: float, state: State) -> bool:
         return self.gap(at, state) > INVERTED_GAP * self.thickness
@@ -100,7 +100,9 @@ class SkinMonitor(Monitor):
         if at <= _PULL_FROM * self.thickness:
             return None
         middle = patch_middle(self.loading.surface.points, self.normal, self.loading.touching(at, state), self.centre)
-        return np.where(middle, _PULL * self.loading.law.stiffness, 0.0)
+        met = self.loading.contact_pair(at, state)
+        over_hole = met.obstacle.depth_below(met.points) > met.obstacle.penetration(met.points)
+        return np.where(middle & ~over_hole, _PULL * self.loading.law.stiffness, 0.0)
 
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
         lift = -self.loading.penetration(at, state)

@@ -98,6 +98,10 @@ class Plate(Obstacle):
         bend += along[:, :, None] * along[:, None, :] / arc[:, None, None]
         return Gap(reach, slope[:, :1] * outward + slope[:, 1:] * self.normal, bend)
 
+    def depth_below(self, points: FloatArray) -> FloatArray:
+        """Return the depth (n,) mm below the surface of the plate: the skin that enters the hole is in contact."""
+        return np.asarray((points - self.point) @ self.normal)
+
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
         """Return the plate around its hole to `half` beyond `at`, and the wall of the hole as deep."""
         outer, inner = self.corners

@@ -86,6 +86,10 @@ class Obstacle(ABC):
         """Return the penetration (n,) mm of points (n, 3) mm; negative outside the obstacle."""
         return self.gap(points).penetration
 
+    def depth_below(self, points: FloatArray) -> FloatArray:
+        """Return the penetration (n,) mm of points (n, 3) mm if holes are filled; it decides the branch."""
+        return self.penetration(points)
+
     def normal_at(self, place: FloatArray) -> FloatArray:
         """Return the normals (n, 3) at places (n, 3) mm relative to `point`, in the obstacle's axes."""
         return self.gap(self.point + self.to_global_frame(place)).normal

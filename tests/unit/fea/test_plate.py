@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from errors import refused
 from needs import needs_program
@@ -21,7 +22,7 @@ HOLE, EDGE, SINK, HALF = 2.5, 0.4, 4.0, np.radians(50.0)
 def sampled_profile(sunk: bool) -> np.ndarray:
     """Points (n, 2), r and h, of a fine grid inside the sharp profile, by at least the edge radius."""
     deep = (SINK - HOLE) / np.tan(HALF) if sunk else 0.0
-    r, h = np.meshgrid(np.linspace(HOLE, 12.0, 1901), np.linspace(0.0, 10.0, 2001), indexing="ij")
+    r, h = np.meshgrid(np.linspace(HOLE, 12.0, 951), np.linspace(0.0, 10.0, 1001), indexing="ij")
     far_in = [r - HOLE, h]
     if sunk:
         far_in.append((r - HOLE) * np.cos(HALF) + (h - deep) * np.sin(HALF))
@@ -36,11 +37,11 @@ def test_penetration_is_the_distance_from_a_sampled_body(sunk: bool) -> None:
     place = np.column_stack([rng.uniform(0.5, 7.0, 60), rng.uniform(-1.5, 4.0, 60)])
     turn = rng.uniform(0, 2 * np.pi, 60)
     points = np.column_stack([place[:, 0] * np.cos(turn), place[:, 0] * np.sin(turn), place[:, 1]])
-    near = np.array([np.linalg.norm(body - one, axis=1).min() for one in place])
+    near = cKDTree(body).query(place)[0]
     outside = near > EDGE
     assert outside.sum() > 20
-    assert plate.penetration(points)[outside] == pytest.approx(EDGE - near[outside], abs=0.006)
-    assert (plate.penetration(points)[~outside] >= -0.006).all()
+    assert plate.penetration(points)[outside] == pytest.approx(EDGE - near[outside], abs=0.015)
+    assert (plate.penetration(points)[~outside] >= -0.015).all()
 
 
 def test_a_tiny_hole_presses_like_a_wall_and_a_wide_one_does_not() -> None:
@@ -93,3 +94,12 @@ def test_a_hole_beside_the_plane_of_the_tilt_needs_a_whole_mesh() -> None:
 def test_a_hole_as_wide_as_the_skin_is_refused() -> None:
     with refused("obstacle-misses-skin"):
         PlateSpec(hole_diameter=50).check_skin(DOME)
+
+
+def test_the_skin_over_a_hole_is_not_held_and_does_not_jump() -> None:
+    """Below 1.5 thicknesses, points of the contact patch are held; those over a hole must be free."""
+    plate = PlateSpec(tilt_deg=8, hole_diameter=4, depth=4.0, depth_step=1.0)
+    thin = build_skin(DomeSpec(height=20, thickness=2))
+    found = solve_press(mesh_skin(thin, MeshSpec(cells=6)), SILICONE, plate)
+    assert np.isnan(found.jump_depth)
+    assert set(found.branch) == {"flat"}
