@@ -1,4 +1,4 @@
-"""Presses of coarse skins, one of each kind: conservation of energy, symmetry and finite differences."""
+"""Presses of coarse skins, one of each kind: conservation of energy, symmetry, finite differences."""
 
 import numpy as np
 import pytest
