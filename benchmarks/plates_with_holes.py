@@ -1,8 +1,8 @@
 """Tilt error of a sensor that is pressed over holes, after training with and without them.
 
 H 20 T 2, 37 markers, the camera of the paper, noise of 0.1 px. Two networks are trained: on presses by a flat wall,
-and on presses by the wall and by plates with holes of 2 to 10 mm, up to 3 mm off the axis along the slope
-(`dataset.randomise.obstacles`). Both read presses of plates that neither has seen: other tilts, diameters and
+and on presses by the wall and by plates with holes of 2 to 10 mm, up to 3 mm off the axis along and across
+the slope (`dataset.randomise.obstacles`). Both read presses of plates that neither has seen: other tilts, diameters and
 offsets, across the slope too, at azimuths all around. One row a network, diameter and offset: RMSE of rx and ry, mean
 error along the slope (bias), and added RMSE: that of the network minus that of the first one under the flat wall.
 
@@ -33,10 +33,8 @@ from palpate.mesh import MeshSpec, mesh_skin
 
 SKIN = DomeSpec(height=20, thickness=2)
 TILTS = (0.0, 3.0, 6.0, 9.0, 12.0)
-HOLES = [
-    {"kind": "plate", "hole_diameter": wide, "offset": off}
-    for wide, off in product((2.0, 4.0, 7.0, 10.0), (-3.0, -1.5, 0.0, 1.5, 3.0))
-]
+OFFSETS = [*({"offset": off} for off in (-3.0, -1.5, 0.0, 1.5, 3.0)), {"offset_across": -2.5}, {"offset_across": 2.5}]
+HOLES = [{"kind": "plate", "hole_diameter": wide, **off} for wide, off in product((2.0, 4.0, 7.0, 10.0), OFFSETS)]
 TEST_TILTS = (2.0, 7.0, 11.0)
 TEST_HOLES = [
     {"hole_diameter": wide, "offset": up, "offset_across": aside}

@@ -99,7 +99,7 @@ class Plate(Obstacle):
         return Gap(reach, slope[:, :1] * outward + slope[:, 1:] * self.normal, bend)
 
     def depth_below(self, points: FloatArray) -> FloatArray:
-        """Return the depth (n,) mm below the surface of the plate: the skin that enters the hole is in contact."""
+        """Return the depth (n,) mm below the surface of the plate, as if the hole were filled."""
         return np.asarray((points - self.point) @ self.normal)
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
