@@ -1,10 +1,10 @@
 """Tilt error of a sensor that is pressed over holes, after training with and without them.
 
 H 20 T 2, 37 markers, the camera of the paper, noise of 0.1 px. Two networks are trained: on presses by a flat wall,
-and on presses by the wall and by plates with holes of 2 to 10 mm, up to 3 mm off the axis along and across
-the slope (`dataset.randomise.obstacles`). Both read presses of plates that neither has seen: other tilts, diameters and
-offsets, across the slope too, at azimuths all around. One row a network, diameter and offset: RMSE of rx and ry, mean
-error along the slope (bias), and added RMSE: that of the network minus that of the first one under the flat wall.
+and on presses by the wall and by plates with holes of 2 to 10 mm, up to 3 mm off the axis along and across the slope
+(`dataset.randomise.obstacles`). Both read presses of plates that neither has seen: other tilts, diameters and
+offsets, at azimuths all around. One row a network, diameter and offset: RMSE of rx and ry, mean error along the slope
+(bias), and added RMSE: that of the network minus that of the first one under the flat wall.
 
     python benchmarks/plates_with_holes.py FOLDER --out docs/results/sensor/plates_with_holes.csv
 
