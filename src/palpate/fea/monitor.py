@@ -3,8 +3,8 @@
 *Contact stabilisation.* Beyond a depth of some thicknesses, the flattened disc of a thin skin has almost no contact
 pressure: some 7 Pa at T = 2 mm, less than the mesh resolves at T = 1 mm. Quadrature points of the disc then lose
 contact, and the discrete skin inverts where the continuum would not. The middle of the contact patch is therefore
-held by a weak spring that also pulls, except over a hole. Its maximum tension is recorded with every equilibrium. The flat branch counts
-as lost if this exceeds the solver's `adhesion` (silicone itself adheres much more strongly).
+held by a weak spring that also pulls, except over a hole. Its maximum tension is recorded with every equilibrium. The
+flat branch counts as lost if this exceeds the solver's `adhesion` (silicone itself adheres much more strongly).
 """
 
 from __future__ import annotations
