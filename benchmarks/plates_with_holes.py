@@ -6,7 +6,7 @@ and on presses by the wall and by plates with holes of 2 to 10 mm, up to 3 mm of
 offsets, at azimuths all around. One row a network, diameter and offset: RMSE of rx and ry, mean error along the slope
 (bias), and added RMSE: that of the network minus that of the first one under the flat wall.
 
-    python benchmarks/plates_with_holes.py FOLDER --out docs/results/sensor/plates_with_holes.csv
+    python benchmarks/plates_with_holes.py FOLDER --contacts no-slip --out docs/results/sensor/plates_with_holes.csv
 
 Presses are kept in FOLDER; an interrupted run resumes.
 """

@@ -71,7 +71,14 @@ def take(
         )
     unit = built.unit(reads.material)
     twin = _find_twin(reads, built) if spec.next or rig.robot == _SIMULATED else None
-    settings = {"seed": rig.seed, "skin": unit.design.skin.spec_data, "markers": len(unit.design.layout)}
+    design = unit.design
+    settings = {
+        "robot": rig.robot.partition(":")[0],
+        "seed": rig.seed,
+        "skin": design.skin.spec_data,
+        "markers": design.layout.positions.tolist(),
+        "camera": design.camera_spec.model_dump(mode="json"),
+    }
     folder = RecordingFolder(out, settings | spec.model_dump(mode="json", exclude=_CHANGING))
     grid, table, taken = [] if spec.next else spec.grid(), out / "poses.csv", len(folder)
 
@@ -109,9 +116,7 @@ def _open_rig(
     rig: RigFlags, spec: TakeSpec, design: Design, twin: Twin | None, folder: RecordingFolder
 ) -> Iterator[tuple[Robot, NextImage]]:
     """Open robot and camera; both are closed at the end of the block."""
-    if twin is not None and rig.robot == _SIMULATED:
-        from palpate.simulation import simulate_rig
-
+    if twin is not None:
         tilt, deepest = float(twin.tilts_deg[-1]), twin.max_depth(spec.max_tilt_deg, 1.0)
         if spec.max_tilt_deg > tilt or spec.depth > deepest:
             raise PalpateError(
@@ -119,6 +124,9 @@ def _open_rig(
                 "Lower --max-tilt or --depth.",
                 code="twin-exceeded",
             )
+    if twin is not None and rig.robot == _SIMULATED:
+        from palpate.simulation import simulate_rig
+
         cell = simulate_rig(twin, design, spec.tool_length, rig.seed, len(folder))
         yield cell.robot, cell.next_image
         return

@@ -60,9 +60,9 @@ class RandomisationSpec(Spec):
             found = [obstacle_from_data(each) for each in obstacles]
         except PalpateError as error:
             raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
-        for each in found:
+        for given, each in zip(obstacles, found, strict=True):
             common = {"depth", "depth_step", "contact", "unload", "azimuth_deg", each.position_name}
-            for name in sorted(common & each.model_fields_set):
+            for name in sorted(common & given.keys()):
                 raise PydanticCustomError(
                     "obstacle-travel-given",
                     "{name} of {label} is that of the study; leave it out.",

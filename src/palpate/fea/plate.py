@@ -12,7 +12,7 @@ the distance r from that axis and the height h into the plate, the profile is co
 
 Its corners are rounded: the body is the set of points within the edge radius of a smaller one. The
 penetration is ``e - d`` at a distance d from the nearest corner of that one, and the depth below its nearest edge
-elsewhere. Value and gradient are continuous.
+elsewhere. Value and gradient are continuous up to a penetration of the edge radius.
 """
 
 from __future__ import annotations
@@ -220,7 +220,11 @@ class PlateSpec(ObstacleSpec):
             )
 
     def clamp_depth(self, mesh: Mesh) -> float:
-        return mesh.skin.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
+        plate = self.at_first_contact(mesh)[0]
+        assert isinstance(plate, Plate)
+        surface = plate.point @ plate.normal / plate.normal[2]  # its height on the axis; a flat wall begins higher
+        higher = float(mesh.skin.support_height(plate.normal[None])[0] - surface)
+        return mesh.skin.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim) - higher
 
     def _plate(self, middle: FloatArray, normal: FloatArray) -> Plate:
         half = 0.5 * self.hole_diameter

@@ -26,7 +26,9 @@ def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: Tak
     >>> find_image_fault(np.zeros((8, 8), np.uint8), None, TakeSpec())
     'is blank: its standard deviation is 0 of 255'
     """
-    top = float(np.iinfo(image.dtype).max) if np.issubdtype(image.dtype, np.integer) else 1.0
+    if not np.issubdtype(image.dtype, np.integer):
+        return f"has values of type {image.dtype}, not integers"
+    top = float(np.iinfo(image.dtype).max)
     share, spread = float((image >= top).mean()), float(image.std())
     if share > spec.saturated:
         return f"is saturated at {share:.0%} of its pixels"

@@ -51,7 +51,7 @@ def choose_next_press(
     fitter = sensor.estimator.twin_fit
     assert fitter is not None, "it reads by a twin"
     accuracy = AccuracySpec(
-        noise_px=fitter.noise_px, robot=robot, max_tilt_deg=most, min_depth=min(spec.min_depth, spec.depth)
+        noise_px=fitter.noise_px, robot=robot, max_tilt_deg=most, min_depth=float(spec.depths_mm[0])
     )
     friction = float(np.median(found.inverse_frictions))
     ranked = rank_next_presses(fitter.model, found.mounting, friction, accuracy)[1]

@@ -65,7 +65,8 @@ class RecordingFolder:
         except (ValueError, LookupError, TypeError):
             before = {}
         if before != self._settings:
-            changed = [name for name in self._settings if before.get(name) != self._settings[name]]
+            both = before | self._settings
+            changed = [name for name in both if before.get(name) != self._settings.get(name)]
             raise PalpateError(
                 f"{self.folder} has a recording with another {', '.join(changed)}.",
                 "Give the flags of that recording, or choose another folder.",

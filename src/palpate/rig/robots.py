@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from palpate.core import Registry
+from palpate.core import PalpateError, Registry
 from palpate.sensor import Robot
 
 ROBOTS: Registry[type[Robot]] = Registry(
@@ -27,5 +27,8 @@ def open_robot(text: str) -> Robot:
     """
     name, _, rest = text.partition(":")
     kind: Any = ROBOTS.get(name)
-    robot: Robot = kind(rest)
+    try:
+        robot: Robot = kind(rest)
+    except Exception as error:  # a robot's library may raise anything
+        raise PalpateError.of(error) from error
     return robot

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, Spec, parameter
 
@@ -52,7 +56,17 @@ class TakeSpec(Spec):
     @property
     def depths_mm(self) -> FloatArray:
         """Depths (n,) mm of the images of a press."""
-        return np.linspace(min(self.min_depth, self.depth), self.depth, self.depths)
+        return self.depth - np.linspace(0.0, self.depth - self.min_depth, self.depths)[::-1]
+
+    @model_validator(mode="after")
+    def _depths_ascend(self) -> Self:
+        if self.depths > 1 and self.min_depth >= self.depth:
+            raise PydanticCustomError(
+                "take-depths-fall",
+                "min_depth is {first} mm, and depth is {last} mm; give a smaller min_depth.",
+                {"first": self.min_depth, "last": self.depth},
+            )
+        return self
 
     def grid(self) -> list[PlannedPress]:
         """Presses at all tilts and azimuths; azimuths of every other tilt are half a step ahead."""

@@ -103,3 +103,19 @@ def test_the_skin_over_a_hole_is_not_held_and_does_not_jump() -> None:
     found = solve_press(mesh_skin(thin, MeshSpec(cells=6)), SILICONE, plate)
     assert np.isnan(found.jump_depth)
     assert set(found.branch) == {"flat"}
+
+
+def test_a_plate_reaches_the_rim_earlier_by_as_much_as_the_skin_enters_the_hole() -> None:
+    mesh = mesh_skin(DOME, MeshSpec(cells=6))
+    flat, tiny, wide = (
+        spec.clamp_depth(mesh)
+        for spec in (
+            WallSpec(),
+            PlateSpec(hole_diameter=0.05, edge_radius=0.01),
+            PlateSpec(hole_diameter=20, edge_radius=0.1),
+        )
+    )
+    outer = DOME.outer_height
+    radius = (outer**2 + DOME.outer_base_radius**2) / (2 * outer)
+    assert tiny == pytest.approx(flat, abs=1e-3)
+    assert flat - wide == pytest.approx(radius - np.sqrt(radius**2 - 10.0**2), abs=0.05)

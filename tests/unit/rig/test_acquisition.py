@@ -14,13 +14,14 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
 
 from errors import refused
 from palpate.camera import Source
 from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_skin
-from palpate.rig import Acquisition, ManualRobot, PressFrame, RecordingFolder, TakeSpec, images_of
+from palpate.rig import Acquisition, ManualRobot, PressFrame, RecordingFolder, TakeSpec, find_image_fault, images_of
 from palpate.sensor import Placement, Robot, rotation_from_vector
 from palpate.simulation import SimulatedRobot
 from palpate.simulation.simulated_cell import SimulatedCell
@@ -255,3 +256,85 @@ def test_sixty_presses_survive_a_kill_a_lost_camera_and_a_lost_robot(
     assert len({tuple(press) for press in chosen}) == 3
     check_whole(planned, 5 + 3 * 2)
     capsys.readouterr()
+
+
+@pytest.mark.parametrize("changes", [{"depth": 40.0}, {"max_tilt_deg": 30.0, "depth": 13.0}])
+def test_a_depth_at_which_the_wall_reaches_the_rim_is_refused_before_a_move(
+    tmp_path: Path, changes: dict[str, float]
+) -> None:
+    rig, spec = TestRig(), SPEC.model_copy(update=changes)
+    with refused("take-reaches-rim"):
+        Acquisition(rig, rig.next_image, SKIN, RecordingFolder(tmp_path, {}), spec)
+    assert rig.moves == 0
+
+
+def test_a_long_tool_stays_clear_on_straight_lines_between_presses(tmp_path: Path) -> None:
+    spec = TakeSpec(dwell_s=0.0, tool_length=300.0, rest_images=1, depths=1, max_tilt_deg=20.0)
+    frame = PressFrame(START, SKIN, Placement(position=np.array([0.0, 0.0, 300.0])))
+    deepest: list[float] = []
+
+    class StraightRobot(TestRig):
+        def move(self, base_from_flange: Placement) -> None:
+            turn = Rotation.from_matrix([self.pose.rotation, base_from_flange.rotation])
+            for share in np.linspace(0.0, 1.0, 21):
+                between = self.pose.position + share * (base_from_flange.position - self.pose.position)
+                rotation = Slerp([0.0, 1.0], turn)(share).as_matrix()
+                deepest.append(frame.pose_at(Placement(rotation, between))[2])
+            if deepest[-21] < 0.0 > deepest[-1]:
+                assert max(deepest[-21:]) < 0.0
+            super().move(base_from_flange)
+
+    rig = StraightRobot()
+    acquisition = Acquisition(rig, rig.next_image, SKIN, RecordingFolder(tmp_path, {}), spec)
+    presses = [(20.0, 0.0), (20.0, 180.0), (20.0, 90.0), (20.0, -60.0)]
+    acquisition.take(len(presses), presses.__getitem__)
+    assert max(deepest) == pytest.approx(spec.depth, abs=1e-6)
+
+
+@pytest.mark.parametrize("turn_deg", [30.0, 120.0])
+def test_a_sensor_far_from_its_start_is_not_moved(tmp_path: Path, turn_deg: float) -> None:
+    take(tmp_path / "one", TestRig())
+    rig = TestRig()
+    away = START.rotation @ rotation_from_vector(np.array([turn_deg, 0.0, 0.0]))
+    recording = RecordingFolder(tmp_path / "two", {})
+    acquisition = Acquisition(rig, rig.next_image, SKIN, recording, SPEC)
+    rig.pose = Placement(away, START.position - 300.0 * away[:, 2])
+    with refused("robot-far"):
+        acquisition.take(1, lambda _: (5.0, 0.0))
+    assert rig.moves == 0
+
+
+def test_a_robot_that_does_not_report_its_pose_is_not_moved_again(tmp_path: Path) -> None:
+    class SilentRobot(TestRig):
+        silent = False
+
+        def flange_pose(self) -> Placement:
+            if self.silent:
+                raise PalpateError("The robot does not answer.", "Check it.", code="robot-lost")
+            return super().flange_pose()
+
+        def next_image(self) -> NDArray[Any] | PalpateError:
+            self.silent = self.images == SPEC.rest_images
+            return super().next_image()
+
+    rig = SilentRobot()
+    with refused("robot-lost"):
+        take(tmp_path, rig)
+    assert rig.moves == 3  # clear of the wall, tilted, first depth
+
+
+def test_depths_ascend_and_one_depth_is_the_last() -> None:
+    assert TakeSpec(depths=1, depth=4.0).depths_mm.tolist() == [4.0]
+    assert TakeSpec(depths=4, min_depth=1.0, depth=4.0).depths_mm == pytest.approx([1.0, 2.0, 3.0, 4.0])
+    with refused("take-depths-fall"):
+        TakeSpec(min_depth=5.0, depth=4.0)
+
+
+def test_a_recording_of_one_robot_is_not_continued_by_another(tmp_path: Path) -> None:
+    RecordingFolder(tmp_path, {"robot": "manual"}).write_plan()
+    with refused("recording-settings-differ", "robot"):
+        RecordingFolder(tmp_path, {"robot": "arm"})
+
+
+def test_an_image_of_floats_is_refused() -> None:
+    assert find_image_fault(np.random.default_rng(0).uniform(size=(8, 8)), None, SPEC)
