@@ -10,7 +10,7 @@ from palpate.sensor import Robot
 ROBOTS: Registry[type[Robot]] = Registry(
     "palpate.robots",
     "robot",
-    {"manual": "palpate.rig.manual_robot:ManualRobot"},
+    {"manual": "palpate.rig.manual_robot:ManualRobot", "tcp": "palpate.rig.tcp_robot:TcpRobot"},
     fits=lambda found: isinstance(found, type) and issubclass(found, Robot),
     remedy="`simulated` is a simulated unit; a package with an entry point in the group palpate.robots adds another.",
 )
