@@ -60,16 +60,18 @@ def test_a_tiny_hole_presses_like_a_wall_and_a_wide_one_does_not() -> None:
 
 @pytest.mark.slow
 @needs_program("calculix-ccx")
-@pytest.mark.parametrize("sink", [0.0, 11.0])
-def test_calculix_agrees_over_facets(sink: float) -> None:
-    mesh = mesh_skin(DOME, MeshSpec(cells=12, core=3, centred=False))
+@pytest.mark.parametrize(("sink", "cells", "core", "share"), [(0.0, 20, 5, 0.02), (11.0, 16, 3, 0.04)])
+def test_calculix_agrees_over_facets(sink: float, cells: int, core: int, share: float) -> None:
+    """CalculiX does not converge over the countersink with 20 cells; with 16, first contact is a narrow ring."""
+    mesh = mesh_skin(DOME, MeshSpec(cells=cells, core=core, centred=False))
     plate = PlateSpec(
         tilt_deg=6, hole_diameter=8, edge_radius=0.5, sink_diameter=sink, depth=3.2, contact="frictionless"
     )
     ours, theirs = solve_press(mesh, SILICONE, plate), solve_press_calculix(mesh, SILICONE, plate)
-    assert theirs.force[1:, 2] == pytest.approx(ours.force[1:, 2], rel=0.04)
+    first = 2 if sink else 1
+    assert theirs.force[first:, 2] == pytest.approx(ours.force[first:, 2], rel=share)
     points = place_markers(DOME, MarkerSpec(count=169)).positions
-    assert np.linalg.norm(theirs.positions(points) - ours.positions(points), axis=-1).max() < 0.02 * 3.2
+    assert np.linalg.norm(theirs.positions(points) - ours.positions(points), axis=-1).max() < share * 3.2
 
 
 def test_a_countersink_must_contain_its_rounded_edges() -> None:
