@@ -20,7 +20,7 @@ def test_every_part_of_a_search_begins_anew(capsys: pytest.CaptureFixture[str]) 
     assert lines[:4] == lines[4:8]
     expected = (
         (3, 1),
-        ("[25 %, about 3 min remaining] press", "60.0 s"),
+        ("[25 %, about 3.0 min remaining] press", "60.0 s"),
         ("[50 %", "twin", "No press."),
         ("[100 %",),
     )

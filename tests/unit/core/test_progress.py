@@ -85,7 +85,7 @@ def test_pieces_that_failed_say_nothing_of_the_speed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cost", "text"), [(3, "60 s"), (9, "4 min"), (1000, "8.3 h")], ids=["seconds", "minutes", "hours"]
+    ("cost", "text"), [(3, "60 s"), (9, "4.0 min"), (1000, "8.3 h")], ids=["seconds", "minutes", "hours"]
 )
 def test_the_remaining_time_is_in_minutes_or_hours(cost: float, text: str) -> None:
     clock = Clock()
