@@ -9,13 +9,15 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from palpate.verify import CASES, run_cases
-from validation.cases import PUBLISHED_CASES
+from validation.cases import LONG_CASES, PUBLISHED_CASES
 from validation.pages import write_pages, write_rows
 
 
 def main(docs: Path, names: list[str]) -> None:
     """Run the cases, then write `results/verification.csv` and the pages in a documentation folder."""
-    cases = [case for case in (*CASES, *PUBLISHED_CASES) if any(fnmatch(case.name, name) for name in names)]
+    cases = [
+        case for case in (*CASES, *LONG_CASES, *PUBLISHED_CASES) if any(fnmatch(case.name, name) for name in names)
+    ]
     outcomes = []
     for outcome in run_cases(cases):
         outcomes.append(outcome)

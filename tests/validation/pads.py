@@ -16,9 +16,10 @@ from palpate.fea import Ball, Cylinder
 from palpate.mechanics import Obstacle
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import Grid, Turn, even, graded, join, map_block, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, map_block, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import NEO_HOOKE
+from validation.graded import graded
 from validation.layer_theory import ball_on_layer, bar_on_layer
 
 _CONTACT, _RADIUS = 1.0, 50.0

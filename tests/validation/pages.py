@@ -17,8 +17,8 @@ _HEAD = """# Verification
 Problems with known solutions, solved by palpate. References marked *exact* are closed forms, quadratures or ordinary
 differential equations. Codes are independent of the solver of palpate, except *finer mesh*. A *property* needs no
 external number. The table has one row per case: the quantity that uses most of its tolerance. All quantities are in
-`docs/results/verification.csv`. `palpate verify` runs 55 of the cases; `python -m validation ../docs` in the folder
-`tests` runs all and writes these pages."""
+`docs/results/verification.csv`. `palpate verify` runs the 29 quick ones;
+`python -m validation ../docs` in the folder `tests` runs all and writes these pages."""
 _NOTES = """## Notes
 
 * *Incompressible references* are solved at K/µ = 100 000. The default of 2000 alone lowers the pressure of a sphere

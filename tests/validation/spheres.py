@@ -17,8 +17,9 @@ import numpy as np
 from palpate.mechanics import Problem, make_linear_solver
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import follow_load, make_solid
-from palpate.verify.mapped import Turn, even, graded
+from palpate.verify.mapped import Turn, even
 from validation.arc_length import ArcLength
+from validation.graded import graded
 from validation.walls import elastic, load_top, press_round, round_wall
 
 _POISSON = 0.3

@@ -20,14 +20,13 @@ _ONLY = "Run only the cases whose name contains this text; * and ? are wildcards
 def verify(
     *,
     only: Annotated[str | None, Parameter(help=_ONLY)] = None,
-    quick: Annotated[bool, Parameter(negative="", help="Leave out the slow cases.")] = False,
     output: Output = Output(),
 ) -> int:
     """Solve problems with known solutions and report the deviations."""
     from palpate.verify import choose_cases, outcome_report, run_cases
 
     outcomes = []
-    for outcome in run_cases(choose_cases(only, quick=quick)):
+    for outcome in run_cases(choose_cases(only)):
         outcomes.append(outcome)
         state = "passed" if outcome.passed else "FAILED"
         print(f"{outcome.case.name}: {state}, {outcome.cpu_s:.1f} CPU-seconds", file=sys.stderr)

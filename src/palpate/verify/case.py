@@ -55,14 +55,11 @@ class Case:
         Source of the solution.
     run
         Solves the problem by palpate and compares.
-    slow
-        Whether it takes more than some ten seconds; left out by a quick run.
     """
 
     name: str
     reference: str
     run: Callable[[], Sequence[Row]]
-    slow: bool = False
 
 
 def compare(

@@ -1,4 +1,4 @@
-"""Laws that hold between presses: scaling with stiffness and size, and the mirror."""
+"""Laws that hold between presses: scaling with size, and the mirror."""
 
 from __future__ import annotations
 
@@ -6,36 +6,9 @@ import numpy as np
 
 from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, solve_press
-from palpate.material import Material, NeoHooke
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.verify.ball import make_ball, make_pressing
 from palpate.verify.case import Row, below, compare
-from palpate.verify.mapped import Turn, even
 from palpate.verify.properties import SILICONE
-
-_DEPTHS = (0.2, 0.5, 1.0)
-"""Displacement of the plate over a tenth of the radius. By hand."""
-
-
-def scaling() -> list[Row]:
-    """Compare forces of a compressed sphere of different stiffness, and of different size at equal strain."""
-    stiff = Material("threefold", NeoHooke(3 * 0.0141156))
-    soft = Material("once", NeoHooke(0.0141156))
-    once, thrice, twice_as_large = _compress(soft, 1.0), _compress(stiff, 1.0), _compress(soft, 2.0)
-    at = [f"d/R = {0.1 * depth:g}" for depth in _DEPTHS]
-    return [
-        compare("force of a material three times as stiff, N", thrice[0], 3 * once[0], 1e-8, at),
-        compare("force at twice the size, N", twice_as_large[0], 4 * once[0], 1e-8, at),
-        compare("energy at twice the size, mJ", twice_as_large[1], 8 * once[1], 1e-8, at),
-    ]
-
-
-def _compress(material: Material, size: float) -> np.ndarray:
-    """Forces (N) and energies (mJ), (2, n), of a coarse sphere of radius 10 mm times `size`."""
-    radius = 10.0 * size
-    pressing = make_pressing(make_ball(radius, even(4), even(2), 2, Turn(1)), radius, material, 0.4 * radius)
-    found = pressing.follow([0.1 * radius * depth for depth in _DEPTHS])
-    return np.array([[item.loads.force[2], item.loads.elastic] for item in found]).T
 
 
 def dome_scaling() -> list[Row]:

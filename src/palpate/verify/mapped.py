@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from palpate.core import BoolArray, FloatArray, IntArray
 
@@ -57,17 +56,6 @@ class Grid:
 def even(count: int, power: float = 1.0) -> FloatArray:
     """Cut 0…1 into `count` cells (count + 1,), finer towards 0 for a power above 1."""
     return np.linspace(0.0, 1.0, count + 1) ** power
-
-
-def graded(first: float, fine: int, count: int) -> FloatArray:
-    """Cut 0…1 into `count` cells (count + 1,): `fine` of size `first`, then in geometric progression."""
-
-    def surplus(ratio: float) -> float:
-        return first * (fine + float((ratio ** np.arange(1, count - fine + 1)).sum())) - 1
-
-    ratio = float(brentq(surplus, 0.1, 10.0))
-    sizes = first * np.concatenate([np.ones(fine), ratio ** np.arange(1, count - fine + 1)])
-    return np.concatenate([[0.0], np.cumsum(sizes)[:-1], [1.0]])
 
 
 def map_block(cuts: tuple[FloatArray, FloatArray, FloatArray], place: Map) -> FloatArray:

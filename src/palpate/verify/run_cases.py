@@ -39,24 +39,21 @@ class CaseOutcome:
         return not self.failure and all(row.passed for row in self.rows)
 
 
-def choose_cases(only: str | None = None, *, quick: bool = False) -> tuple[Case, ...]:
-    """Choose the cases whose name matches a pattern (``*`` and ``?`` allowed); `quick`: without slow ones.
+def choose_cases(only: str | None = None) -> tuple[Case, ...]:
+    """Choose the cases whose name matches a pattern (``*`` and ``?`` allowed), by default all.
 
     Raises
     ------
     PalpateError
         If no case matches.
     """
-    named = [case for case in CASES if only is None or fnmatch(case.name, f"*{only}*")]
+    named = tuple(case for case in CASES if only is None or fnmatch(case.name, f"*{only}*"))
     if not named:
         names = ", ".join(case.name for case in CASES)
         raise PalpateError(
             f"No case of the verification suite is named like '{only}'.", f"There are {names}.", code="case-unknown"
         )
-    chosen = tuple(case for case in named if not (quick and case.slow))
-    if not chosen:
-        raise PalpateError(f"All cases named like '{only}' are slow.", "Leave --quick out.", code="case-slow")
-    return chosen
+    return named
 
 
 def run_cases(cases: Iterable[Case]) -> Iterator[CaseOutcome]:

@@ -3,7 +3,8 @@ import pytest
 
 from palpate.material import Material, NeoHooke
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import Grid, Turn, even, graded, join, map_block, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, map_block, revolve
+from validation.graded import graded
 
 RUBBER = Material("rubber", NeoHooke(0.5))
 

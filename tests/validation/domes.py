@@ -16,6 +16,7 @@ from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.case import Row, compare
 from palpate.verify.read_reference import Reference, read_reference
+from validation import REFERENCE
 
 FLAT_TO = {(20, 1): 7.2, (20, 2): 8.0, (20, 3): 8.0, (20, 4): 8.0, (10, 2): 6.4, (30, 2): 8.0}
 """Height and thickness (mm) of every dome with a reference, and its flat range of depth in mm."""
@@ -49,7 +50,7 @@ def press_dome(height: int, thickness: int, wall: WallSpec, bulk_ratio: float, m
 
 def flat_branch(height: int, thickness: int) -> list[Row]:
     """Compare force, energy and three probes of the inner surface at every increment of an untilted press."""
-    data = read_reference(f"dome_H{height}_T{thickness}").between("apex_gap_mm", -1.0, 0.05)
+    data = read_reference(f"dome_H{height}_T{thickness}", REFERENCE).between("apex_gap_mm", -1.0, 0.05)
     wall = WallSpec(contact="frictionless", depth=FLAT_TO[height, thickness])
     press = press_dome(height, thickness, wall, 2000.0, _FINER.get((height, thickness)))
     depth = press.depth[1:]
@@ -72,7 +73,7 @@ def flat_branch(height: int, thickness: int) -> list[Row]:
 
 def inverted_branch(height: int, thickness: int) -> list[Row]:
     """Compare the onset depth of the inverted state, and force, energy and apex gap beyond it."""
-    data = read_reference(f"dome_inverted_branch_H{height}_T{thickness}").between("apex_gap_mm", 0.05, 1e3)
+    data = read_reference(f"dome_inverted_branch_H{height}_T{thickness}", REFERENCE).between("apex_gap_mm", 0.05, 1e3)
     wall = WallSpec(contact="frictionless")
     dome = build_skin(DomeSpec(height=height, thickness=thickness))
     material = get_material("zaid_2024_ecoflex_00_30").with_bulk_ratio(2000.0)
@@ -114,7 +115,7 @@ def _probe(press: Press) -> FloatArray:
 
 def calculix(tilt: int) -> list[Row]:
     """Compare force, energy and force direction under a wall inclined by `tilt` degrees to -x, K/mu = 100."""
-    data = read_reference(f"calculix_H20_T3_tilt{tilt}")
+    data = read_reference(f"calculix_H20_T3_tilt{tilt}", REFERENCE)
     wall = WallSpec(contact="frictionless", tilt_deg=tilt, azimuth_deg=-90.0)
     press = press_dome(20, 3, wall, _SOFT_BULK, _CALCULIX_MESH)
     depth = press.depth[1:]

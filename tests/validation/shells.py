@@ -16,9 +16,11 @@ from palpate.material import Material, NeoHooke
 from palpate.mechanics import Increment
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import Reference, read_reference
+from validation import REFERENCE
+from validation.graded import graded
 
 RADIUS = 100.0
 """Mean radius, mm."""
@@ -85,7 +87,7 @@ def dimple_onset(ratio: float) -> list[Row]:
     rows: list[Row] = []
     shape: FloatArray | None = None
     for poisson in _POISSON:
-        data = read_reference("sphere_shell_plate_compression").where(**_name(ratio, poisson, "dimple"))
+        data = read_reference("sphere_shell_plate_compression", REFERENCE).where(**_name(ratio, poisson, "dimple"))
         pressing = make_pressing(ratio, poisson, _CELLS["dimple"])
         depth = _DRAWN_BACK * pressing.size
         path = pressing.relax(depth, _mirrored(pressing, depth) if shape is None else shape)
@@ -142,7 +144,7 @@ def _relax_inverted(pressing: Pressing, depths: FloatArray, shapes: list[FloatAr
 
 
 def _reference(ratio: float, poisson: float, branch: str) -> Reference:
-    data = read_reference("sphere_shell_plate_compression").where(**_name(ratio, poisson, branch))
+    data = read_reference("sphere_shell_plate_compression", REFERENCE).where(**_name(ratio, poisson, branch))
     return data.at("delta_over_h", _TRAVEL[branch])
 
 

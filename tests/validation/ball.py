@@ -13,19 +13,24 @@ from scipy.special import ellipe, ellipk
 
 from palpate.core import FloatArray
 from palpate.fea import Ball, Cylinder
-from palpate.material import Material
+from palpate.material import Material, NeoHooke
 from palpate.mechanics import Obstacle
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS, YEOH
+from validation import REFERENCE
+from validation.graded import graded
 
 _CORE = 0.45
 """Half side of the square core of the section over the radius. By hand."""
 _STIFF = 400.0
 """Penalty over E and the contact radius: penetration stays near two thousandths of the depth."""
+
+_TENTHS = (0.2, 0.5, 1.0)
+"""Displacement of the plate over a tenth of the radius. By hand."""
 
 
 def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int, turn: Turn) -> Grid:
@@ -96,7 +101,7 @@ def hertz() -> list[Row]:
     Hertz's law is the limit of small a/R: a sphere between plates is stiffer by some 0.27 a/R, 1.9 % at d/R = 0.005.
     So the ratio to Hertz, extrapolated to a/R = 0, is compared as well.
     """
-    data = read_reference("hertz_sphere_plane")
+    data = read_reference("hertz_sphere_plane", REFERENCE)
     data = data.where(R_mm="10", approach_mm="0.05").joined(data.where(R_mm="22", approach_mm="0.05"))
     found = np.array([_press_lightly(*pose) for pose in zip(data["R_mm"], data["approach_mm"], strict=True)])
     force, reach, peak = found.T
@@ -134,7 +139,9 @@ def compression() -> list[Row]:
     radius, rows = 10.0, []
     for name, material in MATERIALS.items():
         data = (
-            read_reference("sphere_compression").where(material=name, mesh_n="20").between("delta_over_R", 0.05, 0.4)
+            read_reference("sphere_compression", REFERENCE)
+            .where(material=name, mesh_n="20")
+            .between("delta_over_R", 0.05, 0.4)
         )
         grid = make_ball(radius, even(8, 1.3), even(6, 1.3), 4, Turn(1))
         pressing = make_pressing(grid, radius, material.with_bulk_ratio(2000.0), 5.0)
@@ -199,3 +206,24 @@ def _hertz_force(radius: float, depth: float, obstacle: str) -> tuple[float, flo
     a = float(np.sqrt(depth * (K - E) / (K * square * least)))
     b = a * np.sqrt(1 - square)
     return float(2 / 3 * np.pi * a * b * depth * modulus / (K * b)), a
+
+
+def scaling() -> list[Row]:
+    """Compare forces of a compressed sphere of different stiffness, and of different size at equal strain."""
+    stiff = Material("threefold", NeoHooke(3 * 0.0141156))
+    soft = Material("once", NeoHooke(0.0141156))
+    once, thrice, twice_as_large = _compress(soft, 1.0), _compress(stiff, 1.0), _compress(soft, 2.0)
+    at = [f"d/R = {0.1 * depth:g}" for depth in _TENTHS]
+    return [
+        compare("force of a material three times as stiff, N", thrice[0], 3 * once[0], 1e-8, at),
+        compare("force at twice the size, N", twice_as_large[0], 4 * once[0], 1e-8, at),
+        compare("energy at twice the size, mJ", twice_as_large[1], 8 * once[1], 1e-8, at),
+    ]
+
+
+def _compress(material: Material, size: float) -> np.ndarray:
+    """Forces (N) and energies (mJ), (2, n), of a coarse sphere of radius 10 mm times `size`."""
+    radius = 10.0 * size
+    pressing = make_pressing(make_ball(radius, even(4), even(2), 2, Turn(1)), radius, material, 0.4 * radius)
+    found = pressing.follow([0.1 * radius * depth for depth in _TENTHS])
+    return np.array([[item.loads.force[2], item.loads.elastic] for item in found]).T
