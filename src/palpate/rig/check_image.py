@@ -12,6 +12,8 @@ from palpate.camera import Source
 from palpate.core import PalpateError
 from palpate.rig.take_spec import TakeSpec
 
+_TOPS = (255, 1023, 4095, 16383, np.iinfo(np.int64).max)
+"""Maximum grey values of cameras of 8, 10, 12 and 14 bits, whose images are stored in 16."""
 NextImage = Callable[[], NDArray[Any] | PalpateError]
 """Return an image taken after the call, or an error if none could be taken."""
 
@@ -28,7 +30,7 @@ def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: Tak
     """
     if not np.issubdtype(image.dtype, np.integer):
         return f"has values of type {image.dtype}, not integers"
-    top = float(np.iinfo(image.dtype).max)
+    top = float(min(np.iinfo(image.dtype).max, next(top for top in _TOPS if top >= image.max())))
     share, spread = float((image >= top).mean()), float(image.std())
     if share > spec.saturated:
         return f"is saturated at {share:.0%} of its pixels"
