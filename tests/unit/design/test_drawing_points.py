@@ -109,6 +109,7 @@ def test_a_damaged_entity_of_dxf_is_refused(tmp_path: Path) -> None:
         read(path)
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # as on the command line
 @pytest.mark.parametrize(
     ("name", "text", "code"),
     [
