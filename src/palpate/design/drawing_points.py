@@ -57,8 +57,8 @@ def read_circles(path: Path) -> FloatArray:
     from scipy.spatial import cKDTree  # here, because scipy is slow to load
 
     circles = np.array(rows, float)
-    if not np.isfinite(circles).all():
-        raise _broken(path, ValueError("a circle has no finite place or size"))
+    if not (np.abs(circles) < 1e6).all():
+        raise _broken(path, ValueError("a circle lies over a kilometre away, or its place or size is no number"))
     sizes = circles[:, 2]
     centres = circles[sizes <= _OUTLINE * np.median(sizes), :2]
     centres = np.delete(centres, cKDTree(centres).query_pairs(_SAME_MM, output_type="ndarray")[:, 1], axis=0)

@@ -121,6 +121,12 @@ def test_a_damaged_entity_of_dxf_is_refused(tmp_path: Path) -> None:
             '<circle cx="1e400" cy="2" r="1"/></svg>',
             "drawing-broken",
         ),
+        (
+            "a.svg",
+            '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9">'
+            '<circle cx="1e308" cy="2" r="1"/></svg>',
+            "drawing-broken",
+        ),
         ("a.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0"/></svg>', "drawing-unit"),
         (
             "a.svg",
