@@ -39,6 +39,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], list[object]]] = {
     "units with spaces": ("a,b\n1.5 %,2.25 MPa\n2.5 %,2.5 MPa\n", ("a", "b"), [1.5, 2.25]),
     "units of some columns": ("a,b\n1.5 %,2.25\n2.5 %,2.5\n", ("a", "b"), [1.5, 2.25]),
     "a list that has a name": ('a_0,a\n1,"[5, 6]"\n2,"[7, 8]"\n', ("a_0", "a"), [1.0, "[5, 6]"]),
+    "first rows with one cell": ("a,b,c\nrest,,\nrest,,\n1,2,3\n4,5,6\n", ("a", "b", "c"), ["rest", np.nan, np.nan]),
     "a first row with one cell": ("a,b,c\nrest,,\n1,2,3\n4,5,6\n", ("a", "b", "c"), ["rest", np.nan, np.nan]),
 }
 
