@@ -195,6 +195,10 @@ def _find_rest(folder: Path) -> Path | None:
     return next((path for path in list_below(folder) if path.stem.lower() == REST), None)
 
 
+_ABOUT = ("readme", "license", "licence", "notes")
+"""Names of texts about a recording, which are no tables of it."""
+
+
 def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
     """The reader of a file or folder, or of the one file in a folder that a reader accepts."""
     if not place.exists():
@@ -212,7 +216,7 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
             code="file-ending-unknown",
         )
     files = sorted(place.iterdir())
-    others = [path for path in files if path.suffix.lower() != ".json"]  # often about the recording
+    others = [path for path in files if path.suffix.lower() != ".json" and path.stem.lower() not in _ABOUT]
     for reader, held in ((reader, held) for held in (others, files) for reader in readers):
         tables = [path for path in held if reader.accepts(path)]
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):
