@@ -186,6 +186,21 @@ def test_a_file_about_the_recording_is_not_its_table(tmp_path: Path) -> None:
     assert read_recording(tmp_path).targets == pytest.approx(POSES)
 
 
+def test_a_readme_is_not_the_table_of_a_recording(tmp_path: Path) -> None:
+    write_images(tmp_path)
+    write_table(tmp_path, "image", [[f"img_{k:03d}.png"] for k in range(COUNT)])
+    (tmp_path / "README.txt").write_text("Presses of May, by hand, 24 images")
+    assert len(read_recording(tmp_path)) == COUNT
+
+
+@pytest.mark.parametrize("head", ["timestamp_s", "press"])
+def test_a_video_beside_a_table_without_numbers_of_images_is_named(head: str, tmp_path: Path) -> None:
+    (tmp_path / "gel.mp4").touch()
+    path = write_table(tmp_path, head, [[k / 30] for k in range(COUNT)])
+    with refused("image-column-missing", "gel.mp4", "frame"):
+        read_recording(path)
+
+
 def test_equal_names_of_two_arrays_get_the_names_of_the_arrays(tmp_path: Path) -> None:
     fields = [("x_mm", float), ("rx_deg", float), ("ry_deg", float)]
     with h5py.File(tmp_path / "a.h5", "w") as file:

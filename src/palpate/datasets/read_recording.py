@@ -19,6 +19,7 @@ from palpate.datasets.recording_columns import (
     find_image_column,
     find_pose_columns,
     find_press_column,
+    list_columns,
 )
 from palpate.datasets.recording_images import (
     ConcatenatedImages,
@@ -181,6 +182,13 @@ def _name_images(
         called = [name for name in texts if {str(text).casefold() for text in table.columns[name]} - {REST} <= stems]
         if called and error.code == "image-column-missing":
             return called[0], None
+        videos = sorted(path.name for path in folder.iterdir() if path.suffix.lower() in recording_suffixes())
+        if error.code == "image-column-missing" and videos and not files:
+            raise PalpateError(
+                f"No column of {table.name} numbers the images of {videos[0]}; it has {list_columns(table)}.",
+                "Number the images from 0 in a column called frame.",
+                code="image-column-missing",
+            ) from error
         counts = (table.columns[name] for name in table.columns if name.strip().lower() in INDEX)
         ordered = all(values.dtype.kind == "U" or bool((np.diff(values) > 0).all()) for values in counts)
         together = len({path.parent for path in files}) == 1
