@@ -39,6 +39,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], list[object]]] = {
     "units with spaces": ("a,b\n1.5 %,2.25 MPa\n2.5 %,2.5 MPa\n", ("a", "b"), [1.5, 2.25]),
     "units of some columns": ("a,b\n1.5 %,2.25\n2.5 %,2.5\n", ("a", "b"), [1.5, 2.25]),
     "a list that has a name": ('a_0,a\n1,"[5, 6]"\n2,"[7, 8]"\n', ("a_0", "a"), [1.0, "[5, 6]"]),
+    "first rows with one cell": ("a,b,c\nrest,,\nrest,,\n1,2,3\n4,5,6\n", ("a", "b", "c"), ["rest", np.nan, np.nan]),
     "a first row with one cell": ("a,b,c\nrest,,\n1,2,3\n4,5,6\n", ("a", "b", "c"), ["rest", np.nan, np.nan]),
 }
 
@@ -183,6 +184,21 @@ def test_a_file_about_the_recording_is_not_its_table(tmp_path: Path) -> None:
             file[name] = POSES[:, at]
     (tmp_path / "metadata.json").write_text('{"sensor": "A"}')
     assert read_recording(tmp_path).targets == pytest.approx(POSES)
+
+
+def test_a_readme_is_not_the_table_of_a_recording(tmp_path: Path) -> None:
+    write_images(tmp_path)
+    write_table(tmp_path, "image", [[f"img_{k:03d}.png"] for k in range(COUNT)])
+    (tmp_path / "README.txt").write_text("Presses of May, by hand, 24 images")
+    assert len(read_recording(tmp_path)) == COUNT
+
+
+@pytest.mark.parametrize("head", ["timestamp_s", "press"])
+def test_a_video_beside_a_table_without_numbers_of_images_is_named(head: str, tmp_path: Path) -> None:
+    (tmp_path / "gel.mp4").touch()
+    path = write_table(tmp_path, head, [[k / 30] for k in range(COUNT)])
+    with refused("image-column-missing", "gel.mp4", "frame"):
+        read_recording(path)
 
 
 def test_equal_names_of_two_arrays_get_the_names_of_the_arrays(tmp_path: Path) -> None:

@@ -290,6 +290,15 @@ ROBOTS: dict[str, tuple[str, np.ndarray]] = {
         "X (mm),Y (mm),Z (mm),A (deg),B (deg),C (deg)",
         np.hstack([PLACES, DOWN.as_euler("ZYX", degrees=True)]),
     ),
+    "Universal Robots": (
+        ",".join(f"actual_TCP_pose_{axis}" for axis in range(6)),
+        np.hstack([PLACES / 1e3, DOWN.as_rotvec()]),
+    ),
+    "robomimic": (
+        "robot0_eef_pos_0,robot0_eef_pos_1,robot0_eef_pos_2,"
+        + ",".join(f"robot0_eef_quat_{axis}" for axis in "xyzw"),
+        np.hstack([PLACES, DOWN.as_quat()]),
+    ),
     "FANUC": ("X,Y,Z,W,P,R", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
 }
 
@@ -308,6 +317,12 @@ def test_poses_of_a_robot_without_units_are_relative_to_the_surface(robot: str, 
     assert [f"{one.axis}_{one.unit}" for one in recording.poses] == list(NAMES)
     wanted = POSES - [0, 0, POSES[:, 2].min()]  # the depth of positions begins at the shallowest
     assert recording.targets == pytest.approx(wanted, abs=1e-5)
+
+
+def test_a_position_in_a_base_without_an_orientation_keeps_its_name() -> None:
+    names = [f"robot0_eef_pos_{axis}" for axis in range(3)]
+    table = RecordingTable("a", dict(zip(names, PLACES.T, strict=True)), {})
+    assert list(to_surface(table, ColumnMapping(), ()).columns) == names
 
 
 @pytest.mark.parametrize(

@@ -283,7 +283,7 @@ def _name(lines: list[Line], dialect: Dialect, block: Block, widths: list[int]) 
     heading = list(block.heading)
     below = dialect.split(lines[block.rows[0]][1]) if block.rows else []
     while len(heading) > 1 and (
-        (widths[heading[-1]] < widths[heading[-2]] and _is_divided(lines, dialect, heading[-1]))
+        (widths[heading[-1]] < max(2, widths[heading[-2]]) and _is_divided(lines, dialect, heading[-1]))
         or _looks_alike(dialect.split(lines[heading[-1]][1]), below)
     ):
         heading.pop()

@@ -19,6 +19,7 @@ from palpate.datasets.recording_columns import (
     find_image_column,
     find_pose_columns,
     find_press_column,
+    list_columns,
 )
 from palpate.datasets.recording_images import (
     ConcatenatedImages,
@@ -181,6 +182,13 @@ def _name_images(
         called = [name for name in texts if {str(text).casefold() for text in table.columns[name]} - {REST} <= stems]
         if called and error.code == "image-column-missing":
             return called[0], None
+        videos = sorted(path.name for path in folder.iterdir() if path.suffix.lower() in recording_suffixes())
+        if error.code == "image-column-missing" and videos and not files:
+            raise PalpateError(
+                f"No column of {table.name} numbers the images of {videos[0]}; it has {list_columns(table)}.",
+                "Number the images from 0 in a column called frame.",
+                code="image-column-missing",
+            ) from error
         counts = (table.columns[name] for name in table.columns if name.strip().lower() in INDEX)
         ordered = all(values.dtype.kind == "U" or bool((np.diff(values) > 0).all()) for values in counts)
         together = len({path.parent for path in files}) == 1
@@ -193,6 +201,10 @@ def _name_images(
 def _find_rest(folder: Path) -> Path | None:
     """An image of the untouched sensor that the table does not name."""
     return next((path for path in list_below(folder) if path.stem.lower() == REST), None)
+
+
+_ABOUT = ("readme", "license", "licence", "notes")
+"""Names of texts about a recording, which are no tables of it."""
 
 
 def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
@@ -212,7 +224,7 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
             code="file-ending-unknown",
         )
     files = sorted(place.iterdir())
-    others = [path for path in files if path.suffix.lower() != ".json"]  # often about the recording
+    others = [path for path in files if path.suffix.lower() != ".json" and path.stem.lower() not in _ABOUT]
     for reader, held in ((reader, held) for held in (others, files) for reader in readers):
         tables = [path for path in held if reader.accepts(path)]
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):

@@ -22,6 +22,8 @@ from palpate.datasets.table import RecordingTable, as_numbers
 _EULER = ("roll", "pitch", "yaw")
 _ROBOTS = {("A", "B", "C"): ("yaw", "pitch", "roll"), ("W", "P", "R"): ("roll", "pitch", "yaw")}
 """Letters of angles in poses XYZABC of KUKA and XYZWPR of FANUC → angles about fixed axes."""
+_TCP = {"actual_TCP_pose_": "x_m y_m z_m rx_rad ry_rad rz_rad", "eef_pos_": "x y z", "ee_pos_": "x y z"}
+"""Beginnings of numbered columns of Universal Robots, robomimic and robosuite → their names."""
 _QUATERNION = re.compile(r"(?:^|[_. ])(?:q|quat|quaternion|orientation|rot|rotation|ori)[_. \[]*([wxyz]|\d)\]?$")
 _MATRIX = re.compile(r"^(.*?)[_. ]*\[?([0-4])[\]_, ]*\[?([0-4])\]?$")
 _NEAR_AXIS = 8.0
@@ -63,12 +65,13 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
     """
     if any("=" in text for text in choice.targets):
         return table
-    table = _name_robot_angles(table, choice, taken)
+    given, tool = table, _name_tcp(table, choice)
+    table = _name_robot_angles(tool, choice, taken)
     angles = find_angles_and_lengths(table, choice, taken)
     found = _quaternions(table, choice) or _matrices(table, choice) or _three_angles(table, angles, choice)
     frame = _frame(choice.frame)
-    if found is None and frame is None:
-        return table
+    if found is None and frame is None:  # z of a base is no depth
+        return table if tool is given else given
     axis, inward, notes = _surface(found, frame)
     new: dict[str, FloatArray] = {}
     if found is not None:
@@ -93,6 +96,19 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
         new["depth_mm"] = depth
     columns = {name: values for name, values in table.columns.items() if name not in used and name not in new}
     return replace(table, columns={**columns, **new}, notes=(*table.notes, *notes))
+
+
+def _name_tcp(table: RecordingTable, choice: ColumnMapping) -> RecordingTable:
+    """The table with names of axes for numbered columns of one tool (`_TCP`)."""
+    for start, names in _TCP.items() if not choice.targets else ():
+        found = [name for name in table.columns if re.fullmatch(rf"(\w+_)?{start}\d", name, re.I)]
+        new = dict(zip(sorted(found), names.split(), strict=False))
+        if len(found) == len(names.split()) and not set(new.values()) & set(table.columns):
+            columns = {new.get(name, name): values for name, values in table.columns.items()}
+            faults = {new.get(name, name): fault for name, fault in table.faults.items()}
+            note = f"Columns {', '.join(new)} are read as {', '.join(new.values())}"
+            return replace(table, columns=columns, faults=faults, notes=(*table.notes, note))
+    return table
 
 
 def _name_robot_angles(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
