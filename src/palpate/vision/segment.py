@@ -126,15 +126,25 @@ def heights(image: Image, diameter_px: float) -> tuple[Image, float]:
 def segment(height: Image, diameter_px: float, least: float, share: float) -> Segments:
     """Cut candidates out of an image of heights (h, w) by `heights`.
 
-    A blob has a minimum height, and a minimum share of the median height of the higher half of the candidates.
+    A blob has a minimum height, and a minimum share of the typical height of the candidates.
     """
     size = 2 * round(0.3 * diameter_px) + 1
     peak = local_maxima(height, size) & (height > least)
     tops = height[peak]
-    level = max(least, share * float(np.median(tops[tops >= np.median(tops)]))) if len(tops) else np.inf
+    level = max(least, share * _typical_height(tops)) if len(tops) else np.inf
     peak &= height > level
     _, labels = components(_upper_halves(height, _ridge(height, peak, size), level))
     return _describe(labels, height, level)
+
+
+def _typical_height(tops: FloatArray) -> float:
+    """Return the median of the higher half of maxima, or the median weighted by height if that is more.
+
+    Maxima of blurred or compressed noise may be many, but are low and weigh little.
+    """
+    ordered = np.sort(tops)
+    total = np.cumsum(ordered)
+    return float(max(np.median(tops[tops >= np.median(tops)]), ordered[np.searchsorted(total, 0.5 * total[-1])]))
 
 
 def _ridge(height: Image, peak: BoolArray, size: int) -> Image:

@@ -1,3 +1,6 @@
+from pathlib import Path
+
+import cv2
 import numpy as np
 import pytest
 from drawn_dots import bound, draw_dots, lattice, match, with_noise
@@ -238,3 +241,26 @@ def test_which_dots_lie_half_way_between_two_others():
     points = np.array([[0.0, 0], [10, 0], [20, 0.5], [30, 0], [50, 60], [70, 20]])
     assert is_midpoint(points).tolist() == [False, True, True, False, False, False]
     assert not is_midpoint(points[:2]).any()
+
+
+@pytest.mark.parametrize(
+    "process",
+    [
+        lambda image: cv2.blur(image, (3, 3)),
+        lambda image: cv2.GaussianBlur(image, (0, 0), 0.8),
+        lambda image: cv2.medianBlur(image, 3),
+        *(
+            lambda image, quality=quality: cv2.imdecode(cv2.imencode(".jpg", image, [1, quality])[1], 0)
+            for quality in (95, 80, 60, 40)
+        ),
+    ],
+    ids=["box", "Gauss", "median", "JPEG 95", "JPEG 80", "JPEG 60", "JPEG 40"],
+)
+def test_markers_of_a_smoothed_or_compressed_image_are_found(process):
+    image = cv2.imread(str(Path(__file__).parents[3] / "examples" / "data" / "rest.png"), 0)
+    expected = prepare_detector(image).find(image).positions_px
+    assert len(expected) == 61
+    changed = process(image)
+    errors, missed, extra = match(prepare_detector(changed).find(changed).positions_px, expected)
+    assert (missed, extra) == (0, 0)
+    assert np.sqrt(np.mean(errors**2)) < 0.1
