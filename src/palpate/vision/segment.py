@@ -137,7 +137,7 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
     return _describe(labels, height, level)
 
 
-def _typical_height(tops: FloatArray) -> float:
+def _typical_height(tops: Image) -> float:
     """Return the median of the higher half of maxima, or the median weighted by height if that is more.
 
     Maxima of blurred or compressed noise may be many, but are low and weigh little.
