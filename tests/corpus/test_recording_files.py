@@ -297,7 +297,7 @@ ROBOTS: dict[str, tuple[str, np.ndarray]] = {
     "robomimic": (
         "robot0_eef_pos_0,robot0_eef_pos_1,robot0_eef_pos_2,"
         + ",".join(f"robot0_eef_quat_{axis}" for axis in "xyzw"),
-        np.hstack([PLACES, DOWN.as_quat()]),
+        np.hstack([PLACES / 1e3, DOWN.as_quat()]),
     ),
     "FANUC": ("X,Y,Z,W,P,R", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
 }
@@ -317,6 +317,19 @@ def test_poses_of_a_robot_without_units_are_relative_to_the_surface(robot: str, 
     assert [f"{one.axis}_{one.unit}" for one in recording.poses] == list(NAMES)
     wanted = POSES - [0, 0, POSES[:, 2].min()]  # the depth of positions begins at the shallowest
     assert recording.targets == pytest.approx(wanted, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "labels", [("rx_deg", "ry_deg", "depth_mm"), ("z_mm",), ("X", "Y", "Z"), ("roll_deg", "pitch_deg", "z_mm")]
+)
+@pytest.mark.parametrize("first", [False, True])
+def test_labels_beside_the_columns_of_a_robot_are_kept(labels: tuple[str, ...], first: bool) -> None:
+    rows = np.hstack([PLACES / 1e3, DOWN.as_rotvec()]).T
+    robot = {f"actual_TCP_pose_{axis}": rows[axis] for axis in range(6)}
+    own = {name: np.linspace(0, 5, len(PLACES)) for name in labels}
+    table = RecordingTable("a", own | robot if first else robot | own, {})
+    found = to_surface(table, ColumnMapping(), ())
+    assert found.columns.keys() == table.columns.keys()
 
 
 def test_a_position_in_a_base_without_an_orientation_keeps_its_name() -> None:

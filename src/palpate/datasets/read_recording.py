@@ -224,7 +224,8 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
             code="file-ending-unknown",
         )
     files = sorted(place.iterdir())
-    others = [path for path in files if path.suffix.lower() != ".json" and path.stem.lower() not in _ABOUT]
+    about = {path for path in files if path.stem.lower() in _ABOUT and path.suffix.lower() in ("", ".txt", ".md")}
+    others = [path for path in files if path.suffix.lower() != ".json" and path not in about]
     for reader, held in ((reader, held) for held in (others, files) for reader in readers):
         tables = [path for path in held if reader.accepts(path)]
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):

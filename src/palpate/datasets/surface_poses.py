@@ -22,8 +22,10 @@ from palpate.datasets.table import RecordingTable, as_numbers
 _EULER = ("roll", "pitch", "yaw")
 _ROBOTS = {("A", "B", "C"): ("yaw", "pitch", "roll"), ("W", "P", "R"): ("roll", "pitch", "yaw")}
 """Letters of angles in poses XYZABC of KUKA and XYZWPR of FANUC → angles about fixed axes."""
-_TCP = {"actual_TCP_pose_": "x_m y_m z_m rx_rad ry_rad rz_rad", "eef_pos_": "x y z", "ee_pos_": "x y z"}
+_TCP = {"actual_TCP_pose_": "x_m y_m z_m rx_rad ry_rad rz_rad", "eef_pos_": "x_m y_m z_m", "ee_pos_": "x_m y_m z_m"}
 """Beginnings of numbered columns of Universal Robots, robomimic and robosuite → their names."""
+_AXES = {"x", "y", "z", "depth", "rx", "ry", "rz"}
+"""Axes of a pose."""
 _QUATERNION = re.compile(r"(?:^|[_. ])(?:q|quat|quaternion|orientation|rot|rotation|ori)[_. \[]*([wxyz]|\d)\]?$")
 _MATRIX = re.compile(r"^(.*?)[_. ]*\[?([0-4])[\]_, ]*\[?([0-4])\]?$")
 _NEAR_AXIS = 8.0
@@ -65,7 +67,7 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
     """
     if any("=" in text for text in choice.targets):
         return table
-    given, tool = table, _name_tcp(table, choice)
+    given, tool = table, _name_tcp(table, choice, taken)
     table = _name_robot_angles(tool, choice, taken)
     angles = find_angles_and_lengths(table, choice, taken)
     found = _quaternions(table, choice) or _matrices(table, choice) or _three_angles(table, angles, choice)
@@ -98,12 +100,14 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
     return replace(table, columns={**columns, **new}, notes=(*table.notes, *notes))
 
 
-def _name_tcp(table: RecordingTable, choice: ColumnMapping) -> RecordingTable:
-    """The table with names of axes for numbered columns of one tool (`_TCP`)."""
-    for start, names in _TCP.items() if not choice.targets else ():
-        found = [name for name in table.columns if re.fullmatch(rf"(\w+_)?{start}\d", name, re.I)]
-        new = dict(zip(sorted(found), names.split(), strict=False))
-        if len(found) == len(names.split()) and not set(new.values()) & set(table.columns):
+def _name_tcp(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]) -> RecordingTable:
+    """The table with names of axes for numbered columns of one tool (`_TCP`), unless others name an axis."""
+    named = choice.targets or find_angles_and_lengths(table, choice, taken).keys() & _AXES
+    for start, names in _TCP.items() if not named else ():
+        found = [name for name in table.columns if re.fullmatch(rf"(robot\d_)?{start}\d", name, re.I)]
+        axes = (names.replace("_m", "") if choice.lengths else names).split()
+        new = dict(zip(sorted(found), axes, strict=False))
+        if len(found) == len(axes):
             columns = {new.get(name, name): values for name, values in table.columns.items()}
             faults = {new.get(name, name): fault for name, fault in table.faults.items()}
             note = f"Columns {', '.join(new)} are read as {', '.join(new.values())}"
