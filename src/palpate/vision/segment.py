@@ -13,6 +13,8 @@ from palpate.vision.opencv import blur, box, close, components, dilate, local_ma
 Image = NDArray[np.float32]
 MEDIAN_SD, MEDIAN_DISTANCE = 1.4826, 1.1774
 """Normal numbers: standard deviation over median magnitude, median distance in a plane over it."""
+_FIELD = 20
+"""Number of maxima from which strong ones are a field of markers, not lamps or screws. By hand."""
 _NOISE_ROWS = 24
 """Rows in which the noise is measured: rows of 346 px give it to 2 %."""
 
@@ -131,20 +133,24 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
     size = 2 * round(0.3 * diameter_px) + 1
     peak = local_maxima(height, size) & (height > least)
     tops = height[peak]
-    level = max(least, share * _typical_height(tops)) if len(tops) else np.inf
+    level = max(least, share * _typical_height(tops, share)) if len(tops) else np.inf
     peak &= height > level
     _, labels = components(_upper_halves(height, _ridge(height, peak, size), level))
     return _describe(labels, height, level)
 
 
-def _typical_height(tops: Image) -> float:
-    """Return the median of the higher half of maxima, or the median weighted by height if that is more.
+def _typical_height(tops: Image, share: float) -> float:
+    """Return the median of the higher half of maxima, or the median weighted by height.
 
-    Maxima of blurred or compressed noise may be many, but are low and weigh little.
+    The latter is for a field: maxima of blurred or compressed noise may be many, but are low and weigh little. A few
+    lamps or screws weigh more than faint markers, but are no field.
     """
     ordered = np.sort(tops)
     total = np.cumsum(ordered)
-    return float(max(np.median(tops[tops >= np.median(tops)]), ordered[np.searchsorted(total, 0.5 * total[-1])]))
+    by_height = float(ordered[np.searchsorted(total, 0.5 * total[-1])])
+    is_field = int((tops > share * by_height).sum()) >= _FIELD
+    middle = float(np.median(tops[tops >= np.median(tops)]))
+    return max(middle, by_height) if is_field else middle
 
 
 def _ridge(height: Image, peak: BoolArray, size: int) -> Image:

@@ -264,3 +264,19 @@ def test_markers_of_a_smoothed_or_compressed_image_are_found(process):
     errors, missed, extra = match(prepare_detector(changed).find(changed).positions_px, expected)
     assert (missed, extra) == (0, 0)
     assert np.sqrt(np.mean(errors**2)) < 0.1
+
+
+@pytest.mark.parametrize("contrast", [0.1, 0.2, 0.3])
+@pytest.mark.parametrize("lamps", [4, 8, 12])
+def test_faint_markers_beside_a_few_lamps_are_found(contrast, lamps):
+    image = cv2.imread(str(Path(__file__).parents[3] / "examples" / "data" / "rest.png"), 0)
+    expected = prepare_detector(image).find(image).positions_px
+    middle = float(np.median(image))
+    faint = middle - contrast * (image.astype(float) - middle)
+    angle = 2 * np.pi * np.arange(lamps) / lamps
+    for x, y in np.array(image.shape[::-1]) / 2 + 122 * np.column_stack([np.cos(angle), np.sin(angle)]):
+        cv2.circle(faint, (int(x), int(y)), 5, 255.0, -1)
+    changed = np.rint(np.clip(faint, 0, 255)).astype(np.uint8)
+    _, missed, extra = match(prepare_detector(changed).find(changed).positions_px, expected)
+    assert missed == 0
+    assert extra <= lamps
