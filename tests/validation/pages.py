@@ -17,7 +17,7 @@ _HEAD = """# Verification
 Problems with known solutions, solved by palpate. References marked *exact* are closed forms, quadratures or ordinary
 differential equations. Codes are independent of the solver of palpate, except *finer mesh*. A *property* needs no
 external number. The table has one row per case: the quantity that uses most of its tolerance. All quantities are in
-`docs/results/verification.csv`. `palpate verify` runs the 29 quick ones;
+`docs/results/verification.csv`. `palpate verify` runs 29 quick cases;
 `python -m validation ../docs` in the folder `tests` runs all and writes these pages."""
 _NOTES = """## Notes
 

@@ -115,7 +115,8 @@ class PressTask(Task):
     def cost(self) -> float:
         # measured on H 10 to 30, T 1 to 3.6, 10 to 25 cells, 5 to 25 increments, 2 to 8 mm: standard deviation 21 %
         wall, mesh, skin = self.obstacle, self.mesh, self.design.skin
-        cells = 1.0 if mesh.cells is None else (mesh.cells / 22.0) ** 0.7
+        finer = 1.0 if mesh.cells is None else mesh.cells / 22.0
+        cells = max(finer**0.7, finer**1.7)
         body = cells * (10.0 if mesh.filled else 1.0) * (2.0 if mesh.whole else 1.0)
         flatness = min(max(skin.base_radius / skin.height, 0.5), 2.0) ** 0.8
         increments = flatness * (wall.depth / skin.thickness * wall.depth / wall.depth_step) ** 0.5
