@@ -131,9 +131,9 @@ def _sum_measured(pieces: Iterable[_Piece]) -> tuple[float, float]:
 
 
 def _duration_text(seconds: float) -> str:
-    """Return a time in s, from two minutes in min, from ten in whole ones, from two hours in h."""
+    """Return a time in s, from two minutes in min (below ten with a decimal), from two hours in h."""
     if seconds < 120:
         return f"{seconds:.0f} s"
-    if seconds < 600:
+    if seconds < 597:
         return f"{seconds / 60:.1f} min"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -7,6 +7,7 @@ surface does not. The tilt is the rotation vector of R in ``R0 R``, R0 the tool'
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -108,10 +109,7 @@ def _name_tcp(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ..
         axes = (names.replace("_m", "") if choice.lengths else names).split()
         new = dict(zip(sorted(found), axes, strict=False))
         if len(found) == len(axes):
-            columns = {new.get(name, name): values for name, values in table.columns.items()}
-            faults = {new.get(name, name): fault for name, fault in table.faults.items()}
-            note = f"Columns {', '.join(new)} are read as {', '.join(new.values())}"
-            return replace(table, columns=columns, faults=faults, notes=(*table.notes, note))
+            return _rename(table, new, axes)
     return table
 
 
@@ -127,11 +125,16 @@ def _name_robot_angles(table: RecordingTable, choice: ColumnMapping, taken: tupl
             if any(unit and FACTORS.get(unit, ("", 0.0))[0] != "deg" for unit in units):
                 continue
             new = {bare[a]: f"{b} ({unit})" if unit else b for a, b, unit in zip(letters, words, units, strict=True)}
-            note = f"Columns {', '.join(new)} are read as {', '.join(words)}"
-            columns = {new.get(name, name): values for name, values in table.columns.items()}
-            faults = {new.get(name, name): fault for name, fault in table.faults.items()}
-            return replace(table, columns=columns, faults=faults, notes=(*table.notes, note))
+            return _rename(table, new, words)
     return table
+
+
+def _rename(table: RecordingTable, new: Mapping[str, str], words: Sequence[str]) -> RecordingTable:
+    """The table with new names of columns, which a note states as these words."""
+    columns = {new.get(name, name): values for name, values in table.columns.items()}
+    faults = {new.get(name, name): fault for name, fault in table.faults.items()}
+    note = f"Columns {', '.join(new)} are read as {', '.join(words)}"
+    return replace(table, columns=columns, faults=faults, notes=(*table.notes, note))
 
 
 def _frame(text: str) -> tuple[FloatArray, FloatArray] | None:

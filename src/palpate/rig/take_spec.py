@@ -41,7 +41,7 @@ class TakeSpec(Spec):
     blank: float = parameter(
         0.01,
         unit="1",
-        meaning="standard deviation of the grey values, as a share of their range, below which an image is blank",
+        meaning="standard deviation of means of 4 × 4 px, as a share of the range, below which an image is blank",
         source="By hand: a covered lens gives the noise of the image sensor, 0.01 or less; rendered images give 0.1",
         ge=0,
         le=1,

@@ -113,7 +113,8 @@ class PressTask(Task):
 
     @property
     def cost(self) -> float:
-        # measured on H 10 to 30, T 1 to 3.6, 10 to 25 cells, 5 to 25 increments, 2 to 8 mm: standard deviation 21 %
+        # measured on H 10 to 30, T 1 to 3.6, 5 to 25 increments, 2 to 8 mm: standard deviation 21 %
+        # to 25 cells; at 33 to 60 cells within a factor of 1.8
         wall, mesh, skin = self.obstacle, self.mesh, self.design.skin
         finer = 1.0 if mesh.cells is None else mesh.cells / 22.0
         cells = max(finer**0.7, finer**1.7)

@@ -140,7 +140,7 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
 
 
 def _typical_height(tops: Image, share: float) -> float:
-    """Return the median of the higher half of maxima, or the median weighted by height.
+    """Return the median of the higher half of maxima (n,), grey levels, or the median weighted by height.
 
     The latter is for a field: maxima of blurred or compressed noise may be many, but are low and weigh little. A few
     lamps or screws weigh more than faint markers, but are no field.
