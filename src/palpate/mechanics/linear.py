@@ -43,6 +43,14 @@ class Pattern:
         return scipy.sparse.csr_matrix((data, self.column, self.start), shape=(self.size, self.size))
 
 
+_SOLID = 70
+"""Entries of a column (upper triangle) above which a pattern is of a solid.
+
+They are 61 to 63 on thin skins, 83 to 85 on filled ones. A TacTip with 9 936 unknowns is factored in 97 ms after
+nested dissection, in 149 ms after minimum degree.
+"""
+
+
 class LinearSolver(ABC):
     """A direct solver of one sparsity pattern: analysed once, then refactored and solved repeatedly."""
 
@@ -77,11 +85,13 @@ class SingularMatrixError(ArithmeticError):
 class PardisoSolver(LinearSolver):
     """Intel MKL Pardiso, one thread: LDLᵀ with Bunch–Kaufman pivots.
 
-    Minimum degree ordering: on these meshes, one cell thick, it factors up to a fifth faster than nested dissection.
+    On meshes one cell thick, minimum degree ordering factors up to a tenth faster than nested dissection; on those of
+    filled skins, nested dissection needs 0.6 of its time.
     """
 
     def analyze(self, pattern: Pattern) -> None:
         self._pattern = pattern
+        self._ordering = 2 if len(pattern.column) > _SOLID * pattern.size else 0
         self._solver: Any = None
 
     def refactor(self, data: FloatArray) -> int:
@@ -94,7 +104,7 @@ class PardisoSolver(LinearSolver):
                 self._solver = pymklpardiso.PardisoSolver(
                     self._pattern.matrix(data),
                     pymklpardiso.MTYPE_REAL_SYM_INDEF,
-                    iparms={1: 0, 10: 0, 12: 0, 20: 1},
+                    iparms={1: self._ordering, 10: 0, 12: 0, 20: 1},
                 )
             else:
                 self._solver.refactor(data)
