@@ -12,7 +12,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulation import VirtualBench, VirtualBenchSpec
-from palpate.surrogate import TWIN_DERIVATIVES, write_twin
+from palpate.surrogate import twin_derivatives, write_twin
 from presses import build_twin, solve_press
 
 DOME = DomeSpec()
@@ -44,14 +44,17 @@ def write_small_model(path):
 
 def twin_presses():
     """Presses of the small dome for tilts up to 12° and every friction: those of the one twin of most tests."""
-    solver = SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=EDGE_SHARE)
     walls = [
         WallSpec(tilt_deg=tilt, contact=contact, depth=TWIN_DEPTH, depth_step=0.5)
         for contact in TWIN_CONTACTS
         for tilt in TWIN_TILTS
     ]
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=TWIN_CELLS))
-    return [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
+    found = []
+    for wall in walls:
+        solver = SolverSpec(derivatives=twin_derivatives(filled=False, friction=wall.friction), edge_share=EDGE_SHARE)
+        found.append(solve_press(mesh, MATERIAL, wall, solver))
+    return found
 
 
 def small_twin():

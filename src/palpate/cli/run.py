@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from palpate.study import Row, StudyResult
 
 _PREDICTION_ERROR = 0.02
-"""Relative error of a predicted RMSE compared with 49 presses (docs/design_notes/study.md)."""
+"""Relative error of a predicted RMSE compared with 56 presses (docs/design_notes/study.md)."""
 _SIZES = {
     "height": "height_mm",
     "base-radius": "base_radius_mm",

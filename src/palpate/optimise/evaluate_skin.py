@@ -51,7 +51,7 @@ from palpate.study import (
 )
 from palpate.surrogate import Twin, read_twin
 
-_COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
+_COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 0.8, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the coarse presses of the search.
 
 The finalists are evaluated again by the presses of a twin that reads images. By hand.

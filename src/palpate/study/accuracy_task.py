@@ -16,7 +16,6 @@ from palpate.calibration import AccuracySpec, PredictedAccuracy, ToleranceSpec, 
 from palpate.core import ArtefactStore, PalpateError, Recipe, atomic_write, stage_version
 from palpate.design import Design, SkinSpec, Symmetry
 from palpate.fea import Branch, WallSpec, read_press
-from palpate.mechanics import SolverSpec
 from palpate.study.study import AsBuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_artefact, write_json
 from palpate.surrogate import (
@@ -157,7 +156,7 @@ def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
         or tilts[0] != 0.0
     ):
         return None
-    middle = min(_twin_tilts(study)[1:-1], key=lambda tilt: abs(tilt - 0.5 * tilts[-1]))
+    middle = min(_twin_tilts(study)[1:-1], key=lambda tilt: (abs(tilt - 0.5 * tilts[-1]), -tilt))
     share = 1.0 if study.obstacle.depth >= _FEWEST_IMAGES * study.obstacle.depth_step else _STEP_SHARE
     presses = _plan_presses(study, skin, (0.0, middle, tilts[-1]), study.built.prediction_contacts, share)
     return TwinTask(tuple(presses))
@@ -234,16 +233,17 @@ def _plan_presses(
     depth = study.obstacle.depth
     step = depth / ceil(depth / (share * study.obstacle.depth_step) - 1e-6)
     slippery = study.obstacle.contact == "frictionless"
-    filled = study.material.mesh(study.mesh).filled
-    solver: SolverSpec = study.solver.model_copy(update={"derivatives": twin_derivatives(filled)})
+    mesh = study.material.mesh(study.mesh)
     for contact in (study.obstacle.contact,) if slippery else contacts:
         for tilt_deg in tilts:
             changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": step}
+            obstacle = study.obstacle.model_copy(update=changed)
+            derivatives = twin_derivatives(mesh.filled, obstacle.friction)
             yield PressTask(
                 design=study.design(skin),
-                mesh=study.material.mesh(study.mesh),
-                obstacle=study.obstacle.model_copy(update=changed),
-                solver=solver,
+                mesh=mesh,
+                obstacle=obstacle,
+                solver=study.solver.model_copy(update={"derivatives": derivatives}),
             )
 
 

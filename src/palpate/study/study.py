@@ -152,14 +152,16 @@ class AsBuiltSpec(Spec):
     """Settings of the predicted accuracy of built units, and of the presses of the twin of each skin."""
 
     prediction_contacts: tuple[Contact, ...] = parameter(
-        ("no-slip", 1.2, 0.5),
+        ("no-slip", 1.0),
         unit="1",
         meaning="contact laws of the presses for the prediction, unless the study's wall is frictionless",
+        source="docs/design_notes/surrogate.md",
     )
     contacts: tuple[Contact, ...] = parameter(
-        ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2),
+        ("no-slip", 2.0, 0.8, 0.3, 0.2),
         unit="1",
         meaning="contact laws of the presses of a twin that reads images, unless the study's wall is frictionless",
+        source="docs/design_notes/surrogate.md",
     )
     tilt_step_deg: float = parameter(
         4.0,

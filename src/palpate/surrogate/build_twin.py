@@ -19,26 +19,32 @@ from palpate.surrogate.tilt_runs import SAME_DEPTH_MM, match_depths
 from palpate.surrogate.twin import FORCES, TWIN_DERIVATIVES, Twin
 from palpate.surrogate.twin_file import material_text
 
-_ACROSS = np.array([False, False, False, False, True, True])
-"""Whether displacement, thickness, curvature and lateral x, y, twist break the mirror symmetry."""
-_DRIFT = 3
-"""Index of the first of these that is a lateral motion."""
-_WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
+_PARTS = ("", *TWIN_DERIVATIVES, "friction")
+"""Displacement of a press and its derivatives; the last gives the slopes of the first over 1/µ."""
+_ACROSS = np.array([False, False, False, False, True, True, False])
+"""Whether each part breaks the mirror symmetry."""
+_DRIFT, _SLOPE = 3, 6
+"""Indices of the first lateral motion, and of the derivative by 1/µ."""
+_WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5, 0.0])
 """Changes for which modes are made: thickness (mm), curvature (1/m), lateral (mm), twist (degrees)."""
-_WEIGHT_POWER = np.array([0.0, 1.0, -1.0, 1.0, 1.0, 0.0])
+_WEIGHT_POWER = np.array([0.0, 1.0, -1.0, 1.0, 1.0, 0.0, 0.0])
 """Exponents by which these changes scale with `Skin.size`."""
 _LOST_MM = 1.2e-3
 """Maximum RMS contribution of all omitted modes over all presses, mm, on a skin of size 1. By hand."""
 _FEWEST, _FEWEST_DEPTHS = 3, 4
-"""Minimum number of tilts, and of frictions if there are several; of depths.
+"""Minimum number of tilts, and of several frictions without a derivative by friction; of depths.
 
 Three tilts and their mirror images are five. By hand.
 """
 
 
-def twin_derivatives(filled: bool) -> tuple[str, ...]:
-    """Return those of `TWIN_DERIVATIVES` that presses can have: of a filled skin, all but the thickness."""
-    return tuple(name for name in TWIN_DERIVATIVES if not (filled and name == "thickness"))
+def twin_derivatives(filled: bool, friction: float = np.inf) -> tuple[str, ...]:
+    """Return the derivatives that the presses of a twin should have under a coefficient of friction.
+
+    They are `TWIN_DERIVATIVES`, of a filled skin without the thickness, and the friction if it is finite.
+    """
+    found = tuple(name for name in TWIN_DERIVATIVES if not (filled and name == "thickness"))
+    return (*found, "friction") if 0 < friction < np.inf else found
 
 
 def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin:
@@ -89,16 +95,17 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     fields: list[list[FloatArray]] = []
     forces: list[list[FloatArray]] = []
     names = _derivatives_of(table[0])
-    part_of = [0, *(1 + TWIN_DERIVATIVES.index(name) for name in names)]
     for press in table:
-        rates = (press.derivatives[name].force for name in names)
-        expanded = expand_surface(press, {name: bool(_ACROSS[k]) for name, k in zip(names, part_of[1:], strict=True)})
+        part_of = [k for k, name in enumerate(_PARTS) if name in press.derivatives]
+        rates = (press.derivatives[_PARTS[k]].force for k in part_of)
+        expanded = expand_surface(press, {_PARTS[k]: bool(_ACROSS[k]) for k in part_of})
         pushes = np.array([forces_along_tilt(press, force) for force in (press.force, *rates)])
         for found, parts in ((fields, expanded), (forces, pushes)):
-            whole = np.zeros((len(_ACROSS), *parts.shape[1:]))
-            whole[part_of] = parts
+            whole = np.zeros((len(_PARTS), *parts.shape[1:]))
+            whole[[0, *part_of]] = parts
+            whole[_SLOPE] *= -(press.obstacle.friction**2) if _SLOPE in part_of else 1.0  # by 1/µ instead of µ
             found.append([_fill(part, press, depths) for part in _over_travel(whole, press)])
-    shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
+    shape = (len(slips), len(tilts), len(_PARTS), len(depths))
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
     pushes = np.array(forces).reshape(*shape, FORCES)
     _refuse_holes(values, slips, tilts)
@@ -106,17 +113,20 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     for filled in (values, pushes):
         _bridge(filled, reach, slips, depths)
     _straighten(values, pushes)
+    sloped = np.array(["friction" in press.derivatives for press in table]).reshape(shape[:2]).all(axis=1)
     order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1), table[0].mesh.skin.size)
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
     # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
-    parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
+    parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
     both = np.concatenate([parity[:, None] * blocks[:, :0:-1], blocks], axis=1)
     everything = np.moveaxis(both, 2, 3)
     axes = (slips if len(slips) > 1 else np.zeros(1), np.concatenate([-tilts[:0:-1], tilts]), depths)
-    pressed, drifts = (
-        fit_spline(axes, part.reshape(*part.shape[:3], -1))
-        for part in (everything[..., :_DRIFT, :], everything[..., _DRIFT:, :])
-    )
+    everything[~sloped, :, :, _SLOPE] = np.nan
+    slopes = np.full_like(everything[..., :_DRIFT, :], np.nan)
+    slopes[..., 0, :] = everything[..., _SLOPE, :]
+    rows = (*everything.shape[:3], -1)
+    pressed = fit_spline(axes, everything[..., :_DRIFT, :].reshape(rows), slopes.reshape(rows))
+    drifts = fit_spline(axes, everything[..., _DRIFT:_SLOPE, :].reshape(rows))
     return Twin(
         skin=table[0].mesh.skin,
         order=order,
@@ -185,10 +195,12 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
             "Press every tilt under every friction.",
             code="presses-missing",
         )
-    if tilts[0] != 0.0 or len(tilts) < _FEWEST or 1 < len(slips) < _FEWEST:
+    sloped = all("friction" in press.derivatives for press in presses if 0 < press.obstacle.friction < np.inf)
+    if tilts[0] != 0.0 or len(tilts) < _FEWEST or (1 < len(slips) < _FEWEST and not sloped):
         raise PalpateError(
             f"{len(tilts)} tilts from {tilts[0]:g}° on and {len(slips)} frictions do not make a twin.",
-            f"Press at least {_FEWEST} tilts from 0° on, under one friction or at least {_FEWEST}.",
+            f"Press at least {_FEWEST} tilts from 0° on, under one friction or at least {_FEWEST}, or two with "
+            "the derivative by friction.",
             code="twin-few-tilts",
         )
     return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
@@ -237,13 +249,14 @@ def _reach(press: Press) -> float:
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
-    """Convert derivatives by lateral rate (mm/mm) among parts (6, n, …) to those by lateral motion (mm)."""
+    """Convert derivatives by lateral rate (mm/mm) among parts (7, n, …) to those by lateral motion (mm)."""
     found = parts.copy()
     depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
     rest = int(depth.flat[0] == 0.0)
-    found[_DRIFT:, rest:] = parts[_DRIFT:, rest:] / depth[rest:]
+    drifts = slice(_DRIFT, _SLOPE)
+    found[drifts, rest:] = parts[drifts, rest:] / depth[rest:]
     if rest:
-        found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
+        found[drifts, 0] = 2.0 * found[drifts, 1] - found[drifts, 2]
     return found
 
 
@@ -289,13 +302,13 @@ def _straighten(values: FloatArray, forces: FloatArray) -> None:
     the contact.
     """
     straight, push = values[:, :1].copy(), forces[:, :1].copy()
-    for part, order in enumerate((0, 0, 0, 1, 1, 0)):
+    for part, order in enumerate((0, 0, 0, 1, 1, 0, 0)):
         straight[:, :, part, :, order] = 0.0
     up, aside = _DRIFT, _DRIFT + 1  # a quarter turn makes the one the other's negative
     straight[:, :, up, :, 1] = straight[:, :, aside, :, 1] = 0.5 * (
         values[:, :1, up, :, 1] + values[:, :1, aside, :, 1]
     )
-    push[:, :, :_DRIFT, :, 1] = 0.0
+    push[:, :, [*range(_DRIFT), _SLOPE], :, 1] = 0.0
     along, across = forces[:, :1, up, :, 0], forces[:, :1, aside, :, 2]
     push[:, :, up, :, 0], push[:, :, aside, :, 2] = 0.5 * (along - across), 0.5 * (across - along)
     values -= straight
@@ -316,7 +329,7 @@ def _reduce(values: FloatArray, size: float) -> tuple[IntArray, FloatArray, Floa
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]
     strength = np.sort(np.concatenate([each for each, _ in found]))
-    presses = len(pressed) * 2 // len(_ACROSS)
+    presses = len(pressed) * 2 // len(_PARTS)
     carried = np.sqrt(np.cumsum(strength**2) / (2 * presses * CIRCLES))  # half a square is a wave's mean
     weakest = strength[np.searchsorted(carried, _LOST_MM * size)]
     kept = [modes[each >= weakest] for each, modes in found]

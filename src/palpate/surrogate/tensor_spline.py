@@ -17,14 +17,14 @@ BEYOND = 0.25
 
 @dataclass(frozen=True, eq=False)
 class TensorSpline:
-    """Many values as cubic splines (not-a-knot) over three axes.
+    """Many values as cubic splines over three axes.
 
     Attributes
     ----------
     knots
-        Knots of each axis, (n_i + 4,); of an axis of fewer than four values, splines of lower degree are raised.
+        Knots of each axis; those of the first axis are double, as value and slope are fitted.
     coefficients
-        (n_0, n_1, n_2, m) B-spline coefficients of the m values.
+        (2 n_0, n_1, n_2, m) B-spline coefficients of the m values; four if n_0 is 1.
     """
 
     knots: tuple[FloatArray, FloatArray, FloatArray]
@@ -37,27 +37,34 @@ class TensorSpline:
         return found
 
 
-def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArray) -> TensorSpline:
+def fit_spline(
+    axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArray, slopes: FloatArray | None = None
+) -> TensorSpline:
     """Fit a spline through values (n_0, n_1, n_2, m) over the ascending places (n_i,) of each axis.
 
-    An axis needs four places; three give a parabola, and one a constant.
+    The second and third axis need four places; of the first, three give a parabola, and one a constant. `slopes`
+    (n_0, n_1, n_2, m) are derivatives of the values by the first axis, which the spline has too (Hermite), nan where
+    unknown: then those of the spline without slopes, or at the first place that of the parabola with the next slope.
     """
-    knots, found = [], np.asarray(values, float)
-    for axis, places in enumerate(axes):
-        if len(places) == 1:
-            ends = places[0] + np.array([-1.0, 1.0])
-            knots.append(np.repeat(ends, DEGREE + 1))
-            found = np.repeat(found, DEGREE + 1, axis=axis)
-            continue
-        if len(places) == DEGREE:  # the parabola through three places, as a cubic through four
-            parabola, places = (
-                make_interp_spline(places, found, k=2, axis=axis),
-                np.linspace(places[0], places[-1], 4),
-            )
-            found = parabola(places)
+    places, found, later = axes[0], np.asarray(values, float), axes[1:]
+    if len(places) > 1:
+        step = np.diff(places)[:, None, None, None]
+        smooth = make_interp_spline(places, found, k=min(DEGREE, len(places) - 1)).derivative()(places)
+        given = np.full_like(found, np.nan) if slopes is None else slopes
+        rates = np.where(np.isfinite(given), given, smooth)
+        first = 2.0 * (found[1] - found[0]) / step[0] - given[1]
+        rates[0] = np.where(np.isfinite(given[0]) | ~np.isfinite(first), rates[0], first)
+        left = found - rates * np.concatenate([0.0 * step[:1], step]) / DEGREE
+        right = found + rates * np.concatenate([step, 0.0 * step[:1]]) / DEGREE
+        found = np.stack([left, right], axis=1).reshape(-1, *found.shape[1:])
+        knots = [np.repeat(places, [DEGREE + 1, *[2] * (len(places) - 2), DEGREE + 1])]
+    else:
+        knots = [np.repeat(places[0] + np.array([-1.0, 1.0]), DEGREE + 1)]
+        found = np.repeat(found, DEGREE + 1, axis=0)
+    for axis, places in enumerate(later, start=1):
         spline = make_interp_spline(places, found, k=DEGREE, axis=axis)
         knots.append(np.asarray(spline.t, float))
-        found = np.moveaxis(spline.c, 0, axis) if axis else spline.c
+        found = np.moveaxis(spline.c, 0, axis)
     return TensorSpline((knots[0], knots[1], knots[2]), np.ascontiguousarray(found))
 
 

@@ -29,7 +29,7 @@ def test_first_shares_its_presses_between_layouts() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("first")).tasks()]
     counts = {kind: kinds.count(kind) for kind in kinds}
     assert counts == {
-        **{"press": 14 + 2 * 6, "inverted": 2, "twin": 2},
+        **{"press": 14 + 2 * 3, "inverted": 2, "twin": 2},
         **dict.fromkeys(("dataset", "limit", "estimator", "learning", "built"), 8),
     }
 
@@ -39,9 +39,9 @@ def test_limits_need_presses_and_nothing_else() -> None:
     assert {kind: kinds.count(kind) for kind in kinds} == {"press": 14, "limit": 8}
 
 
-def test_paper_needs_84_presses_for_48_designs_and_72_for_the_prediction() -> None:
+def test_paper_needs_84_presses_for_48_designs_and_36_for_the_prediction() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("paper")).tasks()]
-    assert (kinds.count("press"), kinds.count("learning")) == (84 + 72, 48)
+    assert (kinds.count("press"), kinds.count("learning")) == (84 + 36, 48)
     unpredicted = plan_study(read_study("paper").model_copy(update={"built": None})).tasks()
     assert [task.recipe.kind for task in unpredicted].count("press") == 84
 
@@ -50,10 +50,10 @@ def test_a_prediction_adds_derivatives_to_presses_of_the_study() -> None:
     plan = plan_study(Study(name="a"))
     predicted, own = plan.built[0].twin.presses, plan.designs[0].dataset.presses
     shared = [press.obstacle.radial for press in own if press in predicted]
-    assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 4.0, 12.0]
+    assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 8.0, 12.0]
     assert [
         len(plan_study(Study(name="a", tilts_deg=tilts)).tasks()) for tilts in ((0, 4), (0, 4, 8), (2, 4, 8))
-    ] == [*(2 + 5, 3 + 6 + 7, 3 + 5)]
+    ] == [*(2 + 5, 3 + 3 + 7, 3 + 5)]
 
 
 def test_every_task_comes_after_those_it_needs() -> None:
@@ -140,7 +140,7 @@ def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
     gel = Study(name="gel", material={"gel": "neo-hooke:0.001"}, designs={"heights": [20], "thicknesses": [1]})
     tasks = plan_study(gel).tasks()
     presses = [task for task in tasks if isinstance(task, PressTask)]
-    assert len(presses) == len(gel.tilts_deg) + 6
+    assert len(presses) == len(gel.tilts_deg) + 3
     assert all(press.mesh.filled and press.design.material.gel is not None for press in presses)
     hollow = plan_study(gel.model_copy(update={"material": MaterialSpec()}))
     assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
@@ -186,7 +186,7 @@ def test_a_twin_that_reads_images_has_all_frictions_and_half_the_depth_step() ->
     study = Study(name="a")
     twin = plan_twin(study, study.designs.skins()[0])
     assert {press.obstacle.radial for press in twin.presses} == {0.0, 4.0, 8.0, 12.0}
-    assert len(twin.presses) == 4 * 7
+    assert len(twin.presses) == 4 * 5
     assert {press.obstacle.depth_step for press in twin.presses} == {0.5 * study.obstacle.depth_step}
     assert {check.obstacle.depth_step for check in twin.checks} == {0.75 * study.obstacle.depth_step}
     fine = plan_twin(study.model_copy(update={"tilts_deg": (0.0, 1.0, 2.0, 3.0)}), study.designs.skins()[0])

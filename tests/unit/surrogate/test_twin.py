@@ -69,6 +69,22 @@ def test_a_press_in_another_direction_and_friction_is_foreseen(twin: Twin) -> No
         assert motion.force == pytest.approx(seen.force[image], abs=0.02 * seen.force[image, 2])
 
 
+def test_a_friction_between_is_foreseen_by_the_derivative_by_friction(presses: list[Press]) -> None:
+    seen = press(4.0, 0.6)
+
+    def apart(given: list[Press]) -> float:
+        return measure_interpolation_error(build_twin(given), [seen])
+
+    plain = [
+        replace(each, derivatives={k: v for k, v in each.derivatives.items() if k != "friction"}) for each in presses
+    ]
+    assert apart(presses) < 0.8 * apart(plain)
+    few, blind = ([each for each in some if each.obstacle.friction not in (0.8, 1.4)] for some in (presses, plain))
+    assert apart(few) < 0.8 * apart(plain)  # two frictions and a slope against four
+    with refused("twin-few-tilts"):
+        build_twin(blind)
+
+
 def test_without_depth_nothing_moves(twin: Twin) -> None:
     motion = twin.with_markers(LAYOUT.positions).evaluate(at(5.0, 30.0, 0.0), 0.5)
     assert motion.positions == pytest.approx(LAYOUT.positions, abs=2e-3)
@@ -281,18 +297,25 @@ def test_a_thicker_wall_is_foreseen() -> None:
     assert blind.force[2] < 0.95 * thick.force[image, 2]
 
 
-def test_splines_give_cubics_exactly() -> None:
+@pytest.mark.parametrize("places", [(0.0, 0.3, 1.0, 1.4, 2.0), (0.0, 2.0), (0.0, 0.7, 2.0)])
+def test_splines_give_cubics_exactly(places: tuple[float, ...]) -> None:
+    """Along the first axis: a cubic by values, or values and slopes; a parabola without one slope."""
     rng = np.random.default_rng(0)
-    axes = (np.array([0.0, 0.3, 1.0, 1.4, 2.0]), np.linspace(-2, 3, 6), np.array([0.0, 1.0, 1.5, 4.0]))
+    axes = (np.array(places), np.linspace(-2, 3, 6), np.array([0.0, 1.0, 1.5, 4.0]))
     powers = rng.normal(size=(4, 4, 4, 2))
+    powers[3] *= len(places) != 3
 
     def value(at: np.ndarray, orders: tuple[int, int, int] = (0, 0, 0)) -> np.ndarray:
         waves = [np.polynomial.polynomial.polyder(np.eye(4), order, axis=1) for order in orders]
         x = [np.polynomial.polynomial.polyval(place, wave.T) for place, wave in zip(at, waves, strict=True)]
         return np.einsum("i,j,k,ijkm->m", *x, powers)
 
-    grid = np.array([[[value(np.array([a, b, c])) for c in axes[2]] for b in axes[1]] for a in axes[0]])
-    spline = fit_spline(axes, grid)
+    grid, slopes = (
+        np.array([[[value(np.array([a, b, c]), orders) for c in axes[2]] for b in axes[1]] for a in axes[0]])
+        for orders in ((0, 0, 0), (1, 0, 0))
+    )
+    slopes[0] = slopes[0] if len(places) == 2 else np.nan
+    spline = fit_spline(axes, grid, None if len(places) > 3 else slopes)
     for place in rng.uniform([0, -2, 0], [2, 3, 4], (20, 3)):
         found = spline.evaluate(place)
         assert found[0] == pytest.approx(value(place), rel=1e-9, abs=1e-9)
