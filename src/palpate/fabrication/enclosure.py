@@ -123,6 +123,8 @@ class Enclosure:
         From the pinhole up to the base plane, mm.
     ring
         (radius, z) mm of the edges of the clamp ring that a wall may meet.
+    screws
+        Distances from the axis of the screws of clamp ring and robot plate, mm.
     frame
         Support of the far end of a barrel.
     """
@@ -130,6 +132,7 @@ class Enclosure:
     parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
+    screws: tuple[float, float]
     frame: BarrelFrame | None = None
 
 
@@ -180,7 +183,7 @@ def build_enclosure(
     if frame is not None:
         screws = [cylinder(M2.core / 2, 0.0, CAP_THREAD, at) for at in _screw_places(module, outer)]
         parts |= frame.far_end(parts["clamp_ring"], outer, screws)
-    return Enclosure(parts, camera_distance, ring, frame)
+    return Enclosure(parts, camera_distance, ring, (_screw_radius(module, outer), screws_at), frame)
 
 
 def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) -> float:
@@ -244,7 +247,11 @@ def _housing(
 
 
 def _screw_places(module: ContactModule, outer: float) -> list[tuple[float, float]]:
-    return _circle(SCREWS, (module.farthest * module.flange_foot + outer) / 2 + 0.25)
+    return _circle(SCREWS, _screw_radius(module, outer))
+
+
+def _screw_radius(module: ContactModule, outer: float) -> float:
+    return (module.farthest * module.flange_foot + outer) / 2 + 0.25
 
 
 def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSolid:
