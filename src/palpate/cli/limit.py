@@ -40,7 +40,9 @@ _COLUMNS = (
 def limit(
     source: Annotated[str, Parameter(help=_SOURCE)],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
+    out: Annotated[
+        Path | None, Parameter(name=("--out", "-o"), help="Result folder of the study; by default results/NAME.")
+    ] = None,
     workers: Annotated[
         int | None, Parameter(help="Number of worker processes; by default one per core, if memory suffices.")
     ] = None,

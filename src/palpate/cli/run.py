@@ -98,7 +98,9 @@ class TaskFlags(ClusterFlags):
 def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder; by default results/NAME.")] = None,
+    out: Annotated[
+        Path | None, Parameter(name=("--out", "-o"), help="Result folder; by default results/NAME.")
+    ] = None,
     worker_flags: TaskFlags = TaskFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Device of the training; by default that of the study.")

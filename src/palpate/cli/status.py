@@ -28,7 +28,9 @@ _COLUMNS = (
 def status(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
+    out: Annotated[
+        Path | None, Parameter(name=("--out", "-o"), help="Result folder of the study; by default results/NAME.")
+    ] = None,
     output: Output = Output(),
 ) -> None:
     """Show the progress of a study: finished, running, broken and failed artefacts; remaining time.
