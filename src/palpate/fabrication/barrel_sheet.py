@@ -6,15 +6,7 @@ from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin
 from palpate.fabrication.frame import RODS, BarrelFrame
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import (
-    centring,
-    clamping,
-    curing,
-    degassing,
-    mixing,
-    sprues,
-    thickness_tolerance,
-)
+from palpate.fabrication.process_sheet import clamping, curing, degassing, mixing, sprues, thickness_tolerance
 from palpate.fabrication.spec import ProcessSpec
 
 
@@ -37,7 +29,6 @@ def barrel_casting_steps(made: PackContent) -> list[str]:
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
         "Wash and dry hollow and core; spray them with mold release, the core's dimples too.",
-        centring(made.process),
         "Fill every dimple with the pigmented silicone and draw a flexible blade over it, so that it is flush; wipe "
         "the core clean between the dots. Let it cure until it is firm but still tacky: the elastomer bonds to it.",
         "Grease the parting faces thinly, away from the hollow; join the halves of the cavity on their dowels and "

@@ -30,7 +30,6 @@ from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
 from palpate.fabrication.process_sheet import (
     ADHESION,
-    centring,
     clamping,
     curing,
     degassing,
@@ -108,7 +107,6 @@ def _cast(made: PackContent) -> list[str]:
     first = 2 / 3 * volume
     return [
         "Wash and dry hollow and core; spray them with mold release.",
-        centring(made.process),
         *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
         mixing(material, made.mixed),
         degassing(material),

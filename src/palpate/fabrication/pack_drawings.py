@@ -7,18 +7,7 @@ from matplotlib.figure import Figure
 
 from palpate.design import CadSolid, ContactModule, box, gather
 from palpate.fabrication.drawing_sheet import Plan, Sheet, draw_bodies, draw_cut, draw_plans
-from palpate.fabrication.enclosure import (
-    FIXING_DEG,
-    ISO_BOSS,
-    ISO_PIN,
-    ISO_PITCH,
-    M2,
-    M3,
-    M6_CLEAR,
-    SCREWS,
-    THREAD,
-    Enclosure,
-)
+from palpate.fabrication.enclosure import FIXING_DEG, SCREWS, Enclosure
 from palpate.fabrication.flange_key import NOTCH_AZIMUTH_DEG, build_notch, notch_radius
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, POUR_AZIMUTH_DEG, Mold, vent_azimuths
 from palpate.fabrication.pack import PackContent
@@ -181,18 +170,16 @@ def _on(reach: float, module: ContactModule) -> str:
 
 def _draw_enclosure_plan(enclosure: Enclosure) -> Figure:
     ring = [(360.0 * k / SCREWS, "screw") for k in range(SCREWS)]
-    core = (M2 if enclosure.frame else M3).core
-    sizes = f"M3: Ø {M3.clear:g} on Ø {2 * enclosure.screws[1]:.4g}; M6: Ø {M6_CLEAR:g} on Ø {ISO_PITCH:g}; "
-    sizes += f"dowel: Ø {ISO_PIN + 0.1:g} on Ø {ISO_PITCH:g}; boss Ø {ISO_BOSS - 0.1:g}"
+    above, below = enclosure.sizes
     plate = [(azimuth, "M3") for azimuth in FIXING_DEG] + [(azimuth, "M6") for azimuth in (45.0, 135.0, 225.0, 315.0)]
     return draw_plans(
         [
             Plan(
                 "housing, from the skin",
-                f"screws Ø {core:g}, {THREAD:g} deep, on Ø {2 * enclosure.screws[0]:.4g}",
+                above,
                 enclosure.parts["housing"],
                 (*ring, (90.0, "cable"), (NOTCH_AZIMUTH_DEG, "key")),
             ),
-            Plan("robot plate, from the housing", sizes, enclosure.parts["robot_plate"], (*plate, (90.0, "dowel"))),
+            Plan("robot plate, from the housing", below, enclosure.parts["robot_plate"], (*plate, (90.0, "dowel"))),
         ]
     )

@@ -72,6 +72,8 @@ def printing_lines(skin: Skin, spec: ProcessSpec, parts_mm3: float) -> list[str]
         "mm), fill the grooves with sandable filler, and sand wet with P240, P400 and P600 (ISO 6344). Then seal "
         "core and hollow with clear acrylic lacquer: filler may inhibit platinum silicone.",
         "Measure Rz on the plate of the core, finished alike, with a tester or a comparison specimen.",
+        f"The pins have a gap of {spec.clearance:g} mm, more than a thin skin tolerates: wind tape of {TAPE:g} mm "
+        f"around each, some {spec.clearance / TAPE:.0f} turns, until the core is centred and still lifts by hand.",
     ]
 
 
@@ -113,14 +115,6 @@ def clamping(mold: Mold) -> str:
     return (
         f"Clamp core and cavity at the three pins ({pins}). The elastomer (some {_DENSITY:g} g/mL) lifts the core "
         f"with {lift:.2g} N in all: clamps only close the parting plane; more force bends the plate."
-    )
-
-
-def centring(spec: ProcessSpec) -> str:
-    """Write how the gap around the pins is filled, which is more than the tolerance of a thin skin."""
-    return (
-        f"The pins have a gap of {spec.clearance:g} mm: wind tape of {TAPE:g} mm around each, some "
-        f"{spec.clearance / TAPE:.0f} turns, until the core is centred without a gap and still lifts by hand."
     )
 
 
