@@ -20,7 +20,8 @@ from matplotlib.lines import Line2D
 from palpate.core import FloatArray, provenance
 from palpate.design import CadSolid, ContactModule, box
 
-Place, Point = Sequence[float] | FloatArray, tuple[float, float]
+Point = tuple[float, float]
+Place = Sequence[float] | FloatArray
 """Position (x, y), mm."""
 PAGE = (210.0, 297.0)
 """A4, mm."""
@@ -97,8 +98,9 @@ class Sheet:
             self.write((x + 1.5 * self.unit, y), text, "left")
         else:
             self.write((x, y + 0.8 * self.unit), text, up="bottom")
-        for tip in () if edge is None else (start, end):
-            self.line((edge, tip[1]) if start[0] == end[0] else (tip[0], edge), tip, width=0.3)
+        if edge is not None:
+            for tip in (start, end):
+                self.line((edge, tip[1]) if start[0] == end[0] else (tip[0], edge), tip, width=0.3)
 
     def names(self, anchors: Mapping[str, FloatArray], edge: float) -> None:
         """Write names left of x = `edge` mm, below each other, with lines to their anchors (x, y) mm."""
