@@ -117,6 +117,15 @@ def test_two_designs_are_compared(page, link, designs):
     assert page.get_by_test_id("figures").locator("tr").first.inner_text().count("H20") == 2
 
 
+def test_a_note_is_beside_the_buttons_of_the_views(page, link):
+    page.goto(link + "?design=1&other=0")
+    page.wait_for_function(DRAWN)
+    buttons = page.locator(".views").bounding_box()
+    for note in page.locator(".dome-note").all():
+        note.evaluate("note => note.textContent = 'Reading the presses …'")
+        assert note.bounding_box()["y"] >= buttons["y"] + buttons["height"]
+
+
 def test_compared_designs_have_one_scale_and_one_range_of_colours(page, link, designs):
     open_page(page, link, "?depth=3&design=1")
     alone = scale(page, 0)

@@ -20,6 +20,12 @@ def test_the_report_is_shown_and_images_are_read(page, learnt_link):
     page.goto(learnt_link)
     assert page.locator("table.errors tr").count() >= 3
     page.locator(".report .card img").first.wait_for()
+    page.set_viewport_size({"width": 390, "height": 800})
+    assert page.locator(".report .card .q-img").first.bounding_box()["width"] >= 700, (
+        "wide enough to read, in a scroller"
+    )
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.set_viewport_size({"width": 1280, "height": 800})
     assert {"RMSE rx (°)", "maximum rx (°)"} <= set(page.locator("table.errors th").all_inner_texts())
     page.goto(learnt_link + "live")
     page.get_by_test_id("start").click()

@@ -36,7 +36,7 @@ def calibrate(
     *,
     board: Annotated[str, Parameter(help=_BOARD)] = "charuco",
     spec: Annotated[CalibrationSpec, flags_of(CalibrationSpec, without="board")] = CalibrationSpec(),
-    out: Annotated[Path | None, Parameter(help=_OUT)] = None,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
     output: Output = Output(),
 ) -> None:

@@ -40,7 +40,7 @@ def convergence(
     flags: RefinedFlags = RefinedFlags(),
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
     markers: MarkerFlags = MarkerSpec(),
-    out: Annotated[Path | None, Parameter(help=_OUT)] = None,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     output: Output = Output(),
 ) -> None:
     """Solve one press on successively finer meshes; compare maximum stress, force and markers."""

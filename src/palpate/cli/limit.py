@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
-from palpate.cli.output import RESULTS, Output
+from palpate.cli.output import RESULTS, OutFlag, Output
 from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
@@ -40,7 +40,7 @@ _COLUMNS = (
 def limit(
     source: Annotated[str, Parameter(help=_SOURCE)],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
+    out: OutFlag = None,
     workers: Annotated[
         int | None, Parameter(help="Number of worker processes; by default one per core, if memory suffices.")
     ] = None,

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
-from palpate.cli.output import RESULTS, Output
+from palpate.cli.output import RESULTS, OutFlag, Output
 from palpate.cli.progress import show_progress
 from palpate.cli.run import ClusterFlags
 from palpate.core import PalpateError, load_extra
@@ -72,9 +71,7 @@ def optimise(
         str, Parameter(help="YAML file of the requirements, or paper_task: the task of the paper.")
     ],
     *,
-    out: Annotated[
-        Path | None, Parameter(name=("--out", "-o"), help="Result folder; by default results/NAME.")
-    ] = None,
+    out: OutFlag = None,
     search: SearchFlags = SearchFlags(),
     worker_flags: ClusterFlags = ClusterFlags(),
     output: Output = Output(),

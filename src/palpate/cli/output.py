@@ -19,6 +19,7 @@ from palpate.core.report import Report, json_text, report_text, wrapped
 
 RESULTS = Path("results")
 """Folder of the result folders, without --out."""
+OutFlag = Annotated[Path | None, Parameter(name=("--out", "-o"), help="Result folder; by default results/NAME.")]
 
 
 _INPUTS: ContextVar[dict[str, Any] | None] = ContextVar("inputs", default=None)

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from palpate.cli.border import keep_results
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.output import RESULTS, Output
+from palpate.cli.output import RESULTS, OutFlag, Output
 from palpate.cli.progress import show_progress
 from palpate.core import PalpateError
 
@@ -98,7 +98,7 @@ class TaskFlags(ClusterFlags):
 def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder; by default results/NAME.")] = None,
+    out: OutFlag = None,
     worker_flags: TaskFlags = TaskFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Device of the training; by default that of the study.")

@@ -90,7 +90,7 @@ def live(
     *,
     source: Annotated[str, Parameter(help=_SOURCE)],
     reads: ModelFlags = ModelFlags(),
-    out: Annotated[Path | None, Parameter(help=_OUT)] = None,
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     flags: LiveFlags = LiveFlags(),
     output: JsonOutput = JsonOutput(),
 ) -> int:

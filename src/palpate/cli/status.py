@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.output import Output
+from palpate.cli.output import OutFlag, Output
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 
@@ -28,7 +28,7 @@ _COLUMNS = (
 def status(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
-    out: Annotated[Path | None, Parameter(help="Result folder of the study; by default results/NAME.")] = None,
+    out: OutFlag = None,
     output: Output = Output(),
 ) -> None:
     """Show the progress of a study: finished, running, broken and failed artefacts; remaining time.

@@ -47,7 +47,7 @@ class RigFlags:
 
 
 def take(
-    out: Annotated[Path, Parameter(help=_OUT)],
+    out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     *,
     rig: RigFlags = RigFlags(),
     spec: Annotated[TakeSpec, flags_of(TakeSpec, group="Presses")] = TakeSpec(),

@@ -19,6 +19,7 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
         f"inward. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
         f"(factor {mold.module.skin.height / skin.height:.5f}).",
+        "Angles are those of the part: counter-clockwise from x, seen from its far end (the drawings' apex).",
     ]
 
 
@@ -48,15 +49,15 @@ def barrel_casting_steps(made: PackContent) -> list[str]:
     ]
 
 
-def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
+def barrel_inspection_steps(skin: Skin, layout: MarkerLayout, *, marked: bool) -> list[str]:
     """Write the measurements."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
         f"± {thickness_tolerance(skin):.2g} mm.",
         f"Distance between the flanges, lying without load: {skin.height:g} mm, "
         f"± {max(0.2, 0.002 * skin.height):.2g} mm.",
-        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within {PRINT_TOLERANCE:g} mm of "
-        "markers.csv.",
+        f"All {len(layout)} dots{' and the orientation mark' if marked else ''} present, round to 0.2 mm, separate; "
+        f"places within {PRINT_TOLERANCE:g} mm of markers.csv.",
         "No bubble above 0.5 mm; inner surface matt and even.",
     ]
 

@@ -12,7 +12,7 @@ from palpate.fabrication.enclosure import BODIES, ISO_PLATE, LED_HEIGHT, M6_SEAT
 from palpate.fabrication.frame import RODS
 from palpate.fabrication.mold import DOWEL_DEPTH, DOWEL_DIAMETER, PIN_AZIMUTHS_DEG
 from palpate.fabrication.pack import PackContent
-from palpate.fabrication.process_sheet import LENGTHS, mixing, product_name, ring_screw, screw_length
+from palpate.fabrication.process_sheet import LENGTHS, TAPE, mixing, product_name, ring_screw, screw_length
 from palpate.fabrication.spec import ECOFLEX, CameraBody
 
 PLA_DENSITY = 1.24
@@ -24,7 +24,7 @@ _SENSORS = {CameraBody.DAVIS346: (("DAVIS 346", 6.4),), CameraBody.BOARD28: (("1
 _MOUNTS = {CameraBody.DAVIS346: "C or CS mount", CameraBody.BOARD28: "M12 × 0.5 mount"}
 CAMERAS = {CameraBody.DAVIS346: "DAVIS 346", CameraBody.BOARD28: "board camera with holes 28 mm apart"}
 NAMES = ("number", "part", "quantity", "specification", "alternative", "source")
-_PACK = "geometry"
+_PACK, NOT_PRINTED = "geometry", ("window", "rods")
 _Row = tuple[str, str, str, str, str]
 """Part, quantity, specification, alternative, source."""
 
@@ -37,18 +37,16 @@ def bill_of_materials(made: PackContent) -> Report:
 
 
 def _cast(made: PackContent) -> Iterator[_Row]:
-    mold, barrel, material = made.mold, made.module.skin.hole, made.design.material.name
+    mold, barrel, material = made.mold, made.module.skin.hole, made.design.material
     other = "another silicone whose law was measured (palpate material fit)"
-    source = f"mold and {made.process.excess_percent:g} % excess; {ECOFLEX}"
-    yield (
-        "elastomer",
-        f"{made.mixed:.1f} mL",
-        f"{product_name(material)}. {mixing(material, made.mixed)}",
-        other,
-        source,
-    )
+    known = product_name(material)
+    source = f"mold and {made.process.excess_percent:g} % excess" + f"; {ECOFLEX}" * ("Smooth-On" in known)
+    use = f"{known}. {mixing(material.name, made.mixed)}"
+    yield "elastomer", f"{made.mixed:.1f} mL", use, other, source
     yield "filler, lacquer", "1 can each", "sandable filler for plastic; clear acrylic lacquer", "–", "process"
     yield "release agent", "1 can", "for silicone, e.g. Mann Ease Release 200", "soapy water, dried", "process"
+    use = f"isopropanol; wet sandpaper P240, P400, P600; polyimide tape of {TAPE:g} mm; film for the cavity"
+    yield "consumables", "1 each", use, "–", "process"
     if mold.is_split:
         size = f"{DOWEL_DIAMETER:g} × {2 * DOWEL_DEPTH:g}"
         yield "dowel", "4" if barrel else "3", f"ISO 2338 - {size}, steel", f"steel rod of {size} mm", _PACK
@@ -61,13 +59,8 @@ def _markers(made: PackContent) -> Iterator[_Row]:
     layout, ink = made.design.layout, made.mold.pins_mm3 / 1000
     if made.module.skin.hole:
         size = f"{ink:.1f} mL fill the dimples; the elastomer with at most 3 % of silicone pigment"
-        yield (
-            "marker silicone",
-            f"{2 * ink:.1f} mL",
-            size,
-            "another contrasting colour",
-            "geometry; Silc Pig bulletin",
-        )
+        source = "geometry; Silc Pig bulletin"
+        yield "marker silicone", f"{2 * ink:.1f} mL", size, "another contrasting colour", source
         return
     area = len(layout) * np.pi / 4 * layout.diameter**2 / 100
     size = f"silicone ink with hardener, black on an elastomer without pigment; covers {area:.2f} cm²"
@@ -85,25 +78,29 @@ def _markers(made: PackContent) -> Iterator[_Row]:
         size += f"prints on walls inclined by up to {steep:.0f}° to the base"
         other = "template.stl (if the pack has it), printed like the mold"
         yield "pad", "1", f"{size}; shape and hardness by the printer's maker", other, _PACK
-        yield "cliché", "1", "artwork.dxf: layers DOTS, MARK and ALIGNMENT, etched as drawn", "–", _PACK
+        text = "artwork.dxf: layers DOTS, MARK and ALIGNMENT, etched as drawn; RIM, the skin's opening, is not etched"
+        yield "cliché", "1", text, "–", _PACK
 
 
 def _filling(made: PackContent) -> Iterator[_Row]:
-    if made.window is not None:
+    if made.window is not None and made.design.material.gel is not None:
         volume = made.window.gel_mm3 / 1000
         amount = f"{volume * (1 + made.process.excess_percent / 100):.1f} mL"
         across, along = 2 * np.abs(made.window.line).max(axis=0)
-        yield "gel", amount, f"{made.gel}; {volume:.2f} mL fill the skin", "–", _PACK
+        use = f"clear {product_name(made.design.material.gel)}; {volume:.2f} mL fill the skin"
+        yield "gel", amount, use, "–", _PACK
         size = f"clear PMMA, {across:.4g} × {along:.4g} × {made.window.thickness:g} mm, by window.dxf"
         yield "window", "1", size, "another sheet of the design's refractive index", _PACK
 
 
 def _printed(made: PackContent) -> Iterator[_Row]:
     for name, solid in {**made.mold.parts, **made.enclosure.parts}.items():
-        if name not in ("window", "rods"):
+        if name not in NOT_PRINTED:
             volume = solid.volume / 1000
             kind, other = ("PLA", "resin") if name in made.mold.parts else ("PLA, matt black", "PETG, matt black")
-            size = f"{kind}, solid: {volume:.1f} mL, {PLA_DENSITY * volume:.0f} g at {PLA_DENSITY} g/mL"
+            kind += ", two halves in one file" * bool(made.module.skin.hole and name.endswith("ring"))
+            size = f"{kind}, {'at most' if name in made.mold.parts else 'solid:'} {volume:.1f} mL, "
+            size += f"{PLA_DENSITY * volume:.0f} g at {PLA_DENSITY} g/mL"
             yield name, "1", size, other, "geometry; NatureWorks data sheet"
 
 

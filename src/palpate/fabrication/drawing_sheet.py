@@ -20,6 +20,7 @@ from matplotlib.lines import Line2D
 from palpate.core import FloatArray, provenance
 from palpate.design import CadSolid, ContactModule, box
 
+Point = tuple[float, float]
 Place = Sequence[float] | FloatArray
 """Position (x, y), mm."""
 PAGE = (210.0, 297.0)
@@ -85,8 +86,11 @@ class Sheet:
         """Draw visible edges, polylines (n, 2) mm."""
         self.axis.add_collection(LineCollection(lines, colors="black", linewidths=0.7))
 
-    def dimension(self, start: tuple[float, float], end: tuple[float, float], text: str) -> None:
-        """Draw an arrow between two points with a text in mm, on the right of it or above it."""
+    def dimension(self, start: Point, end: Point, text: str, edge: float | None = None) -> None:
+        """Draw an arrow between two points with a text in mm, on the right of it or above it.
+
+        Lines extend from it to the part, whose x (of an upright arrow) or y is `edge` mm.
+        """
         style = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8}
         self.axis.annotate("", end, start, arrowprops=style)
         x, y = np.add(start, end) / 2
@@ -94,6 +98,9 @@ class Sheet:
             self.write((x + 1.5 * self.unit, y), text, "left")
         else:
             self.write((x, y + 0.8 * self.unit), text, up="bottom")
+        if edge is not None:
+            for tip in (start, end):
+                self.line((edge, tip[1]) if start[0] == end[0] else (tip[0], edge), tip, width=0.3)
 
     def names(self, anchors: Mapping[str, FloatArray], edge: float) -> None:
         """Write names left of x = `edge` mm, below each other, with lines to their anchors (x, y) mm."""
@@ -159,7 +166,7 @@ def draw_cut(
             if behind:
                 lines = [line * factor + addend for line in _view(found[2])]
                 sheet.axis.add_collection(LineCollection(lines, colors="gray", linewidths=0.4, zorder=0))
-            sheet.axis.add_collection(PolyCollection(triangles, facecolors=colour, edgecolors=colour, linewidths=0.3))
+            sheet.axis.add_collection(PolyCollection(triangles, facecolors=colour, edgecolors=colour, linewidths=0.8))
             sheet.axis.add_collection(LineCollection(edges, colors="black", linewidths=0.8))
             (ax, ay), (bx, by) = (triangles[:, 1] - triangles[:, 0]).T, (triangles[:, 2] - triangles[:, 0]).T
             anchors[name] = triangles[np.abs(ax * by - ay * bx).argmax()].mean(axis=0)
@@ -191,9 +198,13 @@ def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
 
 @dataclass(frozen=True)
 class Plan:
-    """View of a part along its axis with features by azimuth, deg: an angle of the plan of `mold`."""
+    """View of a part along its axis with features by azimuth, deg: an angle of the plan of `mold`.
+
+    `sizes` gives diameters of features and of their circles.
+    """
 
     title: str
+    sizes: str
     part: CadSolid
     features: tuple[tuple[float, str], ...]
     mold: ContactModule | None = None
@@ -219,7 +230,7 @@ def draw_plans(plans: Sequence[Plan]) -> Figure:
         sheet.lines([line + centre for line in view])
         seen = "from the base, mirrored: 180° − angle" if plan.mold else "from the apex: angles as shown"
         head = centre + np.array([0.0, reach + (_PLAN_GAP / 2 - _LINE_MM) * sheet.unit])
-        sheet.write(head, f"{plan.title}. Seen {seen}")
+        sheet.write(head, f"{plan.sizes}\n{plan.title}. Seen {seen}", up="bottom")
         _name_features(sheet, centre, reach, plan)
     return sheet.figure
 

@@ -123,6 +123,8 @@ class Enclosure:
         From the pinhole up to the base plane, mm.
     ring
         (radius, z) mm of the edges of the clamp ring that a wall may meet.
+    sizes
+        Diameters of the holes of housing and robot plate, and of the circles that they are on, as text.
     frame
         Support of the far end of a barrel.
     """
@@ -130,6 +132,7 @@ class Enclosure:
     parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
+    sizes: tuple[str, str]
     frame: BarrelFrame | None = None
 
 
@@ -180,7 +183,11 @@ def build_enclosure(
     if frame is not None:
         screws = [cylinder(M2.core / 2, 0.0, CAP_THREAD, at) for at in _screw_places(module, outer)]
         parts |= frame.far_end(parts["clamp_ring"], outer, screws)
-    return Enclosure(parts, camera_distance, ring, frame)
+    first = float(np.hypot(*_screw_places(module, outer)[0]))
+    above = f"screws Ø {screw.core:g}, {THREAD:g} deep, on Ø {2 * first:.4g}"
+    below = f"M3: Ø {M3_CLEAR:g} on Ø {2 * screws_at:.4g}; M6: Ø {M6_CLEAR:g} on Ø {ISO_PITCH:g}; "
+    below += f"dowel: Ø {ISO_PIN + 0.1:g} on Ø {ISO_PITCH:g}; boss Ø {ISO_BOSS - 0.1:g}"
+    return Enclosure(parts, camera_distance, ring, (above, below), frame)
 
 
 def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) -> float:

@@ -24,7 +24,7 @@ from palpate.fabrication.barrel_sheet import (
     barrel_inspection_steps,
     describe_barrel,
 )
-from palpate.fabrication.bill_of_materials import CAMERAS, bill_of_materials
+from palpate.fabrication.bill_of_materials import CAMERAS, NOT_PRINTED, bill_of_materials
 from palpate.fabrication.enclosure import BODIES, SCREWS
 from palpate.fabrication.mold import Mold
 from palpate.fabrication.pack import PackContent
@@ -39,6 +39,7 @@ from palpate.fabrication.process_sheet import (
     sprues,
     thickness_tolerance,
     torques,
+    volume_line,
 )
 from palpate.fabrication.spec import PadMapping, ProcessSpec
 from palpate.fabrication.window_plate import WindowPlate
@@ -63,23 +64,25 @@ class Section:
 def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[Section]:
     """Write the sheet of a module."""
     skin, layout, mold, spec = made.module.skin, made.design.layout, made.mold, made.process
+    marked, printed = spec.orientation_mark, {**mold.parts, **made.enclosure.parts}
+    volume = sum(part.volume for name, part in printed.items() if name not in NOT_PRINTED)
     if made.enclosure.frame is None:
         described = _describe(skin, layout, made.design.material.name, mold)
-        measured = _inspect(skin, layout, marked=spec.orientation_mark)
+        measured = _inspect(skin, layout, marked=marked)
         cast = _cast(made)
         marks = [_mark(made, has_template=all(item.code != "no-template" for item in findings))]
     else:
         described = describe_barrel(skin, layout, made.design.material.name, mold, spec)
-        cast, measured = barrel_casting_steps(made), barrel_inspection_steps(skin, layout)
+        cast, measured = barrel_casting_steps(made), barrel_inspection_steps(skin, layout, marked=marked)
         marks = []
     return [
         Section("Contact module", tuple(described)),
         Section("Bill of materials", table=bill_of_materials(made)),
-        Section("Print the parts", tuple(printing_lines(skin, spec))),
+        Section("Print the parts", tuple(printing_lines(skin, spec, volume))),
         Section("Cast", tuple(cast), steps=True),
         *marks,
         *([write_filling(made.window, made.gel, spec)] if made.window else []),
-        Section("Inspect", tuple(measured)),
+        Section("Inspect", (measured[0], volume_line(skin, made.solids["module"]), *measured[1:])),
         Section("Enclosure", tuple(_assemble(made)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]
@@ -182,7 +185,7 @@ def _print_markers(made: PackContent, artwork: Artwork, *, has_template: bool) -
         *(
             [
                 "Without a pad printer: set template.stl into the dome, its notch towards that of the "
-                "flange, and dab every hole."
+                "flange, and dab ink through every hole with a foam swab."
             ]
             if has_template
             else []
@@ -245,10 +248,11 @@ def _assemble(made: PackContent) -> list[str]:
         *([window] if made.window else []),
         *([*barrel_assembly_steps(enclosure.frame), *check] if enclosure.frame else [flange, *check, ring]),
         torques(made.module),
-        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6, dowel glued into the plate): the housing covers "
-        "these heads later. Then screw the housing to the plate from the robot's side, outside its flange of 63 mm: "
-        "the four screws fit one way only, with the hole of the dowel under the cable slot. For a wrist that is "
-        "wider than its flange, use a spacer between robot and plate, as thick as screws and key need.",
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6, dowel glued into the plate); file its boss until "
+        "it enters the robot's flange (31.5 H7). The housing covers these heads later. Then screw the housing to "
+        "the plate from the robot's side, outside its flange of 63 mm: the four screws fit one way only, with the "
+        "hole of the dowel under the cable slot. For a wrist that is wider than its flange, use a spacer between "
+        "robot and plate, as thick as screws and key need.",
     ]
 
 

@@ -20,7 +20,7 @@ _CABLE_DEG, _FIXING_DEG = 90.0, 225.0
 """Azimuths of the enclosure's section: cable slot and hole of the strip; screw of the robot plate."""
 _BETWEEN, _FAR = 30.0, 1e4
 """Space between two sections, mm of the page, and half the edge of a box that is cut away, mm."""
-TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap", "robot_plate")
+TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "end_ring", "end_cap", "robot_plate")
 """Parts that are printed upside down."""
 
 
@@ -69,10 +69,10 @@ def draw_module_section(made: PackContent) -> Figure:
     draw_cut(sheet, parts, turns)
     for level, reach, text in ((8, skin.base_radius, "2 B = "), (16, wide, "")):
         y = foot - level * unit
-        sheet.dimension((-reach, y), (reach, y), f"{text}{2 * reach:.4g}")
+        sheet.dimension((-reach, y), (reach, y), f"{text}{2 * reach:.4g}", foot)
     side, top = half + 6 * unit, skin.height + skin.thickness
-    sheet.dimension((side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
-    sheet.dimension((side, foot), (side, 0.0), f"{module.flange_thickness:.4g}")
+    sheet.dimension((side, 0.0), (side, skin.height), f"H = {skin.height:.4g}", 0.0 if not skin.hole else wide)
+    sheet.dimension((side, foot), (side, 0.0), f"{module.flange_thickness:.4g}", wide)
     if skin.hole:
         middle, reach = skin.height / 2, skin.widest[0]
         sheet.dimension((-reach, middle), (reach, middle), f"{2 * reach:.4g}")
@@ -83,6 +83,7 @@ def draw_module_section(made: PackContent) -> Figure:
     text = f"right: section at {turns[0]:g}°, through the notch R {notch_radius(module):.3g}"
     if not skin.plan.is_round:
         text = f"section along x; along y {skin.plan.stretch:.4g} times as long"
+    text += f"; draft {made.mount.draft_deg:g}°"
     if not skin.hole:
         text += f"; inner radius {'at the apex' if skin.plan.is_round else 'of the edge'} {skin.radius:.4g}"
     sheet.write((0.0, foot - 24 * unit), text)
@@ -113,10 +114,10 @@ def draw_mold_section(mold: Mold, spec: ProcessSpec) -> Figure:
         text = f"left: {left} at {second:.4g}°\nright: {right} at {first:.4g}°"
         sheet.write((0.0, -top - k * step - 4 * unit), text, up="top")
     side, inner = reach + 6 * unit, -module.skin.height
-    sheet.dimension((side, -top), (side, -foot), f"{top - foot:.4g}")
-    sheet.dimension((side, -foot), (side, -foot + plate), f"{plate:.4g}")
-    sheet.dimension((side, -top - step), (side, -top + floor - step), f"{floor:.4g}")
-    sheet.dimension((side, inner - step), (side, -foot - step), f"{-foot - inner:.4g}")
+    sheet.dimension((side, -top), (side, -foot), f"{top - foot:.4g}", reach)
+    sheet.dimension((side, -foot), (side, -foot + plate), f"{plate:.4g}", reach)
+    sheet.dimension((side, -top - step), (side, -top + floor - step), f"{floor:.4g}", reach)
+    sheet.dimension((side, inner - step), (side, -foot - step), f"core {-foot - inner:.4g}", 0.0)
     low, along = -top - step - 24 * unit, "" if module.skin.plan.is_round else " along x"
     sheet.dimension((-radius, low), (radius, low), f"{2 * radius:.4g}{along}")
     return sheet.figure
@@ -154,20 +155,31 @@ def _draw_mold_plan(mold: Mold, spec: ProcessSpec) -> Figure:
     pins = [(azimuth, "pin") for azimuth in PIN_AZIMUTHS_DEG]
     vents = [(azimuth % 360, "vent") for azimuth in vent_azimuths(spec.vents)]
     above, module = (*vents, (POUR_AZIMUTH_DEG, "pour")), mold.module
-    core = Plan("core on the closed mold, from above", plate, above, module)
-    return draw_plans([core, Plan("cavity, into its opening", cavity, (*pins, (NOTCH_AZIMUTH_DEG, "rib")), module)])
+    middle = (module.opening_foot + module.flange_foot) / 2
+    holes = f"pour hole Ø {spec.pour_diameter:g} and vents Ø {spec.vent_diameter:g}{_on(middle, module)}"
+    core = Plan("core on the closed mold, from above", holes, plate, above, module)
+    sizes = f"pins Ø {spec.pin_diameter:g}{_on(module.flange_foot + spec.mold_wall / 2, module)}"
+    wide = Plan("cavity, into its opening", sizes, cavity, (*pins, (NOTCH_AZIMUTH_DEG, "rib")), module)
+    return draw_plans([core, wide])
+
+
+def _on(reach: float, module: ContactModule) -> str:
+    """Name the circle of features, or their distance along x for a plan that is not round."""
+    return f" on Ø {2 * reach:.4g}" if module.skin.plan.is_round else f", {reach:.4g} from the axis along x"
 
 
 def _draw_enclosure_plan(enclosure: Enclosure) -> Figure:
     ring = [(360.0 * k / SCREWS, "screw") for k in range(SCREWS)]
+    above, below = enclosure.sizes
     plate = [(azimuth, "M3") for azimuth in FIXING_DEG] + [(azimuth, "M6") for azimuth in (45.0, 135.0, 225.0, 315.0)]
     return draw_plans(
         [
             Plan(
                 "housing, from the skin",
+                above,
                 enclosure.parts["housing"],
                 (*ring, (90.0, "cable"), (NOTCH_AZIMUTH_DEG, "key")),
             ),
-            Plan("robot plate, from the housing", enclosure.parts["robot_plate"], (*plate, (90.0, "dowel"))),
+            Plan("robot plate, from the housing", below, enclosure.parts["robot_plate"], (*plate, (90.0, "dowel"))),
         ]
     )

@@ -48,9 +48,9 @@ def _table_pages(title: str, table: Report) -> list[Figure]:
             pages.append(_page([(title, True)]))
             used = 2.0
         for cell, indent in zip(cells, np.cumsum([0, *_CELLS]), strict=False):
-            x, y, weight = 0.06 + 0.0068 * indent, 0.955 - 0.0155 * used, "normal" if k else "bold"
-            pages[-1].text(x, y, "\n".join(cell), fontsize=7, fontweight=weight, va="top", linespacing=1.35)
-        used += 0.85 * tall
+            x, y, weight = 0.071 + 0.0064 * indent, 0.955 - 0.0155 * used, "normal" if k else "bold"
+            pages[-1].text(x, y, "\n".join(cell), fontsize=6.5, fontweight=weight, va="top", linespacing=1.35)
+        used += 0.72 * tall
     return pages
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from math import ceil, pi, sqrt
+from math import ceil, log, pi, sqrt
 
-from palpate.design import ContactModule, Skin
+from palpate.design import CadSolid, ContactModule, Skin, box
 from palpate.fabrication.enclosure import ISO_PLATE, M6_CLEAR, SQUEEZE, THREAD, WALL
 from palpate.fabrication.frame import CAP_THREAD
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, Mold
 from palpate.fabrication.spec import ECOFLEX, ProcessSpec
+from palpate.material import Material, get_material, list_materials
 
 _DENSITY, _BULLETIN = 1.07, "ecoflex_00_30"
 """Density of Ecoflex 00-30, g/mL, and part of its names in the library (source: `ECOFLEX`)."""
-NOZZLE, LAYER, RESIN_LAYER = 0.4, 0.1, 0.05
-"""Nozzle and layers of a filament and a resin printer, mm."""
+NOZZLE, LAYER, RESIN_LAYER, _SPEED = 0.4, 0.1, 0.05, 60.0
+"""Nozzle and layers of a filament and a resin printer, mm, and speed of the nozzle, mm/s."""
+TAPE = 0.05
+"""Thickness of the tape that fills the gap around the pins, mm."""
 LENGTHS = (5, 6, 8, 10, 12, 16, 20, 25, 30)
 """Nominal lengths of ISO 4762 and DIN 7984, mm."""
 _SPARE, _M6_HEAD = 1.0, 10.0
@@ -48,15 +51,18 @@ def thread_torque(diameter: float, engaged: float) -> float:
     return _COEFFICIENT * diameter * 0.5 * pi * diameter * engaged * _BOND / sqrt(3) / _SAFETY / 1000
 
 
-def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
-    """Write how the parts are printed and their surface is finished."""
+def printing_lines(skin: Skin, spec: ProcessSpec, parts_mm3: float) -> list[str]:
+    """Write how the parts, of a volume in all, are printed and their surface is finished."""
     halves = "halves of the cavity upright, with support only in the recess next to the floor"
     web = (spec.mold_wall - spec.pin_diameter - 2 * spec.clearance) / 2
     return [
-        f"Filament printer (FDM): nozzle of {NOZZLE:g} mm, layers of {LAYER:g} mm. Mold: {ceil(web / NOZZLE)} walls; "
-        f"enclosure: {ceil(WALL / 2 / NOZZLE)} walls. Infill 100 %, so that threads, pins and hollow are in solid "
-        f"material. Core with its plate on the bed; {halves if skin.hole else 'cavity with its opening up'}. "
-        "All parts lie in their files as they are printed; the enclosure needs support under its overhangs.",
+        f"Filament printer (FDM): nozzle of {NOZZLE:g} mm, layers of {LAYER:g} mm. Mold: {ceil(web / NOZZLE)} walls "
+        "and 2 mm of solid layers around an infill of 20 % or more, so that pins and hollow are in solid material. "
+        f"Enclosure: {ceil(WALL / 2 / NOZZLE)} walls, infill 100 % for its threads. Core with its plate "
+        f"on the bed; {halves if skin.hole else 'cavity with its opening up'}. The parts of the bill lie in their "
+        "files as they are printed; the enclosure needs support under its overhangs. At "
+        f"{_SPEED:g} mm/s all of them take up to {parts_mm3 / (NOZZLE * LAYER * _SPEED) / 3600:.0f} h. Other files "
+        "(module, window, rods) are not printed.",
         f"Resin printer (SLA, MSLA), for the mold only: layers of {RESIN_LAYER:g} mm, solid. Wash and post-cure it "
         "as the resin's maker recommends, then seal it with clear acrylic lacquer: uncured resin inhibits platinum "
         f"silicone ({ECOFLEX}).",
@@ -66,12 +72,21 @@ def printing_lines(skin: Skin, spec: ProcessSpec) -> list[str]:
         "mm), fill the grooves with sandable filler, and sand wet with P240, P400 and P600 (ISO 6344). Then seal "
         "core and hollow with clear acrylic lacquer: filler may inhibit platinum silicone.",
         "Measure Rz on the plate of the core, finished alike, with a tester or a comparison specimen.",
+        f"The pins have a gap of {spec.clearance:g} mm, more than a thin skin tolerates: wind tape of {TAPE:g} mm "
+        f"around each, some {spec.clearance / TAPE:.0f} turns, until the core is centred and still lifts by hand.",
     ]
 
 
-def product_name(material: str) -> str:
-    """Return the name under which an elastomer is sold, and that of its law."""
-    return f"Smooth-On Ecoflex 00-30 (law {material})" if _BULLETIN in material else material
+def product_name(material: Material) -> str:
+    """Return the name under which an elastomer is sold, or its stiffness and the closest of the library."""
+    if _BULLETIN in material.name:
+        return f"Smooth-On Ecoflex 00-30 (law {material.name})"
+    stiffness = {name: get_material(name).young_modulus for name in list_materials()}
+    near = min(stiffness, key=lambda name: abs(log(stiffness[name] / material.young_modulus)))
+    return (
+        f"silicone with a Young's modulus of {1000 * material.young_modulus:.3g} kPa (law {material.name}); closest "
+        f"in the library: {near}, {1000 * stiffness[near]:.3g} kPa"
+    )
 
 
 def mixing(material: str, mixed: float) -> str:
@@ -98,8 +113,21 @@ def clamping(mold: Mold) -> str:
     pins = ", ".join(f"{azimuth:g}°" for azimuth in PIN_AZIMUTHS_DEG)
     lift = 9.81e-6 * _DENSITY * mold.module.solid(mold.module.inside()).volume
     return (
-        f"Clamp core and cavity at the three pins ({pins}). The elastomer ({_DENSITY:g} g/mL) lifts the core with "
-        f"{lift:.2g} N in all: clamps only close the parting plane; more force bends the plate."
+        f"Clamp core and cavity at the three pins ({pins}). The elastomer (some {_DENSITY:g} g/mL) lifts the core "
+        f"with {lift:.2g} N in all: clamps only close the parting plane; more force bends the plate."
+    )
+
+
+def volume_line(skin: Skin, body: CadSolid) -> str:
+    """Write how the thickness of a module is measured without denting it."""
+    far = 10 * skin.height + 10 * skin.base_radius
+    top = skin.height if skin.hole else far
+    wall = body.cut(box((-far, -far, -far), (far, far, 0.0)), box((-far, -far, top), (far, far, far + 1)))
+    allowed = thickness_tolerance(skin) / skin.thickness * wall.volume
+    return (
+        "A gauge dents the elastomer: focus a microscope on the inner and the outer surface, or cut a spare part. "
+        "Volume by weighing in air and in water, without sprues: "
+        f"{body.volume / 1000:.4g} mL ± {allowed / 1000:.2g} mL."
     )
 
 

@@ -79,7 +79,9 @@ def read_press(path: Path) -> Press:
             reject_external_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
                 raise PalpateError(
-                    f"{path} is not a press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
+                    f"{path} is not a press of version {PRESS_FORMAT}.",
+                    "Solve it again: `palpate run`.",
+                    code="press-version",
                 )
             dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}

@@ -98,8 +98,9 @@ def open_predictor(path: Path) -> Predictor:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(
-            f"{path} is not an estimator (.onnx) of `palpate study model`.",
-            "Give one, a twin (.h5) of `palpate calibration predict`, or model.h5 of `palpate recording train`.",
+            f"{path} is not an estimator.",
+            "Give a twin (.h5) of `palpate calibration predict`, model.h5 of `palpate recording train`, or a network "
+            "(.onnx) of `palpate study model`.",
             code="model-unreadable",
         ) from error
     return Predictor(session, markers, level, space, "forces" in metadata)

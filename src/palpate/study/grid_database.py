@@ -124,7 +124,7 @@ def check_schema_version(path: Path, version: Any, known: int) -> None:
         age = "an older" if older else "another"
         raise PalpateError(
             f"{path} was written by {age} palpate: its format is {version}, this one reads {known}.",
-            "Run the study again: the contents of its folder stay valid, and only the grid is rewritten.",
+            "Run the study again with `palpate run`: its other results stay valid, and only the grid is rewritten.",
             code="grid-older" if older else "grid-other",
         )
 

@@ -107,7 +107,8 @@ class SearchPage:
                     with ui.element("th").props('scope="row"'):
                         ui.label(column_label(column))
                     with ui.element("td"):
-                        ui.label(find_column(column).text(cell))
+                        plain = isinstance(cell, float) and not find_column(column).form
+                        ui.label(f"{cell:.6g}" if plain else find_column(column).text(cell))
         self._draw()
 
     def _draw(self) -> None:

@@ -46,6 +46,6 @@ class TrainedPage:
             for name in self._learnt.pictures:
                 with ui.element("div").classes("card"):
                     heading(PICTURES[name])
-                    ui.image(self._head.address(f"/data/learnt/{name}")).props(
-                        f'alt="{PICTURES[name]}" fit=contain no-spinner'
-                    )
+                    with ui.element("div").classes("wide-table"):
+                        picture = ui.image(self._head.address(f"/data/learnt/{name}"))
+                        picture.props(f'alt="{PICTURES[name]}" fit=contain no-spinner')

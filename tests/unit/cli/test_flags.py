@@ -38,6 +38,11 @@ def test_no_two_fields_of_a_command_share_a_flag(command: str) -> None:
     assert len(names) == len(set(names))
 
 
+def test_out_is_o_at_every_command() -> None:
+    flags = {name: set(list_flags(command)) for name, command in COMMANDS.items()}
+    assert [name for name, names in flags.items() if "--out" in names and "-o" not in names] == []
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_flag_is_in_the_help(command: str) -> None:
     collection = COMMANDS[command].assemble_argument_collection()

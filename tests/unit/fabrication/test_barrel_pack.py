@@ -239,6 +239,11 @@ def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet() -> None:
     mixed = 1.3 * body_mm3(module) / 1000
     check_values(sheet, f"{mixed:.1f} mL", 1.3)
     assert "artwork.dxf" not in sheet
+    assert "All 32 dots and the orientation mark" in sheet, "33 dimples"
+    for ring in ("clamp_ring", "end_ring"):
+        faces = trimesh.load(pack.folder / f"{ring}.stl")
+        bed = faces.area_faces[faces.triangles[..., 2].max(axis=1) < faces.bounds[0, 2] + 1e-3].sum()
+        assert bed > 0.2 * faces.area, "its flat face is on the bed"
 
 
 def check_floors(folder: Path, scale: float) -> None:

@@ -10,10 +10,12 @@ from needs import needs
 from palpate.design import CadSolid, DomeSpec, MountSpec, build_contact_module, cylinder
 from palpate.fabrication import FabricationPack, ProcessSpec, build_enclosure
 from palpate.fabrication.enclosure import BODIES, ISO_RADIUS, LED_CABLE, M3_CLEAR, SQUEEZE, Enclosure
-from palpate.fabrication.process_sheet import curing, mixing, screw_length, thread_torque
+from palpate.fabrication.process_sheet import curing, mixing, product_name, screw_length, thread_torque
 from palpate.fabrication.spec import CameraBody
+from palpate.material import get_material
 
 needs("build123d")
+DRAGON_30 = get_material("marechal_2020_dragon_skin_30")
 MODULE = build_contact_module(DomeSpec().build(), MountSpec())
 
 
@@ -145,3 +147,22 @@ def test_pot_life_and_cure_of_one_silicone_are_not_given_for_another() -> None:
     assert numbers(mixing("zaid_2024_ecoflex_00_30", 12.0)) == [6, 6, 3, 45, 23]
     assert numbers(mixing("mine", 12.0)) == [12]
     assert numbers(curing("mine")) == []
+
+
+def test_an_elastomer_without_a_product_is_named_by_its_stiffness_and_the_closest_of_the_library() -> None:
+    named = product_name(get_material("neo-hooke:0.1"))
+    assert "Young's modulus of 600 kPa" in named, "6 C10 of an incompressible neo-Hooke law"
+    assert named.endswith(f"marechal_2020_dragon_skin_30, {1000 * DRAGON_30.young_modulus:.0f} kPa")
+
+
+def test_the_sheet_gives_the_gap_of_the_pins_the_volume_and_the_hours_of_printing(pack: FabricationPack) -> None:
+    text = (pack.folder / "instructions.md").read_text()
+    gap, tape, turns = numbers(re.search(r"The pins have .* turns", text)[0])
+    assert (gap, turns * tape) == pytest.approx((0.15, 0.15)), "the gap around a pin"
+    volume, allowed = numbers(re.search(r"without sprues: [\d.]+ mL ± [\d.]+", text)[0])
+    assert volume == pytest.approx(pack.volumes["module"] / 1000, abs=0.005)
+    assert allowed == pytest.approx(0.05 * 2 / 3 * np.pi * (22**3 - 20**3) / 1000, abs=0.006), "5 % of the dome"
+    parts = sum(one for name, one in pack.volumes.items() if name != "module")
+    assert numbers(re.search(r"take up to \d+ h", text)[0])[0] == pytest.approx(
+        parts / (0.4 * 0.1 * 60 * 3600), abs=0.5
+    )

@@ -134,7 +134,7 @@ def test_the_ring_stops_the_wall_of_the_worst_azimuth(module: ContactModule) -> 
         normal = wall_normal(*rotation_vector(tilt, azimuth))
         heights.append((outer @ normal).max() / normal[2])
     expected = min(min(heights) - reach * np.tan(tilt) - z for reach, z in ring)
-    assert free_travel(module, Enclosure({}, 30.0, ring), 3.0) == pytest.approx(expected, abs=2e-3)
+    assert free_travel(module, Enclosure({}, 30.0, ring, ("", "")), 3.0) == pytest.approx(expected, abs=2e-3)
     assert max(heights) > min(heights) + 0.05
 
 

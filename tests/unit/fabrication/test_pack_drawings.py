@@ -107,17 +107,30 @@ def test_azimuths_of_the_plans_are_those_of_pins_holes_screws_rib_key_and_slot(
     parts = {**made.mold.parts, **made.enclosure.parts}
     core, foot = parts["mold_core"], made.module.foot
     low = float(core.bounds[0, 2])
+    text = "\n".join(word for plan in ("mold_plan", "enclosure_plan") for word in words(drawn[plan]))
+    sizes = {  # half the diameter of a feature, and of the circle that it is on
+        name: np.array(re.search(pattern, text).groups(), float) / 2
+        for name, pattern in {
+            "pin": r"pins Ø ([\d.]+) on Ø ([\d.]+)",
+            "pour": r"pour hole Ø ([\d.]+) .* on Ø ([\d.]+)",
+            "vent": r"vents Ø ([\d.]+) on Ø ([\d.]+)",
+            "screw": r"screws Ø ([\d.]+), 10 deep, on Ø ([\d.]+)",
+            "M3": r"M3: Ø ([\d.]+) on Ø ([\d.]+)",
+            "M6": r"M6: Ø ([\d.]+) on Ø ([\d.]+)",
+            "dowel": r"dowel: Ø ([\d.]+) on Ø ([\d.]+)",
+        }.items()
+    }
     spots = {  # part, distance from the axis, height, and whether there is material
-        "pin": (parts["mold_cavity"], 32.06, foot - 2, True),
+        "pin": (parts["mold_cavity"], sizes["pin"][1], foot - 2, True),
         "rib": (parts["mold_cavity"], 27.5, foot + 1, True),
-        "pour": (core, 24.08, low + 1, False),
-        "vent": (core, 24.08, low + 1, False),
-        "screw": (parts["clamp_ring"], 33.0, foot + 0.5, False),
+        "pour": (core, sizes["pour"][1], low + 1, False),
+        "vent": (core, sizes["vent"][1], low + 1, False),
+        "screw": (parts["housing"], sizes["screw"][1], foot - 9.5, False),
         "key": (parts["housing"], 27.7, foot + 1, True),
         "cable": (parts["housing"], 36.0, parts["housing"].bounds[0, 2] + 7, False),
-        "M3": (parts["robot_plate"], 34.75, parts["robot_plate"].bounds[1, 2] - 1, False),
-        "M6": (parts["robot_plate"], 25.0, parts["robot_plate"].bounds[1, 2] - 1, False),
-        "dowel": (parts["robot_plate"], 25.0, parts["robot_plate"].bounds[1, 2] - 1, False),
+        "M3": (parts["robot_plate"], sizes["M3"][1], parts["robot_plate"].bounds[0, 2] + 6, False),
+        "M6": (parts["robot_plate"], sizes["M6"][1], parts["robot_plate"].bounds[0, 2] + 6, False),
+        "dowel": (parts["robot_plate"], sizes["dowel"][1], parts["robot_plate"].bounds[0, 2] + 6, False),
     }
     seen = {name: [] for name in spots}
     for plan in ("mold_plan", "enclosure_plan"):
@@ -126,6 +139,10 @@ def test_azimuths_of_the_plans_are_those_of_pins_holes_screws_rib_key_and_slot(
             for away in (0.0, 14.0) if name not in ("pin", "rib") else (0.0,):
                 expected = filled if away == 0.0 else not filled
                 assert is_solid(part, reach, azimuth + away, level) is expected, (name, azimuth + away)
+            for step in (-1, 1) if name in sizes else ():
+                half = sizes[name][0]
+                assert is_solid(part, reach + step * (half - 0.08), azimuth, level) is filled, (name, "narrower")
+                assert is_solid(part, reach + step * (half + 0.08), azimuth, level) is not filled, (name, "wider")
             seen[name].append(azimuth)
     assert {name: len(found) for name, found in seen.items()} == {
         "pin": 3, "rib": 1, "pour": 1, "vent": 6, "screw": 6, "key": 1, "cable": 1, "M3": 4, "M6": 4, "dowel": 1
@@ -193,8 +210,8 @@ def test_the_artwork_gives_the_angle_of_its_mark_on_the_page_and_on_the_part(mad
     assert part == pytest.approx(180 - here)
 
 
-def test_mold_and_robot_plate_lie_on_their_largest_face_in_their_files(made: PackContent) -> None:
-    for name in ("mold_core", "mold_cavity", "robot_plate"):
+def test_mold_ring_and_robot_plate_lie_on_their_largest_face_in_their_files(made: PackContent) -> None:
+    for name in ("mold_core", "mold_cavity", "clamp_ring", "robot_plate"):
         mesh = _for_printer(name, {**made.mold.parts, **made.enclosure.parts}[name].mesh())
         faces = mesh.points[mesh.triangles]
         flat = np.ptp(faces[..., 2], axis=1) < 1e-6

@@ -97,6 +97,16 @@ def test_every_design_has_a_cell_that_names_its_row():
     assert [series["name"] for series in options["series"]] == ["7 markers", "19 markers", "37 markers"]
 
 
+def test_figures_of_cells_have_two_digits():
+    figures = [0.0951, 0.1, 2.0, 20.04, 314.2]
+    table = SpecificationGrid(
+        [row | {"rmse_deg": value} for row, value in zip([rows()[0]] * 5, figures, strict=True)], []
+    )
+    options = heat_chart(table, "rmse_deg", Selection({0}, 0, 0), LIGHT)
+    shown = [cell["label"]["formatter"] for series in options["series"] for cell in series["data"]]
+    assert shown == ["0.095", "0.10", "2.0", "20", "314"]
+
+
 def test_the_front_is_what_nothing_beats():
     points = [(0, 1.0, 5.0), (1, 2.0, 2.0), (2, 3.0, 3.0), (3, 4.0, 1.0), (4, 1.0, 6.0)]
     assert pareto_front(points) == [0, 1, 3]
