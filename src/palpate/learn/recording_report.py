@@ -139,11 +139,12 @@ def _draw_errors(result: RecordingResult) -> Figure:
         axis.set_ylabel(f"error of {label}")
         _bare(axis)
     axes[0].legend(fontsize=7, frameon=False)
+    presses = [point.presses for point in result.curve]
     for column, (name, unit, _) in enumerate(outputs):
         values = [point.rmse[column] for point in result.curve]
-        axes[-1].loglog(
-            [point.presses for point in result.curve], values, "o-", label=f"{name} ({unit})", markersize=4
-        )
+        axes[-1].loglog(presses, values, "o-", label=f"{name} ({unit})", markersize=4)
+    axes[-1].set_xticks(presses, [str(count) for count in presses])
+    axes[-1].minorticks_off()
     axes[-1].set_xlabel("training presses")
     axes[-1].set_ylabel("RMSE on held-out presses")
     axes[-1].legend(fontsize=7, frameon=False)
@@ -176,7 +177,7 @@ def _draw_correspondences(result: RecordingResult, recording: Recording) -> Figu
                 *rest[found].T, *moved[found].T, angles="xy", scale_units="xy", scale=1, color="C1", width=0.004
             )
             axis.plot(*(rest + moved)[~found].T, "x", color="C3", markersize=4)
-        axis.set_title(f"{recording.names[number]}\n{reason or f'{found.sum()} of {len(rest)} dots'}", fontsize=7)
+        axis.set_title(f"{recording.names[number]}\n{reason or f'{found.sum()} of {len(rest)} markers'}", fontsize=7)
         axis.set_axis_off()
     return figure
 
