@@ -85,7 +85,8 @@ def read_calibration(path: Path) -> Calibration:
     ) as error:
         raise PalpateError(
             f"{path.name} is not a calibration: {_first_line(error)}.",
-            "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a camchain of Kalibr.",
+            "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a file of Kalibr, "
+            "MATLAB (.mat), COLMAP (cameras.txt) or Metashape (XML).",
             code="calibration-file-unreadable",
         ) from error
 

@@ -1,8 +1,9 @@
 """Conversion of camera files of other tools to the keys of ROS's ``camera_info`` YAML.
 
 Supported are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
-``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; fx, fy, cx, cy, k1 … as single numbers, such as those of ORB-SLAM,
-VINS and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
+``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; a struct of MATLAB (.mat or JSON) and the results of Bouguet's
+toolbox; ``cameras.txt`` of COLMAP; XML of Metashape; fx, fy, cx, cy, k1 … as single numbers, such as those of
+ORB-SLAM, VINS and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import h5py
 import numpy as np
 from ruamel.yaml import YAML
 
 from palpate.core import PalpateError
+from palpate.core.external_links import reject_external_links
 
 KALIBR_LENSES = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
 """Lens models of ROS by their names in Kalibr."""
-_INTRINSICS = (("fx", "fl_x"), ("fy", "fl_y"), ("cx", "ppx", "c_x"), ("cy", "ppy", "c_y"))
+_INTRINSICS = (("fx", "fl_x", "f"), ("fy", "fl_y", "f"), ("cx", "ppx", "c_x"), ("cy", "ppy", "c_y"))
 _CAMERA = re.compile(r"cam\d+")
 _NAMES = {
     "camera_matrix": ("k", "cameramatrix", "camera_matrix", "mtx", "intrinsic_matrix"),
@@ -35,6 +38,13 @@ _NAMES = {
     "distortion_model": ("distortion_model", "model", "lens_model"),
 }
 """Names of each key in files, in lower case, by the key of ROS."""
+_COLMAP = {
+    **{"SIMPLE_PINHOLE": "f cx cy", "PINHOLE": "fx fy cx cy", "OPENCV": "fx fy cx cy k1 k2 p1 p2"},
+    **dict.fromkeys(("SIMPLE_RADIAL", "SIMPLE_RADIAL_FISHEYE"), "f cx cy k1"),
+    **dict.fromkeys(("RADIAL", "RADIAL_FISHEYE"), "f cx cy k1 k2"),
+    **{"OPENCV_FISHEYE": "fx fy cx cy k1 k2 k3 k4", "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"},
+}
+"""Parameters of each camera model of COLMAP."""
 
 
 def read_camera_file(path: Path) -> dict[str, Any]:
@@ -52,6 +62,8 @@ def read_camera_file(path: Path) -> dict[str, Any]:
         with np.load(path, allow_pickle=False) as file:
             arrays = {key: file[key] for key in file.files}
         return _by_ros_keys(name, {key: one.item() if one.size == 1 else one.tolist() for key, one in arrays.items()})
+    if path.suffix.lower() == ".mat":
+        return _by_ros_keys(name, _from_matlab(name, _read_mat(path)))
     start = path.read_text(encoding="utf-8").lstrip("\ufeff \r\n\t")
     if start.startswith("<"):
         content = _read_xml(start)
@@ -59,11 +71,105 @@ def read_camera_file(path: Path) -> dict[str, Any]:
         content = json.loads(start)
     elif re.search(r"^\[image\]\s*$", start, re.MULTILINE):
         content = _read_ini(name, start)
+    elif rows := re.findall(r"^\d+[ \t]+([A-Z_]{3,})((?:[ \t]+[-+.\deE]+)+)[ \t]*$", start, re.MULTILINE):
+        content = _from_colmap(name, rows)
     else:
         content = _read_yaml(start)
     if not isinstance(content, dict):
         raise ValueError("it contains no keys")
-    return _by_ros_keys(name, _from_kalibr(name, content))
+    return _by_ros_keys(name, _from_metashape(name, _from_matlab(name, _from_kalibr(name, content))))
+
+
+def _read_mat(path: Path) -> dict[str, Any]:
+    """Return the variables of a MATLAB file; arrays of version 7.3 (HDF5) are transposed."""
+    from scipy.io import loadmat  # here, because scipy is slow to load
+
+    def content(group: h5py.Group) -> dict[str, Any]:
+        return {key: content(item) if isinstance(item, h5py.Group) else item[()] for key, item in group.items()}
+
+    if h5py.is_hdf5(path):
+        with h5py.File(path, "r") as file:
+            reject_external_links(file, path)
+            found = content(file)
+    else:
+        try:
+            found = loadmat(path, simplify_cells=True)
+        except Exception as error:  # a damaged file ends the parser by errors of every kind
+            raise ValueError(str(error)) from error
+    if {"#subsystem#", "__function_workspace__"} & set(found):
+        raise PalpateError(
+            f"{path.name} holds an object of MATLAB, which only MATLAB reads.",
+            "Save a struct: camera = toStruct(cameraParams); save('camera.mat', 'camera').",
+            code="calibration-file-unreadable",
+        )
+    return found
+
+
+def _from_matlab(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    """Convert a struct of MATLAB, whose pixels begin at 1, or Bouguet's results; return others unchanged."""
+    groups = {"": content} | {key: value for key, value in content.items() if isinstance(value, Mapping)}
+    structs = {key: {str(own).lower(): value for own, value in group.items()} for key, group in groups.items()}
+    found = {key: one for key, one in structs.items() if "radialdistortion" in one or {"fc", "cc", "kc"} <= set(one)}
+    if len(found) > 1:
+        raise _several(", ".join(found), name, len(found))
+    if not found:
+        return content
+    (low,) = found.values()
+    bouguet = "fc" in low
+    matrix = np.ravel(low.get("intrinsicmatrix", low.get("k", ())))
+    if len(matrix) == 9:
+        matrix = matrix.reshape(3, 3).T if matrix[6:8].any() else matrix.reshape(3, 3)
+        focal, centre = matrix[[0, 1], [0, 1]], matrix[:2, 2]
+    else:
+        focal, centre = (
+            np.ravel(low[key]) for key in (("fc", "cc") if bouguet else ("focallength", "principalpoint"))
+        )
+    radial = np.pad(np.ravel(low.get("radialdistortion", ())), (0, 3))[:3]
+    lens = np.ravel(low.get("kc", [*radial[:2], *np.ravel(low.get("tangentialdistortion", (0, 0))), radial[2]]))
+    size = np.ravel([low.get("ny", []), low.get("nx", [])] if bouguet else low.get("imagesize", ()))
+    (fx, fy), (cx, cy) = focal.tolist(), (centre - (0.0 if bouguet else 1.0)).tolist()
+    return {
+        "camera_matrix": [fx, 0, cx, 0, fy, cy, 0, 0, 1],
+        "distortion_coefficients": lens.tolist(),
+        "distortion_model": "plumb_bob",
+    } | ({"image_height": float(size[0]), "image_width": float(size[1])} if len(size) == 2 else {})
+
+
+def _from_colmap(name: str, rows: list[tuple[str, str]]) -> dict[str, Any]:
+    """Convert ``cameras.txt`` of COLMAP, whose first pixel has its centre at 0.5."""
+    if len(rows) > 1:
+        raise _several(", ".join(model for model, _ in rows), name, len(rows))
+    ((model, text),) = rows
+    numbers = [float(word) for word in text.split()]
+    keys = ["w", "h", *_COLMAP.get(model, "").split()]
+    if len(keys) != len(numbers):
+        raise _unknown(name, f"COLMAP's model {model} with {len(numbers) - 2} parameters", ", ".join(_COLMAP))
+    found: dict[str, Any] = {"k1": 0.0} | dict(zip(keys, numbers, strict=True))
+    return found | {"cx": found["cx"] - 0.5, "cy": found["cy"] - 0.5, "camera_model": model}
+
+
+def _from_metashape(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    """Convert a calibration of Metashape, centred on the image; return others unchanged."""
+    if not {"projection", "f", "width", "height"} <= set(content):
+        return content
+    get = {key: float(value) for key, value in content.items() if re.fullmatch(r"f|c[xy]|[kpb]\d|width|height", key)}
+    if content["projection"] != "frame" or get.get("k4") or get.get("b2"):
+        raise _unknown(name, f"Metashape's projection {content['projection']}, k4 or b2", "frame without k4 and b2")
+    return {
+        **{key: get.get(key, 0.0) for key in ("k1", "k2", "k3", "width", "height")},
+        **{"p1": get.get("p2", 0.0), "p2": get.get("p1", 0.0), "camera_model": "opencv"},
+        **{"fx": get["f"] + get.get("b1", 0.0), "fy": get["f"]},
+        **{
+            "c" + axis: (get[side] - 1) / 2 + get.get("c" + axis, 0.0)
+            for axis, side in (("x", "width"), ("y", "height"))
+        },
+    }
+
+
+def _unknown(name: str, model: str, known: str) -> PalpateError:
+    return PalpateError(
+        f"{name} has {model}, which palpate does not support.", f"Calibrate with {known}.", code="lens-model-unknown"
+    )
 
 
 def _read_yaml(text: str) -> Any:
@@ -128,11 +234,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
     (camera,) = chain.values()
     model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
     if model != "pinhole" or lens not in KALIBR_LENSES:
-        raise PalpateError(
-            f"{name} has Kalibr's model {model}-{lens}, which palpate does not support.",
-            "Calibrate with pinhole-radtan or pinhole-equi.",
-            code="lens-model-unknown",
-        )
+        raise _unknown(name, f"Kalibr's model {model}-{lens}", "pinhole-radtan or pinhole-equi")
     fx, fy, cx, cy = (float(value) for value in camera["intrinsics"])
     return {
         "image_size": camera["resolution"],
@@ -186,11 +288,7 @@ def _by_ros_keys(name: str, content: dict[str, Any]) -> dict[str, Any]:
         if any(low.get(own) is not None for own in names)
     }
     if (model := str(low.get("model_type", "pinhole"))).lower() != "pinhole":
-        raise PalpateError(
-            f"{name} has the camera model {model}, which palpate does not support.",
-            "Calibrate with a pinhole model.",
-            code="lens-model-unknown",
-        )
+        raise _unknown(name, f"the camera model {model}", "a pinhole model")
     if float(low.get("fisheye_model", 0) or 0):
         found["distortion_model"] = "equidistant"
     if "image_size" in found:
