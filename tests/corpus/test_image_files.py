@@ -59,6 +59,25 @@ def test_dots_of_any_layout_are_found(kind: str, tmp_path: Path) -> None:
     assert found_all(path)
 
 
+@pytest.mark.parametrize("quality", [90, 80, 70, 60])
+@pytest.mark.parametrize("noise", [4, 8])
+def test_dots_are_found_in_compressed_noise(noise: int, quality: int, tmp_path: Path) -> None:
+    grey = drawn() * 255 + np.random.default_rng(7).normal(0, noise, (130, 180))
+    cv2.imwrite(str(tmp_path / "a.jpg"), np.clip(grey, 0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    assert found_all(tmp_path / "a.jpg")
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_a_stack_is_refused_and_a_preview_passed_over(same: bool, tmp_path: Path) -> None:
+    image = Image.fromarray(np.rint(drawn() * 255).astype(np.uint8))
+    image.save(tmp_path / "a.tif", save_all=True, append_images=[image if same else image.resize((45, 32))])
+    if not same:
+        assert found_all(tmp_path / "a.tif")
+        return
+    with refused("image-stack", "a.tif", "2"):
+        read_image(tmp_path / "a.tif")
+
+
 @pytest.mark.parametrize("orientation", range(2, 9))
 def test_the_orientation_of_a_photograph_is_ignored(orientation: int, tmp_path: Path) -> None:
     path = tmp_path / "a.jpg"
