@@ -194,7 +194,8 @@ def _svg_children(
             values = (child.get("cx", "0"), child.get("cy", "0"), child.get("r", child.get("rx", "0")))
             x, y, size = ((_length(path, value) or 0.0) / _MM["px"] for value in values)
             x, y, _ = own @ [x, y, 1.0]
-            yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
+            if size > 0.0:  # SVG draws no other
+                yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
         elif paths and kind == "path" and "z" in child.get("d", "").lower():
             curves = load_extra("svgelements", "cad").Path(child.get("d")).as_subpaths()
             for curve in curves:
@@ -208,6 +209,8 @@ def _svg_children(
 def _length(path: Path, text: str | None) -> float | None:
     """Length in mm; `None` if absent or relative."""
     found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]*|%)\s*", text or "")
+    if re.match(r"\s*[-+]?(nan|inf)", text or "", re.IGNORECASE):
+        raise PalpateError(f"{path} has the length '{text}'.", "Draw the circle again.", code="drawing-broken")
     if found is None or found[2] == "%":
         return None
     if found[2].lower() not in _MM:
