@@ -15,12 +15,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import h5py
 import numpy as np
 from ruamel.yaml import YAML
 
-from palpate.core import PalpateError
-from palpate.core.external_links import reject_external_links
+from palpate.core import PalpateError, reject_external_links
 
 KALIBR_LENSES = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
 """Lens models of ROS by their names in Kalibr."""
@@ -82,9 +80,10 @@ def read_camera_file(path: Path) -> dict[str, Any]:
 
 def _read_mat(path: Path) -> dict[str, Any]:
     """Return the variables of a MATLAB file; arrays of version 7.3 (HDF5) are transposed."""
-    from scipy.io import loadmat  # here, because scipy is slow to load
+    import h5py  # here, because both are slow to load
+    from scipy.io import loadmat
 
-    def content(group: h5py.Group) -> dict[str, Any]:
+    def content(group: Any) -> dict[str, Any]:
         return {key: content(item) if isinstance(item, h5py.Group) else item[()] for key, item in group.items()}
 
     if h5py.is_hdf5(path):
