@@ -52,7 +52,7 @@ def add_forces(
     assert choice.forces is not None
     found = read_table(choice.forces)
     names, values = _wrench(found, choice)
-    (_, known), (clock, asked) = _seconds(found, choice), _seconds(table, choice)
+    (_, known), (clock, asked) = find_times(found, choice), find_times(table, choice)
     sound = np.isfinite(values).all(axis=1) & np.isfinite(known)
     samples = Samples.of(known[sound], values[sound])
     order = np.argsort(asked, kind="stable")
@@ -85,7 +85,7 @@ def _range(time: FloatArray) -> tuple[str, str]:
     return f"{time.min(initial=np.inf):.3f}", f"{time.max(initial=-np.inf):.3f}"
 
 
-def _seconds(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatArray]:
+def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatArray]:
     """Column of times, and times (n,) s of the rows, by the unit in its name, the flag or the values."""
     for name in table.columns:
         match = _TIME.fullmatch(name.strip().lower())

@@ -6,7 +6,6 @@ degrees, lengths to mm.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -152,31 +151,21 @@ def find_pose_columns(
     return tuple(chosen), others, tuple(left_out)
 
 
-def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[RecordingTable, NDArray[np.bool_], str]:
-    """Rows in which a few numbers of the pose are missing.
-
-    Returns
-    -------
-    tuple
-        The table without the faults of these rows, (n,) whether a row is one of them, and a sentence; empty without
-        such rows.
-    """
+def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[NDArray[np.bool_], str]:
+    """Rows (n,) in which a few numbers of the pose are missing, and a sentence; empty without such rows."""
     gaps, names = np.zeros(len(table), bool), []
     asked = {text.partition("=")[0].strip().casefold() for text in choice.targets}
     for name, values in table.columns.items():
         short = short_name(split_unit(name.strip().lower())[0])
         wanted = name.casefold() in asked if asked else AXES.get(short, short) in ("rx", "ry", "depth")
-        typed = name in table.faults and "'nan'" not in table.faults[name].lower()
-        if wanted and table.is_numeric(name) and not typed:
+        if wanted and table.is_numeric(name) and name not in table.faults:
             missing = ~np.isfinite(as_numbers(values))
             if 0 < missing.sum() <= _FEW_MISSING * len(values):
                 gaps |= missing
                 names.append(name)
     if not 0 < gaps.sum() <= _FEW_MISSING * len(gaps):
-        return table, np.zeros(len(table), bool), ""
-    faults = {name: fault for name, fault in table.faults.items() if name not in names}
-    said = f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
-    return replace(table, faults=faults), gaps, said
+        return np.zeros(len(table), bool), ""
+    return gaps, f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
 
 
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:

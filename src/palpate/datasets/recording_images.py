@@ -204,7 +204,7 @@ def _bare_name(path: Path) -> str:
 
 
 def _is_image(path: Path) -> bool:
-    return path.suffix.lower() in IMAGE_SUFFIXES
+    return path.suffix.lower() in IMAGE_SUFFIXES and path.name[0] != "."
 
 
 def list_below(folder: Path) -> list[Path]:

@@ -26,12 +26,16 @@ class VideoSource(Source):
             raise PalpateError(
                 f"{path} does not exist.", "Give a video, a folder or the number of a camera.", code="file-missing"
             )
-        self._path = path
+        self._path, self._times = path, list[float]()
         self._capture = open_capture(text)
 
     @property
     def name(self) -> str:
         return str(self._path)
+
+    @property
+    def times(self) -> list[float]:
+        return self._times
 
     def images(self) -> Iterator[ImageOrError]:
         cv2 = load_opencv()
@@ -48,6 +52,7 @@ class VideoSource(Source):
             given += 1
             now_s = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
             last_s, gap_s = now_s, max(gap_s, now_s - last_s)
+            self._times.append(now_s)
             yield np.asarray(image)
         if not given or (given < promised and not self._is_whole(given, promised, fps, last_s + 1.5 * gap_s)):
             yield PalpateError(
@@ -81,6 +86,7 @@ class VideoSource(Source):
         try:
             with av.open(str(self._path)) as container:
                 for frame in container.decode(video=0):
+                    self._times.append(frame.time or 0.0)
                     yield np.asarray(frame.to_ndarray(format="bgr24"))
         except (av.FFmpegError, OSError, IndexError, ValueError) as error:
             yield PalpateError(

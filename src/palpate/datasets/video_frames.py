@@ -1,0 +1,142 @@
+"""Numbers of images in videos with a table: by time, by order, or by a column that counts from 1."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.camera import open_source, recording_suffixes
+from palpate.core import FloatArray, PalpateError
+from palpate.core.files import natural_key
+from palpate.datasets.column_mapping import ColumnMapping
+from palpate.datasets.read_forces import find_times
+from palpate.datasets.recording_columns import list_columns
+from palpate.datasets.recording_images import list_below
+from palpate.datasets.samples import Samples, find_offset, shrink
+from palpate.datasets.table import REST, RecordingTable, as_numbers
+
+_COUNTER = re.compile(r"(?:video[_ ]?)?frame[_ ]?(?:index|idx|number|num|no|id|nr)?\.?")
+"""Names of columns that number the images of a video."""
+_REMEDY = "Number the images from 0 in a column called frame, or write their times since the video's first image."
+_EXACT = 0.1
+"""Median distance of times from those of images, over the images' period, of images' own times. By hand."""
+
+
+def list_videos(folder: Path) -> list[Path]:
+    """Videos of a folder, in natural order; hidden files are passed over."""
+    found = (path for path in folder.iterdir() if path.suffix.lower() in recording_suffixes())
+    return sorted((path for path in found if path.name[0] != "."), key=lambda path: natural_key(path.name))
+
+
+def videos_of_rows(table: RecordingTable, videos: list[Path]) -> list[int] | None:
+    """Number of each row's video, by the column of their file names; `None` without such a column."""
+    numbers = {path.name: number for number, path in enumerate(videos)}
+    for name, values in table.columns.items():
+        if not table.is_numeric(name):
+            files = [Path(str(text).replace("\\", "/")).name for text in values]
+            if files and all(file in numbers for file in files):
+                return [numbers[file] for file in files]
+    return [0] * len(table) if len(videos) == 1 else None
+
+
+def number_frames(table: RecordingTable, folder: Path, choice: ColumnMapping) -> RecordingTable:
+    """Add a column ``frame`` if the images are in videos: by a counter, by time, or by order.
+
+    Rows without an image at their time are left out, and all but the nearest to one image.
+
+    Raises
+    ------
+    PalpateError
+        If the times or the number of rows do not match, or a video cannot be read.
+    """
+    videos = list_videos(folder)
+    which = videos_of_rows(table, videos)
+    if which is None or choice.image or any(path.stem.lower() != REST for path in list_below(folder)):
+        return table
+    counters = [name for name in table.columns if table.is_numeric(name) and _COUNTER.fullmatch(name.strip().lower())]
+    frames, used, notes = np.full(len(table), np.nan), set(counters[:1]), dict[str, None]()
+    for number in sorted(set(which)):
+        rows = np.flatnonzero(np.array(which) == number)
+        frames[rows], clock, note = _number(table.rows(rows), videos[number], counters[:1], choice)
+        used |= {clock} if choice.forces is None else set()
+        notes |= {note: None} if note else {}
+    kept = np.flatnonzero(np.isfinite(frames))
+    if len(kept) < len(table):
+        notes[f"{len(table) - len(kept)} of {len(table)} rows have no image of their own and are left out"] = None
+    columns = {name: values for name, values in table.columns.items() if name not in used} | {"frame": frames}
+    return replace(table, columns=columns, notes=(*table.notes, *notes)).rows(kept)
+
+
+def _number(
+    table: RecordingTable, video: Path, counters: list[str], choice: ColumnMapping
+) -> tuple[FloatArray, str, str]:
+    """Number of the image of each row, NaN without one; the column of times used; a note."""
+    numbers = as_numbers(table.columns[counters[0]]) if counters else np.arange(len(table), dtype=float)
+    if counters and numbers.min() != 1:
+        return numbers, "", ""
+    small, time = _read_video(video)
+    if counters and numbers.max() == len(small):
+        return numbers - 1, "", f"{counters[0]} counts the images from 1"
+    if counters:
+        return numbers, "", ""
+    try:
+        clock, asked = find_times(table, choice)
+    except PalpateError as error:
+        if error.code != "time-column-missing":
+            raise
+        if len(small) == len(table):
+            return numbers, "", "no column numbers the images of the video: rows are taken in their order"
+        raise PalpateError(
+            f"{video.name} has {len(small)} images, {table.name} {len(table)} rows of it and no column that numbers "
+            f"them; it has {list_columns(table)}.",
+            _REMEDY,
+            code="image-column-missing",
+        ) from error
+    others = np.column_stack([as_numbers(table.columns[name]) for name in table.columns if table.is_numeric(name)])
+    return (
+        _nearest(asked, time, small, Samples.of(asked, np.nan_to_num(others)), (table, video)),
+        clock,
+        ("rows are matched to the images of the video by time"),
+    )
+
+
+def _nearest(
+    asked: FloatArray, time: FloatArray, small: FloatArray, motion: Samples, names: tuple[RecordingTable, Path]
+) -> FloatArray:
+    """Number of the image (n,) at each time, NaN without one; the motion shows a clock offset."""
+    period = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    for offset in (0.0, None):
+        if offset is None:
+            ways = [np.abs(np.diff(column)) for column in motion.values.T]
+            time = time - find_offset(time, small, motion.time, ways, "")[0]
+        number = np.searchsorted((time[1:] + time[:-1]) / 2, asked)
+        away = np.abs(asked - time[number])
+        if np.median(away) <= _EXACT * period:
+            break
+    inside = (asked >= time[0] - period) & (asked <= time[-1] + period)
+    if inside.sum() < 0.5 * len(asked):
+        table, video = names
+        raise PalpateError(
+            f"The images of {video.name} are at {time[0]:.3f} to {time[-1]:.3f} s, the rows of {table.name} at "
+            f"{asked.min():.3f} to {asked.max():.3f} s.",
+            _REMEDY,
+            code="times-no-overlap",
+        )
+    order = np.lexsort((away, number))
+    nearest = order[np.unique(number[order], return_index=True)[1]]
+    chosen = np.isin(np.arange(len(asked)), nearest) & inside
+    return np.where(chosen, number, np.nan)
+
+
+def _read_video(video: Path) -> tuple[FloatArray, FloatArray]:
+    """Small images (n, h, w) of a video, and their times (n,) s."""
+    small = []
+    with open_source(str(video)) as source:
+        for image in source.images():
+            if isinstance(image, PalpateError):
+                raise image
+            small.append(shrink(image))
+        return np.array(small), np.array(source.times)
