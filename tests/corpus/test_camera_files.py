@@ -95,15 +95,6 @@ def colmap(model: str, *values: float) -> str:
     )
 
 
-def metashape(values: list[float], more: str = "") -> str:
-    k1, k2, p1, p2, k3 = values
-    about = {"projection": "frame", "width": SIZE[0], "height": SIZE[1], "f": FY, "b1": FX - FY}
-    about |= {"cx": CX + 0.5 - SIZE[0] / 2, "cy": CY + 0.5 - SIZE[1] / 2, "k1": k1, "k2": k2, "k3": k3}
-    about |= {"p1": p2, "p2": p1, "date": "2024-05-03T10:00:00Z"}
-    inner = "".join(f"<{key}>{value}</{key}>\n" for key, value in about.items())
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n<calibration>\n{inner}{more}</calibration>\n'
-
-
 def matlab(values: list[float], key: str = "IntrinsicMatrix") -> dict[str, object]:
     k1, k2, p1, p2, k3 = values
     whole = np.array([[FX, 0, CX + 1], [0, FY, CY + 1], [0, 0, 1]])
@@ -191,7 +182,6 @@ READ = {
     "cameras.txt": (colmap("OPENCV", *LENS[4]), 4),
     "cameras_full.txt": (colmap("FULL_OPENCV", *LENS[8]), 8),
     "cameras_fisheye.txt": (colmap("OPENCV_FISHEYE", *LENS["fisheye"]), "fisheye"),
-    "metashape.xml": (metashape(LENS[5]), 5),
     "to_struct.json": (json.dumps(matlab(LENS[5])), 5),
     "camchain.yaml": (kalibr(LENS[4], "radtan"), 4),
     "camchain_fisheye.yaml": (kalibr(LENS["fisheye"], "equidistant"), "fisheye"),
@@ -218,8 +208,6 @@ REFUSED = {
     "colmap_two.txt": (colmap("OPENCV", *LENS[4]) * 2, "calibration-several-cameras"),
     "colmap_fov.txt": (colmap("FOV", 0.9), "lens-model-unknown"),
     "colmap_short.txt": (colmap("OPENCV", 0.1), "lens-model-unknown"),
-    "metashape_fisheye.xml": (metashape(LENS[5]).replace("frame", "fisheye"), "lens-model-unknown"),
-    "metashape_k4.xml": (metashape(LENS[5], "<k4>0.1</k4>"), "lens-model-unknown"),
     "stereo.json": (
         json.dumps({"CameraParameters1": matlab(LENS[5]), "CameraParameters2": matlab(LENS[5])}),
         "calibration-several-cameras",
@@ -314,15 +302,6 @@ def test_a_file_of_matlab_has_its_first_pixel_at_1(key: str, version: str, neste
             group = file.create_group("cameraParams") if nested else file
             for name, value in arrays.items():
                 group[name] = np.atleast_2d(value).T
-    found = read_calibration(path)
-    assert (found.width_px, found.height_px) == SIZE
-    assert found.intrinsics_px == pytest.approx([FX, FY, CX, CY])
-    assert found.distortion == pytest.approx(LENS[5])
-
-
-def test_results_of_bouguet_have_their_first_pixel_at_0(tmp_path: Path) -> None:
-    path = tmp_path / "Calib_Results.mat"
-    savemat(path, {"fc": [[FX], [FY]], "cc": [[CX], [CY]], "kc": LENS[5], "nx": SIZE[0], "ny": SIZE[1]})
     found = read_calibration(path)
     assert (found.width_px, found.height_px) == SIZE
     assert found.intrinsics_px == pytest.approx([FX, FY, CX, CY])

@@ -86,7 +86,7 @@ def read_calibration(path: Path) -> Calibration:
         raise PalpateError(
             f"{path.name} is not a calibration: {_first_line(error)}.",
             "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a file of Kalibr, "
-            "MATLAB (.mat), COLMAP (cameras.txt) or Metashape (XML).",
+            "MATLAB (.mat) or COLMAP (cameras.txt).",
             code="calibration-file-unreadable",
         ) from error
 

@@ -1,9 +1,9 @@
 """Conversion of camera files of other tools to the keys of ROS's ``camera_info`` YAML.
 
 Supported are: YAML, XML and JSON of OpenCV's FileStorage; ROS's YAML, ``ost.ini`` and the dump of ``topic echo`` of a
-``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; a struct of MATLAB (.mat or JSON) and the results of Bouguet's
-toolbox; ``cameras.txt`` of COLMAP; XML of Metashape; fx, fy, cx, cy, k1 … as single numbers, such as those of
-ORB-SLAM, VINS and nerfstudio. Matrices may be blocks with ``data``, nested or flat lists.
+``CameraInfo`` (ROS 1 and 2); a camchain of Kalibr; a struct of MATLAB (.mat or JSON); ``cameras.txt`` of COLMAP; fx,
+fy, cx, cy, k1 … as single numbers, such as those of ORB-SLAM, VINS and nerfstudio. Matrices may be blocks with
+``data``, nested or flat lists.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from palpate.core import PalpateError, reject_external_links
 
 KALIBR_LENSES = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
 """Lens models of ROS by their names in Kalibr."""
-_INTRINSICS = (("fx", "fl_x", "f"), ("fy", "fl_y", "f"), ("cx", "ppx", "c_x"), ("cy", "ppy", "c_y"))
+_INTRINSICS = (("fx", "fl_x"), ("fy", "fl_y"), ("cx", "ppx", "c_x"), ("cy", "ppy", "c_y"))
 _CAMERA = re.compile(r"cam\d+")
 _NAMES = {
     "camera_matrix": ("k", "cameramatrix", "camera_matrix", "mtx", "intrinsic_matrix"),
@@ -75,7 +75,7 @@ def read_camera_file(path: Path) -> dict[str, Any]:
         content = _read_yaml(start)
     if not isinstance(content, dict):
         raise ValueError("it contains no keys")
-    return _by_ros_keys(name, _from_metashape(name, _from_matlab(name, _from_kalibr(name, content))))
+    return _by_ros_keys(name, _from_matlab(name, _from_kalibr(name, content)))
 
 
 def _read_mat(path: Path) -> dict[str, Any]:
@@ -105,33 +105,27 @@ def _read_mat(path: Path) -> dict[str, Any]:
 
 
 def _from_matlab(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    """Convert a struct of MATLAB, whose pixels begin at 1, or Bouguet's results; return others unchanged."""
+    """Convert a struct of MATLAB, whose first pixel has its centre at 1; return others unchanged."""
     groups = {"": content} | {key: value for key, value in content.items() if isinstance(value, Mapping)}
     structs = {key: {str(own).lower(): value for own, value in group.items()} for key, group in groups.items()}
-    found = {key: one for key, one in structs.items() if "radialdistortion" in one or {"fc", "cc", "kc"} <= set(one)}
+    found = {key: one for key, one in structs.items() if "radialdistortion" in one}
     if len(found) > 1:
         raise _several(", ".join(found), name, len(found))
     if not found:
         return content
     (low,) = found.values()
-    bouguet = "fc" in low
-    matrix = np.ravel(low.get("intrinsicmatrix", low.get("k", ())))
-    if len(matrix) == 9:
-        matrix = matrix.reshape(3, 3).T if matrix[6:8].any() else matrix.reshape(3, 3)
-        focal, centre = matrix[[0, 1], [0, 1]], matrix[:2, 2]
-    else:
-        focal, centre = (
-            np.ravel(low[key]) for key in (("fc", "cc") if bouguet else ("focallength", "principalpoint"))
-        )
-    radial = np.pad(np.ravel(low.get("radialdistortion", ())), (0, 3))[:3]
-    lens = np.ravel(low.get("kc", [*radial[:2], *np.ravel(low.get("tangentialdistortion", (0, 0))), radial[2]]))
-    size = np.ravel([low.get("ny", []), low.get("nx", [])] if bouguet else low.get("imagesize", ()))
-    (fx, fy), (cx, cy) = focal.tolist(), (centre - (0.0 if bouguet else 1.0)).tolist()
+    matrix = np.reshape(
+        low.get("intrinsicmatrix", low.get("k", np.diag([*np.ravel(low.get("focallength", (0, 0))), 1]))), (3, 3)
+    )
+    matrix = matrix.T if matrix[2, :2].any() else matrix
+    centre = np.ravel(low.get("principalpoint", matrix[:2, 2])) - 1
+    radial = [*np.ravel(low["radialdistortion"]).tolist(), 0.0, 0.0]
+    tangential = np.ravel(low.get("tangentialdistortion", (0, 0))).tolist()
     return {
-        "camera_matrix": [fx, 0, cx, 0, fy, cy, 0, 0, 1],
-        "distortion_coefficients": lens.tolist(),
+        "intrinsics": [*matrix[[0, 1], [0, 1]].tolist(), *centre.tolist()],
+        "distortion_coefficients": [*radial[:2], *tangential, radial[2]],
         "distortion_model": "plumb_bob",
-    } | ({"image_height": float(size[0]), "image_width": float(size[1])} if len(size) == 2 else {})
+    } | dict(zip(("h", "w"), np.ravel(low.get("imagesize", ())).tolist(), strict=False))
 
 
 def _from_colmap(name: str, rows: list[tuple[str, str]]) -> dict[str, Any]:
@@ -143,26 +137,9 @@ def _from_colmap(name: str, rows: list[tuple[str, str]]) -> dict[str, Any]:
     keys = ["w", "h", *_COLMAP.get(model, "").split()]
     if len(keys) != len(numbers):
         raise _unknown(name, f"COLMAP's model {model} with {len(numbers) - 2} parameters", ", ".join(_COLMAP))
-    found: dict[str, Any] = {"k1": 0.0} | dict(zip(keys, numbers, strict=True))
-    return found | {"cx": found["cx"] - 0.5, "cy": found["cy"] - 0.5, "camera_model": model}
-
-
-def _from_metashape(name: str, content: dict[str, Any]) -> dict[str, Any]:
-    """Convert a calibration of Metashape, centred on the image; return others unchanged."""
-    if not {"projection", "f", "width", "height"} <= set(content):
-        return content
-    get = {key: float(value) for key, value in content.items() if re.fullmatch(r"f|c[xy]|[kpb]\d|width|height", key)}
-    if content["projection"] != "frame" or get.get("k4") or get.get("b2"):
-        raise _unknown(name, f"Metashape's projection {content['projection']}, k4 or b2", "frame without k4 and b2")
-    return {
-        **{key: get.get(key, 0.0) for key in ("k1", "k2", "k3", "width", "height")},
-        **{"p1": get.get("p2", 0.0), "p2": get.get("p1", 0.0), "camera_model": "opencv"},
-        **{"fx": get["f"] + get.get("b1", 0.0), "fy": get["f"]},
-        **{
-            "c" + axis: (get[side] - 1) / 2 + get.get("c" + axis, 0.0)
-            for axis, side in (("x", "width"), ("y", "height"))
-        },
-    }
+    found: dict[str, Any] = {"k1": 0.0, "camera_model": model} | dict(zip(keys, numbers, strict=True))
+    both = {"fx": found["f"], "fy": found["f"]} if "f" in found else {}
+    return found | both | {"cx": found["cx"] - 0.5, "cy": found["cy"] - 0.5}
 
 
 def _unknown(name: str, model: str, known: str) -> PalpateError:

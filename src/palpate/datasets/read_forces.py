@@ -12,15 +12,11 @@ from palpate.core import FloatArray, PalpateError
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.pose_column import FACTORS
-from palpate.datasets.recording_columns import list_columns
+from palpate.datasets.recording_columns import TIME, list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink
 from palpate.datasets.table import RecordingTable, as_numbers, read_table
 
-_TIME = re.compile(
-    r"%?(?:.*[. /])?(?:time|time_?stamp|stamp|t|zeit|temps|时间|時刻)"
-    r"(?:[\s_/,(\[]+(?:in\s+)?(s|sec|seconds?|ms|[uµμ]s|ns)[)\]]?)?"
-)
 _SECONDS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
 """Seconds a unit."""
 _EPOCH_S = (1e9, 5e9)
@@ -88,7 +84,7 @@ def _range(time: FloatArray) -> tuple[str, str]:
 def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatArray]:
     """Column of times, and times (n,) s of the rows, by the unit in its name, the flag or the values."""
     for name in table.columns:
-        match = _TIME.fullmatch(name.strip().lower())
+        match = TIME.fullmatch(name.strip().lower())
         if match is None or not table.is_numeric(name):
             continue
         values, unit = as_numbers(table.columns[name]), match[1] or choice.times

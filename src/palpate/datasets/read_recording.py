@@ -14,6 +14,7 @@ from palpate.datasets.pose_column import PoseColumn
 from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
     INDEX,
+    TIME,
     find_gaps,
     find_image_column,
     find_pose_columns,
@@ -181,7 +182,8 @@ def _name_images(
         called = [name for name in texts if {str(text).casefold() for text in table.columns[name]} - {REST} <= stems]
         if called and error.code == "image-column-missing":
             return called[0], None
-        counts = (table.columns[name] for name in table.columns if name.strip().lower() in INDEX)
+        low = {name: name.strip().lower() for name in table.columns}
+        counts = (table.columns[name] for name, key in low.items() if key in INDEX or TIME.fullmatch(key))
         ordered = all(values.dtype.kind == "U" or bool((np.diff(values) > 0).all()) for values in counts)
         together = len({path.parent for path in files}) == 1
         if error.code != "image-column-missing" or len(files) != len(table) or not (ordered and together):

@@ -6,6 +6,7 @@ degrees, lengths to mm.
 
 from __future__ import annotations
 
+import re
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -40,8 +41,13 @@ _PRESS = (
     *("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run"),
     *("kontakt", "appui", "接触"),
 )
-INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
+INDEX = ("index", "id", "frame", "frame_index", "n", "row", "task_index", "unnamed: 0", "")
 """Names of columns that number the rows."""
+TIME = re.compile(
+    r"%?(?:.*[. /])?(?:time|time_?stamp|stamp|t|zeit|temps|时间|時刻)"
+    r"(?:[\s_/,(\[]+(?:in\s+)?(s|sec|seconds?|ms|[uµμ]s|ns)[)\]]?)?"
+)
+"""Names of columns of times, with their unit."""
 _STILL, _FEW_MISSING = 1e-9, 0.1
 """Relative range of a constant column: rounding; share of rows without a number that loses a column.
 By hand."""
@@ -230,7 +236,7 @@ def _why_not(table: RecordingTable, name: str) -> str:
         return f"{len(values) - len(known)} of its {len(values)} cells are empty or not finite"
     if float(np.ptp(known)) <= _STILL * max(1.0, float(np.abs(known).max())):
         return f"it is {known[0]:g} throughout"
-    if name.strip().lower() in INDEX:
+    if name.strip().lower() in INDEX or TIME.fullmatch(name.strip().lower()):
         return "it numbers the rows"
     step = np.diff(known)
     if len(known) > 10 and np.all(step == 1.0):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import open_source, recording_suffixes
-from palpate.core import FloatArray, PalpateError
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.core.files import natural_key
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.read_forces import find_times
@@ -22,7 +22,7 @@ _COUNTER = re.compile(r"(?:video[_ ]?)?frame[_ ]?(?:index|idx|number|num|no|id|n
 """Names of columns that number the images of a video."""
 _REMEDY = "Number the images from 0 in a column called frame, or write their times since the video's first image."
 _EXACT = 0.1
-"""Median distance of times from those of images, over the images' period, of images' own times. By hand."""
+"""Median distance to the images' own times, over their period, without a clock offset. By hand."""
 
 
 def list_videos(folder: Path) -> list[Path]:
@@ -56,79 +56,64 @@ def number_frames(table: RecordingTable, folder: Path, choice: ColumnMapping) ->
     which = videos_of_rows(table, videos)
     if which is None or choice.image or any(path.stem.lower() != REST for path in list_below(folder)):
         return table
-    counters = [name for name in table.columns if table.is_numeric(name) and _COUNTER.fullmatch(name.strip().lower())]
-    frames, used, notes = np.full(len(table), np.nan), set(counters[:1]), dict[str, None]()
+    counter = next((name for name in table.columns if _COUNTER.fullmatch(name.strip().lower())), "")
+    frames, notes = np.full(len(table), np.nan), list[str]()
     for number in sorted(set(which)):
         rows = np.flatnonzero(np.array(which) == number)
-        frames[rows], clock, note = _number(table.rows(rows), videos[number], counters[:1], choice)
-        used |= {clock} if choice.forces is None else set()
-        notes |= {note: None} if note else {}
-    kept = np.flatnonzero(np.isfinite(frames))
-    if len(kept) < len(table):
-        notes[f"{len(table) - len(kept)} of {len(table)} rows have no image of their own and are left out"] = None
-    columns = {name: values for name, values in table.columns.items() if name not in used} | {"frame": frames}
-    return replace(table, columns=columns, notes=(*table.notes, *notes)).rows(kept)
+        frames[rows], note = _number(table.rows(rows), videos[number], counter, choice)
+        notes.append(note)
+    kept = np.isfinite(frames)
+    if not kept.all():
+        notes.append(f"{(~kept).sum()} of {len(kept)} rows have no image of their own and are left out")
+    columns = {name: values for name, values in table.columns.items() if name != counter} | {"frame": frames}
+    return replace(table, columns=columns, notes=(*table.notes, *filter(None, dict.fromkeys(notes)))).rows(kept)
 
 
-def _number(
-    table: RecordingTable, video: Path, counters: list[str], choice: ColumnMapping
-) -> tuple[FloatArray, str, str]:
-    """Number of the image of each row, NaN without one; the column of times used; a note."""
-    numbers = as_numbers(table.columns[counters[0]]) if counters else np.arange(len(table), dtype=float)
-    if counters and numbers.min() != 1:
-        return numbers, "", ""
+def _number(table: RecordingTable, video: Path, counter: str, choice: ColumnMapping) -> tuple[FloatArray, str]:
+    """Number of the image of each row, NaN without one, and a note."""
+    numbers = as_numbers(table.columns[counter]) if counter else np.arange(len(table), dtype=float)
+    if counter and numbers.min() != 1:
+        return numbers, ""
     small, time = _read_video(video)
-    if counters and numbers.max() == len(small):
-        return numbers - 1, "", f"{counters[0]} counts the images from 1"
-    if counters:
-        return numbers, "", ""
+    if counter:
+        from_one = numbers.max() == len(small)
+        return numbers - from_one, f"{counter} counts the images from 1" if from_one else ""
     try:
-        clock, asked = find_times(table, choice)
+        asked = find_times(table, choice)[1]
     except PalpateError as error:
         if error.code != "time-column-missing":
             raise
         if len(small) == len(table):
-            return numbers, "", "no column numbers the images of the video: rows are taken in their order"
+            return numbers, "no column numbers the images of the video: rows are taken in their order"
         raise PalpateError(
             f"{video.name} has {len(small)} images, {table.name} {len(table)} rows of it and no column that numbers "
             f"them; it has {list_columns(table)}.",
             _REMEDY,
             code="image-column-missing",
         ) from error
-    others = np.column_stack([as_numbers(table.columns[name]) for name in table.columns if table.is_numeric(name)])
-    return (
-        _nearest(asked, time, small, Samples.of(asked, np.nan_to_num(others)), (table, video)),
-        clock,
-        ("rows are matched to the images of the video by time"),
-    )
-
-
-def _nearest(
-    asked: FloatArray, time: FloatArray, small: FloatArray, motion: Samples, names: tuple[RecordingTable, Path]
-) -> FloatArray:
-    """Number of the image (n,) at each time, NaN without one; the motion shows a clock offset."""
     period = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    for offset in (0.0, None):
-        if offset is None:
-            ways = [np.abs(np.diff(column)) for column in motion.values.T]
-            time = time - find_offset(time, small, motion.time, ways, "")[0]
-        number = np.searchsorted((time[1:] + time[:-1]) / 2, asked)
-        away = np.abs(asked - time[number])
-        if np.median(away) <= _EXACT * period:
-            break
+    if np.median(np.abs(asked - time[_nearest(time, asked)])) > _EXACT * period:
+        motion = [as_numbers(values) for values in table.columns.values() if values.dtype.kind == "f"]
+        known = Samples.of(asked, np.nan_to_num(np.column_stack(motion)))
+        ways = [np.abs(np.diff(values)) for values in known.values.T]
+        time = time - find_offset(time, small, known.time, ways, "rows")[0]
     inside = (asked >= time[0] - period) & (asked <= time[-1] + period)
     if inside.sum() < 0.5 * len(asked):
-        table, video = names
         raise PalpateError(
             f"The images of {video.name} are at {time[0]:.3f} to {time[-1]:.3f} s, the rows of {table.name} at "
             f"{asked.min():.3f} to {asked.max():.3f} s.",
             _REMEDY,
             code="times-no-overlap",
         )
-    order = np.lexsort((away, number))
-    nearest = order[np.unique(number[order], return_index=True)[1]]
-    chosen = np.isin(np.arange(len(asked)), nearest) & inside
-    return np.where(chosen, number, np.nan)
+    nearest = _nearest(time, asked)
+    order = np.lexsort((np.abs(asked - time[nearest]), nearest))
+    first = order[np.unique(nearest[order], return_index=True)[1]]
+    own = inside & np.isin(np.arange(len(asked)), first)
+    return np.where(own, nearest, np.nan), "rows are matched to the images of the video by time"
+
+
+def _nearest(time: FloatArray, asked: FloatArray) -> IntArray:
+    return np.searchsorted((time[1:] + time[:-1]) / 2, asked)
 
 
 def _read_video(video: Path) -> tuple[FloatArray, FloatArray]:
