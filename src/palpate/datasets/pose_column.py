@@ -18,7 +18,7 @@ _ANGLE = re.compile(
 )
 _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
-    r"|tiefe|profondeur|深"
+    r"|tiefe|profondeur|深|(position|translation)[./]+[xyz]$"
 )
 FACTORS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
@@ -150,4 +150,5 @@ def _fits_circle(values: FloatArray) -> bool:
 def short_name(name: str) -> str:
     """Return the name of an axis without prefixes: ``pose_Rx`` is ``rx``."""
     short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
+    short = re.sub(r"^.*(position|translation)[./]+(?=[xyz]$)", "", short)
     return re.sub(r"\W+", "_", short) or "value"

@@ -71,7 +71,7 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
         return held[0]
     if held:
         raise PalpateError(
-            f"The columns {', '.join(held)} of {table.name} all name images.",
+            f"{len(held)} columns of {table.name} name images: {', '.join(held[:5])}.",
             "Choose one by --image.",
             code="column-ambiguous",
         )
