@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import find_peaks
 from scipy.spatial.transform import Rotation, Slerp
 
 from palpate.camera import decode_image
@@ -32,6 +33,8 @@ _PARTS = 40
 """Maximum number of parts of equal duration that count as presses. By hand."""
 _PAUSE = 5.0
 """Time between two images, over its median, from which a new press begins. By hand."""
+_LIFT = 0.2
+"""Minimum travel of the tool back along its axis between two presses, over its whole travel. By hand."""
 _MOSAICS = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}
 """Bayer mosaics by ROS, and OpenCV's names of the same: their second row, second and third column."""
 
@@ -102,7 +105,8 @@ class RosbagReader(RecordingReader):
         if len(topics[_FORCES]) == 1:
             forces = _samples(bag, topics[_FORCES][0], _force_values).at(time)
             columns |= dict(zip(("fx_n", "fy_n", "fz_n", "tx_nm", "ty_nm", "tz_nm"), forces.T, strict=True))
-        columns["press"], note = _presses(time)
+        axis = Rotation.from_quat(turns).as_matrix()[:, :, 2].mean(axis=0)
+        columns["press"], note = _presses(time, places[:, :3] @ axis)
         return RecordingTable(place.name, columns, {}, (*notes, note)), shots
 
     def _pick(self, place: Path, found: Sequence[Any], asked: str, flag: str) -> Any:
@@ -170,13 +174,17 @@ def _force_values(message: Any) -> tuple[float, ...]:
     return tuple(getattr(part, axis) for part in (body.force, body.torque) for axis in "xyz")
 
 
-def _presses(time: FloatArray) -> tuple[FloatArray, str]:
-    """Number of the press of each image (n,), and a note on it: pauses, or parts of equal duration."""
+def _presses(time: FloatArray, depth: FloatArray) -> tuple[FloatArray, str]:
+    """Number of the press of each image (n,), and a note on it: pauses, lifts, or parts of equal duration."""
     step = np.diff(time)
     begins = np.concatenate([[False], step > _PAUSE * np.median(step)]) if len(step) else np.zeros(len(time), bool)
     press = np.cumsum(begins).astype(float)
     if press[-1] + 1 >= LEAST_SAMPLES:
         return press, f"pauses divide the images into {int(press[-1]) + 1} presses"
+    lifts = find_peaks(-depth, prominence=max(_LIFT * np.ptp(depth), 1e-9))[0]
+    if len(lifts) + 1 >= LEAST_SAMPLES:
+        press = np.searchsorted(lifts, np.arange(len(time)), side="right").astype(float)
+        return press, f"lifts of the tool along its axis divide the images into {len(lifts) + 1} presses"
     count = int(np.clip(len(time) // LEAST_SAMPLES, 1, _PARTS))
     parts = np.floor(np.arange(len(time)) * count / len(time))
     return parts, f"the images follow each other without pauses; {count} parts of equal length count as presses"
