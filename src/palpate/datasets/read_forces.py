@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from palpate.datasets.pose_column import FACTORS
 from palpate.datasets.recording_columns import TIME, list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink
-from palpate.datasets.table import RecordingTable, as_numbers, read_table
+from palpate.datasets.table import Column, RecordingTable, as_numbers, read_table
 
 _SECONDS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
 """Seconds a unit."""
@@ -85,9 +86,13 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
     """Column of times, and times (n,) s of the rows, by the unit in its name, the flag or the values."""
     for name in table.columns:
         match = TIME.fullmatch(name.strip().lower())
-        if match is None or not table.is_numeric(name):
+        try:
+            values = None if match is None else _clock(table.columns[name])
+        except ValueError:
+            values = None
+        if match is None or values is None:
             continue
-        values, unit = as_numbers(table.columns[name]), match[1] or choice.times
+        unit = match[1] or choice.times
         middle, step = np.nanmedian(values), np.nanmedian(np.abs(np.diff(values)))
         epochs = [one for one in ("s", *_SECONDS) if _EPOCH_S[0] <= middle * _SECONDS.get(one, 1.0) < _EPOCH_S[1]]
         unit = unit or (epochs[0] if epochs else "s" if step < _STEP_S else "")
@@ -103,6 +108,14 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
         "Name it time_s, or timestamp with its unit.",
         code="time-column-missing",
     )
+
+
+def _clock(values: Column) -> FloatArray:
+    """Times as numbers; texts by ISO 8601 as s since 1970, in UTC if they state no zone."""
+    if values.dtype.kind == "f":
+        return as_numbers(values)
+    read = [datetime.fromisoformat(text) for text in values.tolist()]
+    return np.array([(one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp() for one in read])
 
 
 def _wrench(table: RecordingTable, choice: ColumnMapping) -> tuple[list[str], FloatArray]:
