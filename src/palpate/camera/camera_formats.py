@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -91,10 +91,7 @@ def _read_mat(path: Path) -> dict[str, Any]:
             reject_external_links(file, path)
             found = content(file)
     else:
-        try:
-            found = loadmat(path, simplify_cells=True)
-        except Exception as error:  # a damaged file ends the parser by errors of every kind
-            raise ValueError(str(error)) from error
+        found = loadmat(path, simplify_cells=True)
     if {"#subsystem#", "__function_workspace__"} & set(found):
         raise PalpateError(
             f"{path.name} holds an object of MATLAB, which only MATLAB reads.",
@@ -109,29 +106,22 @@ def _from_matlab(name: str, content: dict[str, Any]) -> dict[str, Any]:
     groups = {"": content} | {key: value for key, value in content.items() if isinstance(value, Mapping)}
     structs = {key: {str(own).lower(): value for own, value in group.items()} for key, group in groups.items()}
     found = {key: one for key, one in structs.items() if "radialdistortion" in one}
-    if len(found) > 1:
-        raise _several(", ".join(found), name, len(found))
+    _only(name, list(found))
     if not found:
         return content
     (low,) = found.values()
-    matrix = np.reshape(
-        low.get("intrinsicmatrix", low.get("k", np.diag([*np.ravel(low.get("focallength", (0, 0))), 1]))), (3, 3)
-    )
-    matrix = matrix.T if matrix[2, :2].any() else matrix
-    centre = np.ravel(low.get("principalpoint", matrix[:2, 2])) - 1
+    matrix = np.reshape(low.get("intrinsicmatrix", low.get("k", np.zeros(9))), (3, 3))
+    fx, fy = np.ravel(low.get("focallength", matrix[[0, 1], [0, 1]]))
+    cx, cy = np.ravel(low.get("principalpoint", matrix[2, :2] if matrix[2, :2].any() else matrix[:2, 2])) - 1
     radial = [*np.ravel(low["radialdistortion"]).tolist(), 0.0, 0.0]
-    tangential = np.ravel(low.get("tangentialdistortion", (0, 0))).tolist()
-    return {
-        "intrinsics": [*matrix[[0, 1], [0, 1]].tolist(), *centre.tolist()],
-        "distortion_coefficients": [*radial[:2], *tangential, radial[2]],
-        "distortion_model": "plumb_bob",
-    } | dict(zip(("h", "w"), np.ravel(low.get("imagesize", ())).tolist(), strict=False))
+    lens = [*radial[:2], *np.ravel(low.get("tangentialdistortion", (0, 0))).tolist(), radial[2]]
+    size = dict(zip(("h", "w"), np.ravel(low.get("imagesize", ())).tolist(), strict=False))
+    return size | {"intrinsics": [fx, fy, cx, cy], "dist": lens, "distortion_model": "plumb_bob"}
 
 
 def _from_colmap(name: str, rows: list[tuple[str, str]]) -> dict[str, Any]:
     """Convert ``cameras.txt`` of COLMAP, whose first pixel has its centre at 0.5."""
-    if len(rows) > 1:
-        raise _several(", ".join(model for model, _ in rows), name, len(rows))
+    _only(name, [model for model, _ in rows])
     ((model, text),) = rows
     numbers = [float(word) for word in text.split()]
     keys = ["w", "h", *_COLMAP.get(model, "").split()]
@@ -187,17 +177,18 @@ def _read_ini(file: str, text: str) -> dict[str, Any]:
         else:
             name = line
     cameras = [section for section in content.pop("sections") if section not in ("[image]", "[externals]")]
-    if len(cameras) > 1:
-        raise _several(", ".join(cameras), file, len(cameras))
+    _only(file, cameras)
     return {key: values[0] if len(values) == 1 else values for key, values in content.items()}
 
 
-def _several(found: str, name: str, count: int) -> PalpateError:
-    return PalpateError(
-        f"{name} contains {count} cameras: {found}.",
-        "Copy one camera to a separate file.",
-        code="calibration-several-cameras",
-    )
+def _only(name: str, cameras: Sequence[str]) -> None:
+    """Raise an error if a file contains several cameras, given by their names."""
+    if len(cameras) > 1:
+        raise PalpateError(
+            f"{name} contains {len(cameras)} cameras: {', '.join(cameras)}.",
+            "Copy one camera to a separate file.",
+            code="calibration-several-cameras",
+        )
 
 
 def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
@@ -205,8 +196,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
     chain = {key: value for key, value in content.items() if _CAMERA.fullmatch(str(key))}
     if not chain:
         return content
-    if len(chain) > 1:
-        raise _several(", ".join(chain), name, len(chain))
+    _only(name, list(chain))
     (camera,) = chain.values()
     model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
     if model != "pinhole" or lens not in KALIBR_LENSES:
@@ -227,8 +217,7 @@ def _from_numbers(name: str, low: dict[str, Any]) -> dict[str, Any]:
     if not any(key in low for key in _NAMES["camera_matrix"]):
         inner = {key: {str(own).lower(): value for own, value in group.items()} for key, group in groups.items()}
         lenses = [key for key, group in inner.items() if any(own in group for own in _INTRINSICS[0])]
-        if len(lenses) > 1:
-            raise _several(", ".join(lenses), name, len(lenses))
+        _only(name, lenses)
         for key in [
             *lenses,
             *(key for key in inner if key in (*_NAMES["image_size"], "distortion", "distortion_parameters", "lens")),

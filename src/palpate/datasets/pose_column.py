@@ -35,7 +35,7 @@ FACTORS = {
 }
 """Unit that is written → unit of the program and factor."""
 AXES = {
-    **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
+    **dict.fromkeys(("fz", "fn", "f_z", "force_z", "load", "kraft", "normalkraft", "normal_force", "力"), "force"),
     **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
     **{f"{word}_{axis}": f"r{axis}" for word in ("euler", "rot", "rotation", "angle") for axis in "xyz"},
     **dict.fromkeys(

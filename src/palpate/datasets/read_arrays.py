@@ -7,15 +7,16 @@ diffusion policies do; each episode counts as a press. Zarr needs the extra ``za
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from traceback import extract_tb
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, Item
+from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns, read_row
 from palpate.datasets.table import RecordingTable
@@ -94,13 +95,5 @@ class _Rows(ImageSet):
     def stamp(self, number: int) -> str:
         return f"{self._stamp} {number}"
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            try:
-                yield read_row(self._images, number)
-            except PalpateError as error:
-                yield error
-            except Exception as error:  # each codec of Zarr has errors of its own
-                yield PalpateError(
-                    f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
-                )
+    def _image(self, number: int) -> NDArray[Any]:
+        return read_row(self._images, number)

@@ -86,10 +86,7 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
     """Column of times, and times (n,) s of the rows, by the unit in its name, the flag or the values."""
     for name in table.columns:
         match = TIME.fullmatch(name.strip().lower())
-        try:
-            values = None if match is None else _clock(table.columns[name])
-        except ValueError:
-            values = None
+        values = _clock(table.columns[name]) if match else None
         if match is None or values is None:
             continue
         unit = match[1] or choice.times
@@ -110,12 +107,13 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
     )
 
 
-def _clock(values: Column) -> FloatArray:
-    """Times as numbers; texts by ISO 8601 as s since 1970, in UTC if they state no zone."""
-    if values.dtype.kind == "f":
-        return as_numbers(values)
-    read = [datetime.fromisoformat(text) for text in values.tolist()]
-    return np.array([(one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp() for one in read])
+def _clock(values: Column) -> FloatArray | None:
+    """Numbers, or dates (ISO 8601, in UTC without a zone) in s since 1970; `None` for other texts."""
+    try:
+        dates = [datetime.fromisoformat(text) for text in values.tolist()] if values.dtype.kind == "U" else []
+    except ValueError:
+        return None
+    return np.array([(one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp() for one in dates] or values)
 
 
 def _wrench(table: RecordingTable, choice: ColumnMapping) -> tuple[list[str], FloatArray]:

@@ -6,15 +6,16 @@ The files are read by pyarrow; LeRobot itself is not needed.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.camera import decode_image, read_image
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, Item, VideoImages
+from palpate.datasets.recording_images import ImageSet, VideoImages
 from palpate.datasets.recording_reader import RecordingReader
 from palpate.datasets.table import Column, RecordingTable
 
@@ -115,12 +116,9 @@ class _Cells(ImageSet):
         cell = self._cells[number]
         return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            cell = self._cells[number]
-            path = self._folder / str(cell.get("path"))
-            try:
-                content = cell.get("bytes")
-                yield decode_image(content, f"Image {number}") if content else read_image(path)
-            except PalpateError as error:
-                yield error
+    def _image(self, number: int) -> NDArray[Any]:
+        cell = self._cells[number]
+        content = cell.get("bytes")
+        return (
+            decode_image(content, f"Image {number}") if content else read_image(self._folder / str(cell.get("path")))
+        )

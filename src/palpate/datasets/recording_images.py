@@ -32,9 +32,20 @@ class ImageSet(ABC):
     def stamp(self, number: int) -> str:
         """Return a text that changes with the image: name, size and time of its file."""
 
-    @abstractmethod
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         """Yield images by ascending numbers, with an error in place of an unreadable one."""
+        for number in numbers:
+            try:
+                yield self._image(number)
+            except PalpateError as error:
+                yield error
+            except Exception as error:  # each codec has errors of its own
+                yield PalpateError(
+                    f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
+                )
+
+    def _image(self, number: int) -> NDArray[Any]:
+        raise NotImplementedError
 
 
 @final
@@ -52,12 +63,8 @@ class ImageFiles(ImageSet):
             return f"{path.name} does not exist"
         return f"{path.name} {about.st_size} {about.st_mtime_ns}"
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            try:
-                yield read_image(self._paths[number])
-            except PalpateError as error:
-                yield error
+    def _image(self, number: int) -> NDArray[Any]:
+        return read_image(self._paths[number])
 
 
 @final
@@ -103,19 +110,12 @@ class ArrayImages(ImageSet):
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         for path, group in groupby(numbers, lambda number: self._places[number][0]):
-            with h5py.File(path, "r") as file:
-                for number in group:
-                    _, name, row = self._places[number]
-                    try:
-                        yield read_row(file[name], row)
-                    except PalpateError as error:
-                        yield error
-                    except (OSError, LookupError, RuntimeError, TypeError, ValueError) as error:
-                        yield PalpateError(
-                            f"Image {row} of {name} cannot be read: {error}.",
-                            "Repair or leave it out.",
-                            code="image-unreadable",
-                        )
+            with h5py.File(path, "r") as self._file:
+                yield from super().read(list(group))
+
+    def _image(self, number: int) -> NDArray[Any]:
+        _, name, row = self._places[number]
+        return read_row(self._file[name], row)
 
 
 @final

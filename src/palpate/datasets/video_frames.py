@@ -9,20 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import open_source, recording_suffixes
-from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.core.files import natural_key
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.read_forces import find_times
 from palpate.datasets.recording_columns import list_columns
 from palpate.datasets.recording_images import list_below
-from palpate.datasets.samples import Samples, find_offset, shrink
 from palpate.datasets.table import REST, RecordingTable, as_numbers
 
 _COUNTER = re.compile(r"(?:video[_ ]?)?frame[_ ]?(?:index|idx|number|num|no|id|nr)?\.?")
 """Names of columns that number the images of a video."""
 _REMEDY = "Number the images from 0 in a column called frame, or write their times since the video's first image."
-_EXACT = 0.1
-"""Median distance to the images' own times, over their period, without a clock offset. By hand."""
 
 
 def list_videos(folder: Path) -> list[Path]:
@@ -74,29 +71,24 @@ def _number(table: RecordingTable, video: Path, counter: str, choice: ColumnMapp
     numbers = as_numbers(table.columns[counter]) if counter else np.arange(len(table), dtype=float)
     if counter and numbers.min() != 1:
         return numbers, ""
-    small, time = _read_video(video)
+    time = _times(video)
     if counter:
-        from_one = numbers.max() == len(small)
+        from_one = numbers.max() == len(time)
         return numbers - from_one, f"{counter} counts the images from 1" if from_one else ""
     try:
         asked = find_times(table, choice)[1]
     except PalpateError as error:
         if error.code != "time-column-missing":
             raise
-        if len(small) == len(table):
+        if len(time) == len(table):
             return numbers, "no column numbers the images of the video: rows are taken in their order"
         raise PalpateError(
-            f"{video.name} has {len(small)} images, {table.name} {len(table)} rows of it and no column that numbers "
+            f"{video.name} has {len(time)} images, {table.name} {len(table)} rows of it and no column that numbers "
             f"them; it has {list_columns(table)}.",
             _REMEDY,
             code="image-column-missing",
         ) from error
     period = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    if np.median(np.abs(asked - time[_nearest(time, asked)])) > _EXACT * period:
-        motion = [as_numbers(values) for values in table.columns.values() if values.dtype.kind == "f"]
-        known = Samples.of(asked, np.nan_to_num(np.column_stack(motion)))
-        ways = [np.abs(np.diff(values)) for values in known.values.T]
-        time = time - find_offset(time, small, known.time, ways, "rows")[0]
     inside = (asked >= time[0] - period) & (asked <= time[-1] + period)
     if inside.sum() < 0.5 * len(asked):
         raise PalpateError(
@@ -105,23 +97,16 @@ def _number(table: RecordingTable, video: Path, counter: str, choice: ColumnMapp
             _REMEDY,
             code="times-no-overlap",
         )
-    nearest = _nearest(time, asked)
+    nearest = np.searchsorted((time[1:] + time[:-1]) / 2, asked)
     order = np.lexsort((np.abs(asked - time[nearest]), nearest))
-    first = order[np.unique(nearest[order], return_index=True)[1]]
-    own = inside & np.isin(np.arange(len(asked)), first)
-    return np.where(own, nearest, np.nan), "rows are matched to the images of the video by time"
+    own = np.isin(np.arange(len(asked)), order[np.unique(nearest[order], return_index=True)[1]])
+    return np.where(inside & own, nearest, np.nan), "rows are matched to the images of the video by time"
 
 
-def _nearest(time: FloatArray, asked: FloatArray) -> IntArray:
-    return np.searchsorted((time[1:] + time[:-1]) / 2, asked)
-
-
-def _read_video(video: Path) -> tuple[FloatArray, FloatArray]:
-    """Small images (n, h, w) of a video, and their times (n,) s."""
-    small = []
+def _times(video: Path) -> FloatArray:
+    """Times (n,) s of the images of a video."""
     with open_source(str(video)) as source:
         for image in source.images():
             if isinstance(image, PalpateError):
                 raise image
-            small.append(shrink(image))
-        return np.array(small), np.array(source.times)
+        return np.array(source.times)
