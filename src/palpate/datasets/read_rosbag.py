@@ -196,13 +196,8 @@ def _decode(message: Any, name: str) -> NDArray[Any]:
         return decode_image(bytes(message.data), name)
     encoding = message.encoding.lower()
     kind = np.dtype(np.uint16 if encoding.endswith("16") or "16u" in encoding else np.uint8)
-    channels = (
-        4
-        if "a8" in encoding or "8uc4" in encoding
-        else 3
-        if encoding[:3] in ("rgb", "bgr") or "uc3" in encoding
-        else 1
-    )
+    channels = 3 if encoding[:3] in ("rgb", "bgr") or "uc3" in encoding else 1
+    channels = 4 if "a8" in encoding or "8uc4" in encoding else channels
     known = ("mono", "rgb", "bgr", "8uc", "16uc", "bayer")
     if not encoding.startswith(known):
         raise PalpateError(

@@ -20,22 +20,19 @@ from palpate.datasets.pose_column import AXES, PoseColumn, name_axes, short_name
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
-    "image",
-    "image_name",
-    "image_file",
-    "image_path",
-    "filename",
-    "file_name",
-    "file",
-    "img",
-    "path",
-    "sensor_image",
-    "frame",
-    "bild",
-    "bilddatei",
-    "fichier",
-    "图像",
-    "画像",
+    *(
+        "image",
+        "image_name",
+        "image_file",
+        "image_path",
+        "filename",
+        "file_name",
+        "file",
+        "img",
+        "path",
+        "sensor_image",
+    ),
+    *("frame", "bild", "bilddatei", "fichier", "图像", "画像"),
 )
 _PRESS = (
     *("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run"),

@@ -142,12 +142,22 @@ def refuse_faults(table: Table, column: int) -> None:
     if fault is None and not table.is_numeric(column):
         fault = Fault(int(table.lines[0]), str(table.columns[column][0]))
     if fault is not None:
-        label = f"column {column + 1}" + (f" ({table.header[column]})" if table.header[column] else "")
         raise PalpateError(
-            f"{table.path}: row {fault.line}, {label}: '{fault.text[:40]}' is no number.",
+            f"{table.path}: row {fault.line}, {_label(table, column)}: '{fault.text[:40]}' is no number.",
             _correct(fault.text, table.decimal),
             code="value-not-number",
         )
+
+
+def empty_cell(table: Table, line: int, column: int) -> PalpateError:
+    """The error of a cell without a number."""
+    return PalpateError(
+        f"{table.path}: row {line}, {_label(table, column)} is empty.", "Fill or delete the row.", code="cell-empty"
+    )
+
+
+def _label(table: Table, column: int) -> str:
+    return f"column {column + 1}" + (f" ({table.header[column]})" if table.header[column] else "")
 
 
 def _correct(cell: str, decimal: str) -> str:
