@@ -97,20 +97,14 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
     if unit not in FACTORS or not bare:
         bare = low
-        if (
-            is_unit(unit)
-            and unit not in ("-", "1")
-            and re.search(r"[(\[]", low)
-            and not choice.angles + choice.lengths
-        ):
+        written = is_unit(unit) and unit not in ("-", "1") and bool(re.search(r"[(\[]", low))
+        if written and not choice.angles + choice.lengths:
             return PoseColumn(name, short_name(low), "1", values, f"Column {name} is in {unit}; it is kept.")
         if _ANGLE.search(low):
             clear = most > _TURN and not _fits_circle(values)
             unit = choice.angles or ("deg" if clear or _are_degrees(table, low) else "")
-            other, flag = (
-                "radians or degrees",
-                "--angles deg or --angles rad; near π, the tool points down in radians",
-            )
+            other = "radians or degrees"
+            flag = "--angles deg or --angles rad; near π, the tool points down in radians"
         elif _LENGTH.search(low):
             unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"

@@ -20,12 +20,8 @@ from palpate.datasets.table import Column, RecordingTable
 
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 _POSES = (
-    "geometry_msgs/msg/PoseStamped",
-    "geometry_msgs/msg/TransformStamped",
-    "geometry_msgs/msg/PoseWithCovarianceStamped",
-    "nav_msgs/msg/Odometry",
-    "geometry_msgs/msg/Pose",
-    "geometry_msgs/msg/Transform",
+    *("geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped", "nav_msgs/msg/Odometry"),
+    *("geometry_msgs/msg/PoseWithCovarianceStamped", "geometry_msgs/msg/Pose", "geometry_msgs/msg/Transform"),
 )
 _FORCES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench")
 _REMEDY = "Give a rosbag1 (.bag), or a rosbag2 (folder, .mcap or .db3)."

@@ -183,8 +183,13 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
         raise _several(table, kind, several)
     pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
-    _check_apart(table, pairs)
     for pair in pairs:
+        if pair.strain == pair.stress:
+            raise PalpateError(
+                f"{table.path}: column {pair.strain + 1} is both strain and stress.",
+                "Give --strain and --stress.",
+                code="column-taken-twice",
+            )
         refuse_faults(table, pair.strain)
         refuse_faults(table, pair.stress)
     strain_unit, factor, assumed = _strain_unit(table, pairs, spec)
@@ -290,16 +295,6 @@ def _alternate(strains: list[int], stresses: list[int]) -> bool:
     """Whether strain and stress columns alternate: samples side by side."""
     turns = sorted([*strains, *stresses])
     return turns[0::2] in (strains, stresses) and turns[1::2] in (strains, stresses)
-
-
-def _check_apart(table: Table, pairs: tuple[Pair, ...]) -> None:
-    for pair in pairs:
-        if pair.strain == pair.stress:
-            raise PalpateError(
-                f"{table.path}: column {pair.strain + 1} is both strain and stress.",
-                "Give --strain and --stress.",
-                code="column-taken-twice",
-            )
 
 
 def _written(table: Table, columns: list[int]) -> set[str]:

@@ -70,7 +70,7 @@ class VideoSource(Source):
         """
         if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
             return self._path.suffix.lower() in (".mkv", ".webm") and end_s >= (promised - 1) / fps
-        return given + 1 >= int(_edited_s(self._path) * fps) > 0
+        return given + 1 >= int(_duration_s(self._path) * fps) > 0
 
     def _decode_av1(self) -> Iterator[ImageOrError]:
         """Yield the images of an AV1 video by PyAV, since the wheels of OpenCV do not decode it."""
@@ -97,26 +97,17 @@ class VideoSource(Source):
         self._capture.release()
 
 
-def _edited_s(path: Path) -> float:
-    """Return the duration, s, of an MP4 file's first edit list; 0 without one, or if the file is cut off."""
+def _duration_s(path: Path) -> float:
+    """Return the duration, s, of an MP4 file with its edit list; 0 if the file is cut off."""
     content = path.read_bytes()
     at = 0
     while at + 8 <= len(content):
         size = int.from_bytes(content[at : at + 4], "big")
         size = int.from_bytes(content[at + 8 : at + 16], "big") if size == 1 else size or len(content) - at
         at += max(size, 8)
-    head, edits = content.find(b"mvhd"), content.find(b"elst")
-    if at != len(content) or min(head, edits) < 0:
+    head = content.find(b"mvhd")
+    if at != len(content) or not 0 <= head < len(content) - 36:
         return 0.0
-    try:
-        long = content[head + 4] == 1
-        (scale,) = struct.unpack_from(">I", content, head + (24 if long else 16))
-        long, (count,) = content[edits + 4] == 1, struct.unpack_from(">I", content, edits + 8)
-        form = ">QqI" if long else ">IiI"
-        entries = [
-            struct.unpack_from(form, content, edits + 12 + number * (20 if long else 12))
-            for number in range(min(count, 1000))
-        ]
-    except struct.error:
-        return 0.0
-    return sum(duration for duration, start, _ in entries if start >= 0) / max(scale, 1)
+    long = content[head + 4] == 1
+    scale, ticks = struct.unpack_from(">IQ" if long else ">II", content, head + (24 if long else 16))
+    return float(ticks / max(scale, 1))
