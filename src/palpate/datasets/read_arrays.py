@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_images import ImageSet, file_stamp
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns, read_row
 from palpate.datasets.table import RecordingTable
 
@@ -36,14 +36,8 @@ class ArraysReader(RecordingReader):
         return place.suffix.lower() in cls.formats.split(", ")
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
-        try:
+        with reading(place.name, _REMEDY):
             return self._read(place, _read_npz(place) if place.suffix.lower() == ".npz" else _read_zarr(place))
-        except PalpateError:
-            raise
-        except Exception as error:  # NumPy, zipfile and each codec of Zarr have errors of their own
-            raise PalpateError(
-                f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
 
     def _read(self, place: Path, arrays: Mapping[str, Any]) -> tuple[RecordingTable, ImageSet]:
         held = [name for name, array in arrays.items() if holds_images(array)]
@@ -89,8 +83,7 @@ class _Rows(ImageSet):
     """Rows of an array of images."""
 
     def __init__(self, place: Path, images: Any) -> None:
-        self._images, about = images, place.stat()
-        self._stamp = f"{place.name} {about.st_size} {about.st_mtime_ns}"
+        self._images, self._stamp = images, file_stamp(place)
 
     def stamp(self, number: int) -> str:
         return f"{self._stamp} {number}"

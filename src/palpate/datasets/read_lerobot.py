@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from palpate.camera import decode_image, read_image
 from palpate.core import PalpateError, load_extra
 from palpate.datasets.recording_images import ImageSet, VideoImages
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.table import Column, RecordingTable
 
 _REMEDY = "Give the folder that holds meta/info.json, data and videos."
@@ -34,7 +34,7 @@ class LeRobotReader(RecordingReader):
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
-        try:
+        with reading(place.name, _REMEDY):
             features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
             cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
             if not cameras:
@@ -51,10 +51,6 @@ class LeRobotReader(RecordingReader):
                 if features[camera]["dtype"] == "video"
                 else _Cells([cell for table in tables for cell in table.column(camera).to_pylist()], place)
             )
-        except (OSError, KeyError, ValueError, TypeError) as error:
-            raise PalpateError(
-                f"{place.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
         return RecordingTable(place.name, columns, {}), images
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
@@ -13,8 +14,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from palpate.camera import decode_image
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra, load_opencv
-from palpate.datasets.recording_images import ImageSet, Item
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_images import ImageSet, Item, file_stamp
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.samples import LEAST_SAMPLES, Samples, find_offset, shrink
 from palpate.datasets.table import Column, RecordingTable
 
@@ -51,15 +52,8 @@ class RosbagReader(RecordingReader):
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         load_extra("rosbags.highlevel", "ros", "rosbags")
-        try:
-            with _open(place) as bag:
-                return self._read(place, bag)
-        except PalpateError:
-            raise
-        except Exception as error:  # a damaged bag ends the parsers of rosbags by errors of every kind
-            raise PalpateError(
-                f"{place.name} cannot be read as a ROS bag: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
+        with reading(place.name, _REMEDY), _open(place) as bag:
+            return self._read(place, bag)
 
     def _read(self, place: Path, bag: Any) -> tuple[RecordingTable, ImageSet]:
         topics = {
@@ -221,10 +215,8 @@ class _Shots(ImageSet):
         self.times_s, self.small, self.rows = times_s, small, np.arange(len(bag_ns))
 
     def stamp(self, number: int) -> str:
-        about = (self._place / "metadata.yaml" if self._place.is_dir() else self._place).stat()
-        return (
-            f"{self._place.name} {about.st_size} {about.st_mtime_ns} {self._topic} {self._bag_ns[self.rows[number]]}"
-        )
+        file = self._place / "metadata.yaml" if self._place.is_dir() else self._place
+        return f"{self._place.name} {file_stamp(file)} {self._topic} {self._bag_ns[self.rows[number]]}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         if not numbers:
@@ -237,12 +229,9 @@ class _Shots(ImageSet):
             span = {"start": int(self._bag_ns[first]), "stop": int(self._bag_ns[last]) + 1}
             for connection, _, raw in bag.messages(connections=topics, **span):
                 if row in wanted:
-                    try:
-                        yield _decode(bag.deserialize(raw, connection.msgtype), f"Image {row}")
-                    except PalpateError as error:
-                        yield error
-                    except Exception as error:  # as above
-                        yield PalpateError(
-                            f"Image {row} is broken: {error}.", "Leave it out.", code="image-unreadable"
-                        )
+                    self._deserialize = partial(bag.deserialize, raw, connection.msgtype)
+                    yield from super().read([row])
                 row += 1
+
+    def _image(self, number: int) -> NDArray[Any]:
+        return _decode(self._deserialize(), f"Image {number}")

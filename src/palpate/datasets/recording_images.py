@@ -25,6 +25,15 @@ from palpate.datasets.table import REST
 Item = NDArray[Any] | PalpateError
 
 
+def file_stamp(path: Path) -> str:
+    """Return a text that changes with a file: its name, size and time."""
+    try:
+        about = path.stat()
+    except OSError:
+        return f"{path.name} does not exist"
+    return f"{path.name} {about.st_size} {about.st_mtime_ns}"
+
+
 class ImageSet(ABC):
     """Images by number."""
 
@@ -56,12 +65,7 @@ class ImageFiles(ImageSet):
         self._paths = tuple(paths)
 
     def stamp(self, number: int) -> str:
-        path = self._paths[number]
-        try:
-            about = path.stat()
-        except OSError:
-            return f"{path.name} does not exist"
-        return f"{path.name} {about.st_size} {about.st_mtime_ns}"
+        return file_stamp(self._paths[number])
 
     def _image(self, number: int) -> NDArray[Any]:
         return read_image(self._paths[number])
@@ -75,9 +79,7 @@ class VideoImages(ImageSet):
         self._videos, self._which, self._frames = tuple(videos), tuple(which), tuple(frames)
 
     def stamp(self, number: int) -> str:
-        path = self._videos[self._which[number]]
-        about = path.stat()
-        return f"{path.name} {about.st_size} {about.st_mtime_ns} {self._frames[number]}"
+        return f"{file_stamp(self._videos[self._which[number]])} {self._frames[number]}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         playing, at = -1, -1
@@ -104,9 +106,8 @@ class ArrayImages(ImageSet):
         self._places = tuple(places)
 
     def stamp(self, number: int) -> str:
-        path, name, row = self._places[number]
-        about = path.stat()
-        return f"{path.name} {about.st_size} {about.st_mtime_ns} {(name, row)}"
+        path, *place = self._places[number]
+        return f"{file_stamp(path)} {(*place,)}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         for path, group in groupby(numbers, lambda number: self._places[number][0]):
