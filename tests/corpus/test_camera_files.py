@@ -104,6 +104,10 @@ def matlab(values: list[float], key: str = "IntrinsicMatrix") -> dict[str, objec
     return about | {key: whole.T.tolist() if key == "IntrinsicMatrix" else whole.tolist()}
 
 
+def write_mat(path: Path) -> None:
+    savemat(path, {"cameraParams": {name: np.array(value, float) for name, value in matlab(LENS[5]).items()}})
+
+
 def json_lists(values: list[float]) -> str:
     return json.dumps({"cameraMatrix": MATRIX.tolist(), "distCoeffs": [values], "imageSize": list(SIZE)}, indent=1)
 
