@@ -245,6 +245,7 @@ ROWS = {
     "times in ms": ("t [ms]", [f"{stamp * 100:.0f}" for stamp in STAMPS], STAMPS),
     "times without some rows": ("time_s", [f"{s / 10:.3f}" if k % 7 else "" for k, s in enumerate(STAMPS)], STAMPS),
     "times of one clock": ("time_s", [f"{s / 10 + 0.02:.3f}" for s in STAMPS], STAMPS),
+    "times of a clock": ("time", [f"00:{s // 600:02d}:{s / 10 % 60:06.3f}" for s in STAMPS], STAMPS),
     "order": ("label", ["a"] * 24, list(range(24))),
     "counter from 0": ("frame_index", [str(k) for k in range(24)], STAMPS),
     "counter from 1": ("Frame", [str(k + 1) for k in range(24)], STAMPS),

@@ -385,6 +385,17 @@ def test_labels_beside_the_columns_of_a_robot_are_kept(labels: tuple[str, ...], 
     assert found.columns.keys() == table.columns.keys()
 
 
+def test_a_height_alone_in_a_base_is_refused_and_targets_keep_their_unit(tmp_path: Path) -> None:
+    for at, image in enumerate(IMAGES):
+        cv2.imwrite(str(tmp_path / f"{at}.png"), image)
+    rows = [f"{at}.png,{PRESS[at]},{a / 57.29577951:.6f},{b},{c}" for at, (a, b, c) in enumerate(POSES)]
+    (tmp_path / "poses.csv").write_text("\n".join(["image,press,tilt a [rad],ry_deg,z_mm", *rows]))
+    found = read_recording(tmp_path, ColumnMapping(targets=("tilt a=rx", "ry_deg", "z_mm")))
+    assert found.targets == pytest.approx(POSES, abs=1e-3)
+    with refused("positions-missing", "z_mm"):
+        read_recording(tmp_path, ColumnMapping(frame="0,0,200,0,0,1"))
+
+
 def test_a_position_in_a_base_without_an_orientation_keeps_its_name() -> None:
     names = [f"robot0_eef_pos_{axis}" for axis in range(3)]
     table = RecordingTable("a", dict(zip(names, PLACES.T, strict=True)), {})

@@ -128,8 +128,8 @@ def _from_colmap(name: str, rows: list[tuple[str, str]]) -> dict[str, Any]:
     if len(keys) != len(numbers):
         raise _unknown(name, f"COLMAP's model {model} with {len(numbers) - 2} parameters", ", ".join(_COLMAP))
     found: dict[str, Any] = {"k1": 0.0, "camera_model": model} | dict(zip(keys, numbers, strict=True))
-    both = {"fx": found["f"], "fy": found["f"]} if "f" in found else {}
-    return found | both | {"cx": found["cx"] - 0.5, "cy": found["cy"] - 0.5}
+    found |= {"fx": found["f"], "fy": found["f"]} if "f" in found else {}
+    return found | {"cx": found["cx"] - 0.5, "cy": found["cy"] - 0.5}
 
 
 def _unknown(name: str, model: str, known: str) -> PalpateError:

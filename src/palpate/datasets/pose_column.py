@@ -143,6 +143,6 @@ def _fits_circle(values: FloatArray) -> bool:
 
 def short_name(name: str) -> str:
     """Return the name of an axis without prefixes: ``pose_Rx`` is ``rx``."""
-    short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
-    short = re.sub(r"^.*(position|translation)[./]+(?=[xyz]$)", "", short)
+    prefix = r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+|^.*(position|translation)[./]+(?=[xyz]$)"
+    short = re.sub(prefix, "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"

@@ -89,7 +89,7 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
         values = _clock(table.columns[name]) if match else None
         if match is None or values is None:
             continue
-        unit = match[1] or choice.times
+        unit = "s" if table.columns[name].dtype.kind == "U" else match[1] or choice.times
         middle, step = np.nanmedian(values), np.nanmedian(np.abs(np.diff(values)))
         epochs = [one for one in ("s", *_SECONDS) if _EPOCH_S[0] <= middle * _SECONDS.get(one, 1.0) < _EPOCH_S[1]]
         unit = unit or (epochs[0] if epochs else "s" if step < _STEP_S else "")
@@ -110,7 +110,8 @@ def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, Float
 def _clock(values: Column) -> FloatArray | None:
     """Numbers, or dates (ISO 8601, in UTC without a zone) in s since 1970; `None` for other texts."""
     try:
-        dates = [datetime.fromisoformat(text) for text in values.tolist()] if values.dtype.kind == "U" else []
+        texts = values.tolist() if values.dtype.kind == "U" else []
+        dates = [datetime.fromisoformat("1970-01-01 " * (text[2:3] == ":") + text) for text in texts]
     except ValueError:
         return None
     return np.array([(one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp() for one in dates] or values)

@@ -291,7 +291,8 @@ def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
         return ImageFiles(images)
     if which is None:
         raise PalpateError(
-            f"Column {column} numbers images, and {folder} holds {len(videos)} videos and no image of each.",
+            f"Column {column} numbers images {numbers.min():g} to {numbers.max():g}, and {folder} holds "
+            f"{len(videos)} videos and no image of each number.",
             "Put the one video or the images at the table, or name the video or image of each row in a column.",
             code="recording-several-videos",
         )

@@ -175,6 +175,8 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
     """The table with columns by the names that the user gives them, ``pose_4=rx_deg``; these names."""
     pairs = [text.partition("=") for text in learn]
     new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
+    units = {old: split_unit(old.strip())[1] for old, name in new.items() if not split_unit(name)[1]}
+    new |= {old: f"{new[old]} [{unit}]" for old, unit in units.items() if unit and new[old]}
     twice = [name for name in new.values() if not name or name in table.columns]
     if twice:
         raise PalpateError(
@@ -249,7 +251,10 @@ def _names_images(table: RecordingTable, name: str) -> bool:
 
 
 def _given(table: RecordingTable, name: str, flag: str) -> str:
-    alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
+    low = name.strip().lower()
+    alike = [column for column in table.columns if column.strip().lower() == low]
+    bare = [column for column in table.columns if split_unit(column.strip().lower())[0] == low]
+    alike = alike or (bare if len(bare) == 1 else [])
     if not alike:
         raise PalpateError(
             f"{table.name} has no column {name}; it has {list_columns(table)}.",

@@ -111,6 +111,13 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
             inward = None
     places = found.positions if found is not None and found.positions is not None else _positions(angles)
     used = set(found.columns) if found is not None else set()
+    height = angles.get("depth")
+    if frame is not None and places is None and height is not None and short_name(height.column.lower())[:1] == "z":
+        raise PalpateError(
+            f"--frame is given, but {table.name} has a height {height.column} without x and y in mm or m.",
+            "Add them, or leave out --frame and give the depth.",
+            code="positions-missing",
+        )
     if inward is not None and places is not None and "depth_mm" not in table.columns:
         depth = (places - (0.0 if frame is None else frame[0])) @ inward
         used |= {one.column for axis_name, one in angles.items() if axis_name == "depth" and one.unit == "mm"}

@@ -71,7 +71,11 @@ def _number(table: RecordingTable, video: Path, counter: str, choice: ColumnMapp
     numbers = as_numbers(table.columns[counter]) if counter else np.arange(len(table), dtype=float)
     if counter and numbers.min() != 1:
         return numbers, ""
-    time = _times(video)
+    with open_source(str(video)) as source:
+        damage = [image for image in source.images() if isinstance(image, PalpateError)]
+        time = np.array(source.times)
+    if damage:
+        raise damage[0]
     if counter:
         from_one = numbers.max() == len(time)
         return numbers - from_one, f"{counter} counts the images from 1" if from_one else ""
@@ -101,12 +105,3 @@ def _number(table: RecordingTable, video: Path, counter: str, choice: ColumnMapp
     order = np.lexsort((np.abs(asked - time[nearest]), nearest))
     own = np.isin(np.arange(len(asked)), order[np.unique(nearest[order], return_index=True)[1]])
     return np.where(inside & own, nearest, np.nan), "rows are matched to the images of the video by time"
-
-
-def _times(video: Path) -> FloatArray:
-    """Times (n,) s of the images of a video."""
-    with open_source(str(video)) as source:
-        for image in source.images():
-            if isinstance(image, PalpateError):
-                raise image
-        return np.array(source.times)

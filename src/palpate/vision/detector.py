@@ -154,10 +154,9 @@ def prepare_detector(
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
     found = _prepare(grey, spec, doubt, gap)
-    correlated = measure_noise(grey, 3) / measure_noise(grey)
-    if found is None and correlated > _CORRELATED:
-        higher = min(correlated * spec.threshold, 100.0)
-        found = _prepare(grey, spec.model_copy(update={"threshold": higher}), doubt, gap)
+    if found is None and (correlated := measure_noise(grey, 3) / measure_noise(grey)) > _CORRELATED:
+        spec = spec.model_copy(update={"threshold": min(correlated * spec.threshold, 100.0)})
+        found = _prepare(grey, spec, doubt, gap)
     if found is None:
         raise PalpateError(
             f"No field of markers was found in the image (grey levels {grey.min():g} to {grey.max():g}).",

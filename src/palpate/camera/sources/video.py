@@ -64,9 +64,8 @@ class VideoSource(Source):
     def _is_whole(self, given: int, promised: int, fps: float, end_s: float) -> bool:
         """Test whether a video of fewer images than its header states is complete.
 
-        It is if its edit list shows a part of its images, or if it has a variable frame rate in a container that
-        stores no count: the stated count is then the duration times the mean rate. The end of its images is the last
-        stamp and one and a half times their longest interval.
+        An edit list may show a part of the images; in a container that stores no count, it is the duration times the
+        mean rate. The end of the images is the last stamp and one and a half times their longest interval.
         """
         if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
             return self._path.suffix.lower() in (".mkv", ".webm") and end_s >= (promised - 1) / fps
