@@ -256,6 +256,12 @@ def verb(words: str) -> Read:
     )
 
 
+def write_timed(path: Path) -> None:
+    """Table of a recording with times and a video of a variable frame rate, in a folder of this name."""
+    path.mkdir()
+    videos.write_pressed(path, videos.STAMPS, "time_s", [f"{stamp / 10:.3f}" for stamp in videos.STAMPS])
+
+
 def write_image(path: Path) -> None:
     cv2.imwrite(str(path), IMAGES[0])
 
@@ -294,6 +300,9 @@ DOORS: dict[str, tuple[Callable[[Path], object], Read]] = {
     "lens.xml": (text(cameras.READ["opencv_5.xml"][0]), lens),
     "lens.ini": (text(cameras.READ["ost.ini"][0]), lens),
     "lens.json": (text(cameras.READ["lists.json"][0]), lens),
+    "cameras.txt": (text(cameras.READ["cameras.txt"][0]), lens),
+    "lens.mat": (cameras.write_mat, lens),
+    "poses_and_video": (write_timed, record),
     "video.mp4": (lambda path: videos.write_video(path, "libx264", list(range(6))), play),
     "video.avi": (lambda path: videos.write_video(path, "mpeg4", list(range(6))), play),
     "images.h5": (write_h5, record),

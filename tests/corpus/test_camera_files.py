@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 
 import cv2
+import h5py
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from errors import refused
 from palpate.camera import read_calibration
@@ -84,6 +86,28 @@ def kalibr(values: list[float], model: str) -> str:
     )
 
 
+def colmap(model: str, *values: float) -> str:
+    rows = [FX, FY, CX + 0.5, CY + 0.5, *values]
+    return (
+        "# Camera list\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
+        + f"1 {model} {SIZE[0]} {SIZE[1]} "
+        + (" ".join(map(repr, rows)) + "\n")
+    )
+
+
+def matlab(values: list[float], key: str = "IntrinsicMatrix") -> dict[str, object]:
+    k1, k2, p1, p2, k3 = values
+    whole = np.array([[FX, 0, CX + 1], [0, FY, CY + 1], [0, 0, 1]])
+    about = {"RadialDistortion": [k1, k2, k3], "TangentialDistortion": [p1, p2], "ImageSize": [SIZE[1], SIZE[0]]}
+    if key == "FocalLength":
+        return about | {"FocalLength": [FX, FY], "PrincipalPoint": [CX + 1, CY + 1]}
+    return about | {key: whole.T.tolist() if key == "IntrinsicMatrix" else whole.tolist()}
+
+
+def write_mat(path: Path) -> None:
+    savemat(path, {"cameraParams": {name: np.array(value, float) for name, value in matlab(LENS[5]).items()}})
+
+
 def json_lists(values: list[float]) -> str:
     return json.dumps({"cameraMatrix": MATRIX.tolist(), "distCoeffs": [values], "imageSize": list(SIZE)}, indent=1)
 
@@ -159,6 +183,10 @@ READ = {
         f"distortion_model: radial-tangential\ndistortion_coefficients: {LENS[4]}\n",
         4,
     ),
+    "cameras.txt": (colmap("OPENCV", *LENS[4]), 4),
+    "cameras_full.txt": (colmap("FULL_OPENCV", *LENS[8]), 8),
+    "cameras_fisheye.txt": (colmap("OPENCV_FISHEYE", *LENS["fisheye"]), "fisheye"),
+    "to_struct.json": (json.dumps(matlab(LENS[5])), 5),
     "camchain.yaml": (kalibr(LENS[4], "radtan"), 4),
     "camchain_fisheye.yaml": (kalibr(LENS["fisheye"], "equidistant"), "fisheye"),
 }
@@ -179,6 +207,13 @@ REFUSED = {
     ),
     "two_cameras.ini": (
         ost_ini(LENS[5]) + ost_ini(LENS[5]).partition("[narrow_stereo]")[2].join(("[right]", "")),
+        "calibration-several-cameras",
+    ),
+    "colmap_two.txt": (colmap("OPENCV", *LENS[4]) * 2, "calibration-several-cameras"),
+    "colmap_fov.txt": (colmap("FOV", 0.9), "lens-model-unknown"),
+    "colmap_short.txt": (colmap("OPENCV", 0.1), "lens-model-unknown"),
+    "stereo.json": (
+        json.dumps({"CameraParameters1": matlab(LENS[5]), "CameraParameters2": matlab(LENS[5])}),
         "calibration-several-cameras",
     ),
     "entities.xml": ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "calibration-file-unreadable"),
@@ -237,4 +272,52 @@ def test_arrays_of_opencv_are_read_if_they_state_the_size_of_the_image(sized: bo
         assert read_calibration(path).intrinsics_px == pytest.approx([FX, FY, CX, CY])
         return
     with refused("calibration-file-unreadable", "image_width"):
+        read_calibration(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "lens"),
+    [
+        (f"1 SIMPLE_PINHOLE {SIZE[0]} {SIZE[1]} 300 173 130", np.zeros(5)),
+        (f"1 PINHOLE {SIZE[0]} {SIZE[1]} 300 300 173 130", np.zeros(5)),
+        (f"1 SIMPLE_RADIAL {SIZE[0]} {SIZE[1]} 300 173 130 -0.2", np.array([-0.2, 0, 0, 0, 0])),
+        (f"1 RADIAL {SIZE[0]} {SIZE[1]} 300 173 130 -0.2 0.05", np.array([-0.2, 0.05, 0, 0, 0])),
+        (f"1 RADIAL_FISHEYE {SIZE[0]} {SIZE[1]} 300 173 130 -0.2 0.05", np.array([-0.2, 0.05, 0, 0])),
+    ],
+)
+def test_models_of_colmap_have_their_coefficients(text: str, lens: np.ndarray, tmp_path: Path) -> None:
+    path = tmp_path / "cameras.txt"
+    path.write_text(text + "\n")
+    found = read_calibration(path)
+    assert found.intrinsics_px == pytest.approx([300, 300, 172.5, 129.5])
+    assert found.distortion == pytest.approx(lens)
+
+
+@pytest.mark.parametrize("key", ["IntrinsicMatrix", "K", "FocalLength"])
+@pytest.mark.parametrize("version", ["5", "7.3"])
+@pytest.mark.parametrize("nested", [True, False])
+def test_a_file_of_matlab_has_its_first_pixel_at_1(key: str, version: str, nested: bool, tmp_path: Path) -> None:
+    path = tmp_path / "camera.mat"
+    arrays = {name: np.array(value, float) for name, value in matlab(LENS[5], key).items()}
+    if version == "5":
+        savemat(path, {"cameraParams": arrays} if nested else arrays)
+    else:
+        with h5py.File(path, "w", userblock_size=512) as file:
+            group = file.create_group("cameraParams") if nested else file
+            for name, value in arrays.items():
+                group[name] = np.atleast_2d(value).T
+    found = read_calibration(path)
+    assert (found.width_px, found.height_px) == SIZE
+    assert found.intrinsics_px == pytest.approx([FX, FY, CX, CY])
+    assert found.distortion == pytest.approx(LENS[5])
+
+
+def test_an_object_of_matlab_is_refused_by_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "camera.mat"
+    with h5py.File(path, "w") as file:
+        file.create_group("#subsystem#")
+    with refused("calibration-file-unreadable", "object of MATLAB"):
+        read_calibration(path)
+    path.write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM" + b"\1" * 40)
+    with refused("calibration-file-unreadable", "camera.mat"):
         read_calibration(path)

@@ -194,11 +194,13 @@ def test_a_readme_is_not_the_table_of_a_recording(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("head", ["timestamp_s", "press"])
-def test_a_video_beside_a_table_without_numbers_of_images_is_named(head: str, tmp_path: Path) -> None:
+def test_a_damaged_video_beside_a_table_is_named(head: str, tmp_path: Path) -> None:
     (tmp_path / "gel.mp4").touch()
+    (tmp_path / "._gel.mp4").touch()
     path = write_table(tmp_path, head, [[k / 30] for k in range(COUNT)])
-    with refused("image-column-missing", "gel.mp4", "frame"):
+    with refused("source-not-opened", "gel.mp4") as caught:
         read_recording(path)
+    assert "._gel" not in caught.value.problem
 
 
 def test_equal_names_of_two_arrays_get_the_names_of_the_arrays(tmp_path: Path) -> None:

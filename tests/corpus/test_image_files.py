@@ -59,6 +59,25 @@ def test_dots_of_any_layout_are_found(kind: str, tmp_path: Path) -> None:
     assert found_all(path)
 
 
+@pytest.mark.parametrize("quality", [90, 80, 70, 60])
+@pytest.mark.parametrize("noise", [4, 8])
+def test_dots_are_found_in_compressed_noise(noise: int, quality: int, tmp_path: Path) -> None:
+    grey = drawn() * 255 + np.random.default_rng(7).normal(0, noise, (130, 180))
+    cv2.imwrite(str(tmp_path / "a.jpg"), np.clip(grey, 0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    assert found_all(tmp_path / "a.jpg")
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_a_stack_is_refused_and_a_preview_passed_over(same: bool, tmp_path: Path) -> None:
+    image = Image.fromarray(np.rint(drawn() * 255).astype(np.uint8))
+    image.save(tmp_path / "a.tif", save_all=True, append_images=[image if same else image.resize((45, 32))])
+    if not same:
+        assert found_all(tmp_path / "a.tif")
+        return
+    with refused("image-stack", "a.tif", "2"):
+        read_image(tmp_path / "a.tif")
+
+
 @pytest.mark.parametrize("orientation", range(2, 9))
 def test_the_orientation_of_a_photograph_is_ignored(orientation: int, tmp_path: Path) -> None:
     path = tmp_path / "a.jpg"
@@ -200,3 +219,71 @@ def test_rows_find_the_video_of_their_press(tmp_path: Path) -> None:
     assert len(recording) == 24
     images = list(recording.images.read([0, 1, 4]))
     assert [round(float(image.mean()) / 20) - 1 for image in images] == [0, 1, 1]  # type: ignore[union-attr]
+
+
+GREYS = [round(20 + 9.5 * k) for k in range(24)]
+
+
+def write_pressed(folder: Path, stamps: list[int], head: str, cells: list[str]) -> Path:
+    """Video of 24 images at stamps of 0.1 s, and a table with these first cells and depths that name the image."""
+    with av.open(str(folder / "gel.mkv"), "w") as container:
+        stream = container.add_stream("libx264", rate=10, options={"crf": "8"})
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        for grey, stamp in zip(GREYS, stamps, strict=True):
+            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), grey, np.uint8), format="bgr24")
+            frame.pts = stamp
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    rows = [f"{cell},{k // 3},{k % 7 - 3:.1f},{1.5 * k}" for k, cell in enumerate(cells) if cell]
+    (folder / "poses.csv").write_text("\n".join([f"{head},press,rx_deg,depth_mm", *rows]) + "\n")
+    return folder / "poses.csv"
+
+
+STAMPS = np.cumsum([0, *np.random.default_rng(4).integers(1, 9, 23)]).tolist()
+ROWS = {
+    "times": ("time_s", [f"{stamp / 10:.3f}" for stamp in STAMPS], STAMPS),
+    "times in ms": ("t [ms]", [f"{stamp * 100:.0f}" for stamp in STAMPS], STAMPS),
+    "times without some rows": ("time_s", [f"{s / 10:.3f}" if k % 7 else "" for k, s in enumerate(STAMPS)], STAMPS),
+    "times of one clock": ("time_s", [f"{s / 10 + 0.02:.3f}" for s in STAMPS], STAMPS),
+    "times of a clock": ("time", [f"00:{s // 600:02d}:{s / 10 % 60:06.3f}" for s in STAMPS], STAMPS),
+    "order": ("label", ["a"] * 24, list(range(24))),
+    "counter from 0": ("frame_index", [str(k) for k in range(24)], STAMPS),
+    "counter from 1": ("Frame", [str(k + 1) for k in range(24)], STAMPS),
+    "counter from 1 without the last": ("frame", [str(k + 1) if k < 23 else "" for k in range(24)], None),
+}
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_rows_find_their_images_in_a_video(kind: str, tmp_path: Path) -> None:
+    head, cells, stamps = ROWS[kind]
+    found = read_recording(write_pressed(tmp_path, stamps or STAMPS, head, cells))
+    numbers = [round(one / 1.5) for one in next(one for one in found.poses if one.axis == "depth").values]
+    assert numbers == [k for k, cell in enumerate(cells) if cell]
+    images = [float(np.mean(image)) for image in found.images.read(range(len(found)))]  # type: ignore[arg-type]
+    shift = 0 if stamps else 1  # without the last number nothing shows that the first is 1
+    assert images == pytest.approx([GREYS[number + shift] for number in numbers], abs=4.5)
+
+
+@pytest.mark.parametrize(
+    ("head", "cells", "code", "says"),
+    [
+        ("timestamp", [f"{1.7e9 + k / 10:.1f}" for k in range(24)], "times-no-overlap", "1700000002.300"),
+        ("label", ["a"] * 22 + ["", ""], "image-column-missing", "22 rows"),
+    ],
+)
+def test_rows_without_images_in_a_video_are_refused(
+    head: str, cells: list[str], code: str, says: str, tmp_path: Path
+) -> None:
+    path = write_pressed(tmp_path, list(range(24)), head, cells)
+    with refused(code, "gel.mkv", says):
+        read_recording(path)
+
+
+def test_of_rows_at_a_higher_rate_the_nearest_to_each_image_is_used(tmp_path: Path) -> None:
+    path = write_pressed(tmp_path, list(range(24)), "time_s", [""] * 24)
+    rows = [f"{k / 100:.2f},{k // 20},{k % 7 - 3},{k / 10 + 0.1:.2f}" for k in range(-5, 236)]
+    path.write_text("\n".join(["time_s,press,rx_deg,depth_mm", *rows]) + "\n")
+    found = read_recording(path)
+    depth = next(one for one in found.poses if one.axis == "depth").values
+    assert depth == pytest.approx(np.arange(24) + 0.1)
+    assert any("217 of 241 rows" in note for note in found.notes)

@@ -32,6 +32,7 @@ LAYOUTS: dict[str, Callable[[], object]] = {
     "channels first": lambda: np.moveaxis(IMAGES, -1, 1),
     "one channel first": lambda: IMAGES[:, None, :, :, 1],
     "fractions": lambda: (IMAGES / 255.0).astype(np.float32),
+    "whole numbers as floats": lambda: IMAGES[..., 1].astype(np.float32),
     "channels first, fractions": lambda: np.moveaxis(IMAGES / 255.0, -1, 1),
     "int64": lambda: IMAGES.astype(np.int64),
     "16 bit": lambda: IMAGES.astype(np.uint16) * 16,
@@ -71,7 +72,9 @@ def test_images_of_any_layout_and_type_are_read(layout: str, ending: str, tmp_pa
             root[name] = array
         root["meta/episode_ends"] = np.arange(1, PRESSES + 1) * (COUNT // PRESSES)
     scale = 255.0 if "fraction" in layout else 1 / 16 if layout == "16 bit" else 1.0
-    check(read_recording(path), scale, 1 if layout in ("grey", "one channel first") else None)
+    check(
+        read_recording(path), scale, 1 if layout in ("grey", "one channel first", "whole numbers as floats") else None
+    )
 
 
 @pytest.mark.parametrize("padded", [False, True])
@@ -283,6 +286,10 @@ DOWN = Rotation.from_euler("x", 180, degrees=True) * Rotation.from_rotvec(
 )
 QUATERNIONS = Rotation.from_rotvec(np.radians([[*row[:2], 0] for row in POSES])).as_quat()
 PLACES = np.column_stack([np.full((COUNT, 2), 400.0), 200.0 - POSES[:, 2]])
+WHOLE = [
+    np.vstack([np.column_stack([turn, at]), [0, 0, 0, 1]])
+    for turn, at in zip(DOWN.as_matrix(), PLACES / 1e3, strict=True)
+]
 ROBOTS: dict[str, tuple[str, np.ndarray]] = {
     "ABB": ("X,Y,Z,roll,pitch,yaw", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
     "KUKA": ("X,Y,Z,A,B,C", np.hstack([PLACES, DOWN.as_euler("ZYX", degrees=True)])),
@@ -299,6 +306,27 @@ ROBOTS: dict[str, tuple[str, np.ndarray]] = {
         + ",".join(f"robot0_eef_quat_{axis}" for axis in "xyzw"),
         np.hstack([PLACES / 1e3, DOWN.as_quat()]),
     ),
+    "Franka": (
+        ",".join(f"O_T_EE_{at}" for at in range(16)),
+        np.stack([matrix.T.ravel() for matrix in WHOLE]),
+    ),
+    "matrix by rows": (
+        ",".join(f"pose[{at}]" for at in range(16)),
+        np.stack([matrix.ravel() for matrix in WHOLE]),
+    ),
+    "topic echo": (
+        ",".join(
+            [
+                *(f"field.pose.position.{axis}" for axis in "xyz"),
+                *(f"field.pose.orientation.{axis}" for axis in "xyzw"),
+            ]
+        ),
+        np.hstack([PLACES, DOWN.as_quat()]),
+    ),
+    "lists of JSON": (
+        ",".join(f"tcp_{word}_{axis}" for word in ("position", "rotation") for axis in range(3)),
+        np.hstack([PLACES, DOWN.as_rotvec(degrees=True)]),
+    ),
     "FANUC": ("X,Y,Z,W,P,R", np.hstack([PLACES, DOWN.as_euler("xyz", degrees=True)])),
 }
 
@@ -313,10 +341,35 @@ def test_poses_of_a_robot_without_units_are_relative_to_the_surface(robot: str, 
     (tmp_path / "poses.csv").write_text("\n".join([f"image,press,{names}", *rows]))
     for at, image in enumerate(IMAGES):
         cv2.imwrite(str(tmp_path / f"{at}.png"), image)
-    recording = read_recording(tmp_path)
+    flags = {"lists of JSON": ColumnMapping(euler="rotvec", angles="deg")}
+    recording = read_recording(tmp_path, flags.get(robot))
     assert [f"{one.axis}_{one.unit}" for one in recording.poses] == list(NAMES)
     wanted = POSES - [0, 0, POSES[:, 2].min()]  # the depth of positions begins at the shallowest
     assert recording.targets == pytest.approx(wanted, abs=1e-5)
+
+
+def test_a_tool_of_a_robot_that_is_turned_by_less_than_90_degrees_is_relative_to_the_surface() -> None:
+    """Its numbers are a rotation vector by their name, and its mean axis is the normal, not the axis of the base."""
+    upright = Rotation.from_euler("y", 55, degrees=True)
+    tilts = np.vstack([POSES[:, :2], -POSES[:, :2]])
+    turns = upright * Rotation.from_rotvec(np.radians(np.column_stack([tilts, np.zeros(2 * COUNT)])))
+    places = np.repeat(PLACES[:1], 2 * COUNT, axis=0) + np.tile(POSES[:, 2:], (2, 1)) * upright.as_matrix()[:, 2]
+    values = np.hstack([places / 1e3, turns.as_rotvec()])
+    columns = {f"actual_TCP_pose_{at}": values[:, at] for at in range(6)}
+    found = to_surface(RecordingTable("a.csv", columns, {}), ColumnMapping(), ()).columns
+    tilt = np.hypot(found["rx_deg"], found["ry_deg"])
+    assert tilt == pytest.approx(np.hypot(*tilts.T), abs=0.1)
+    assert found["depth_mm"] == pytest.approx(np.tile(POSES[:, 2] - POSES[:, 2].min(), 2), abs=0.1)
+
+
+@pytest.mark.parametrize("kind", ["rotvec", "xyzw", "matrix", "ZYX"])
+def test_a_flag_of_an_orientation_without_its_columns_is_refused(kind: str) -> None:
+    table = RecordingTable("a.csv", {"x_mm": PLACES[:, 0], "aim_3": PLACES[:, 1]}, {})
+    with refused("euler-columns-missing", kind, "aim_3"):
+        to_surface(table, ColumnMapping(euler=kind), ())
+    small = RecordingTable("a.csv", {"rx": POSES[:, 0] / 9, "ry": POSES[:, 1] / 9}, {})
+    with refused("column-unit-unknown", "rx"):
+        to_surface(small, ColumnMapping(euler="rotvec"), ())
 
 
 @pytest.mark.parametrize(
@@ -330,6 +383,17 @@ def test_labels_beside_the_columns_of_a_robot_are_kept(labels: tuple[str, ...], 
     table = RecordingTable("a", own | robot if first else robot | own, {})
     found = to_surface(table, ColumnMapping(), ())
     assert found.columns.keys() == table.columns.keys()
+
+
+def test_a_height_alone_in_a_base_is_refused_and_targets_keep_their_unit(tmp_path: Path) -> None:
+    for at, image in enumerate(IMAGES):
+        cv2.imwrite(str(tmp_path / f"{at}.png"), image)
+    rows = [f"{at}.png,{PRESS[at]},{a / 57.29577951:.6f},{b},{c}" for at, (a, b, c) in enumerate(POSES)]
+    (tmp_path / "poses.csv").write_text("\n".join(["image,press,tilt a [rad],ry_deg,z_mm", *rows]))
+    found = read_recording(tmp_path, ColumnMapping(targets=("tilt a=rx", "ry_deg", "z_mm")))
+    assert found.targets == pytest.approx(POSES, abs=1e-3)
+    with refused("positions-missing", "z_mm"):
+        read_recording(tmp_path, ColumnMapping(frame="0,0,200,0,0,1"))
 
 
 def test_a_position_in_a_base_without_an_orientation_keeps_its_name() -> None:

@@ -1,11 +1,12 @@
 """Calibration of the lens of a camera from images of a board (Zhang 2000, by OpenCV).
 
-An image is left out, with its reason, if the board is not found, its size differs from the first, or its residual is
-more than 4 times the median of all images and more than 1 px; the rest is fitted again.
+An image is left out, with its reason, if the board is not found, its size differs from that of most images, or its
+residual is more than 4 times the median of all images and more than 1 px; the rest is fitted again.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -34,6 +35,7 @@ class _View:
     name: str
     points: FloatArray
     pixels: FloatArray
+    size: tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +111,11 @@ def _find_views(
         for other in others:
             other.look(name, image, spec.window_px)
     best = max([given, *others], key=lambda one: len(one.views))
-    return best.views, best.rejected, best.size, best.board, best.note
+    sizes = Counter(view.size for view in best.views)
+    size = max(sizes, key=lambda one: sizes[one], default=(0, 0))
+    reason = f"it has {{}} × {{}} px, most images {size[0]} × {size[1]}"
+    best.rejected += [(view.name, reason.format(*view.size)) for view in best.views if view.size != size]
+    return [view for view in best.views if view.size == size], best.rejected, size, best.board, best.note
 
 
 @dataclass
@@ -120,7 +126,6 @@ class _Candidate:
     note: str = ""
     views: list[_View] = field(default_factory=list)
     rejected: list[tuple[str, str]] = field(default_factory=list)
-    size: tuple[int, int] = (0, 0)
 
     def look(self, name: str, image: NDArray[Any] | str, window_px: int | None) -> None:
         """Find the board in one more image."""
@@ -128,13 +133,8 @@ class _Candidate:
         if isinstance(image, str) or isinstance(found, str):
             self.rejected.append((name, str(found)))
             return
-        own = (image.shape[1], image.shape[0])
-        if self.views and own != self.size:
-            sizes = f"it has {own[0]} × {own[1]} px, the first {self.size[0]} × {self.size[1]}"
-            self.rejected.append((name, sizes))
-            return
-        self.size = own
-        self.views.append(_View(name, board_points(self.board)[found[0]], found[1]))
+        size = (image.shape[1], image.shape[0])
+        self.views.append(_View(name, board_points(self.board)[found[0]], found[1], size))
 
 
 def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrationSpec) -> None:

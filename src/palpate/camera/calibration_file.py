@@ -6,14 +6,10 @@ rows, cols and data; OpenCV requires the first line and the mark ``!!opencv-matr
 
 from __future__ import annotations
 
-import zlib
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import ParseError
-from zipfile import BadZipFile
 
 import numpy as np
-from ruamel.yaml.error import YAMLError
 
 from palpate.camera.calibration import Calibration
 from palpate.camera.camera_formats import flat, read_camera_file
@@ -68,24 +64,13 @@ def read_calibration(path: Path) -> Calibration:
     """
     try:
         return _calibration(path.name, read_camera_file(path))
-    except (
-        OSError,
-        UnicodeDecodeError,
-        YAMLError,
-        ParseError,
-        RecursionError,
-        ArithmeticError,
-        LookupError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        EOFError,
-        BadZipFile,
-        zlib.error,
-    ) as error:
+    except PalpateError:
+        raise
+    except Exception as error:  # a damaged file ends the parsers by errors of every kind
         raise PalpateError(
             f"{path.name} is not a calibration: {_first_line(error)}.",
-            "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a camchain of Kalibr.",
+            "Give YAML, XML, JSON or NPZ of OpenCV, YAML, ost.ini or `topic echo` of ROS, or a file of Kalibr, "
+            "MATLAB (.mat) or COLMAP (cameras.txt).",
             code="calibration-file-unreadable",
         ) from error
 

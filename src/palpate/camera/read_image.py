@@ -139,7 +139,14 @@ def _read_size(content: bytes, name: str) -> tuple[int, int]:
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit gives a better message
     try:
         with Image.open(BytesIO(content)) as image:
-            return int(image.size[0]), int(image.size[1])
+            size, pages = (int(image.size[0]), int(image.size[1])), int(getattr(image, "n_frames", 1))
+            if pages > 1:  # pages of other sizes are previews
+                image.seek(1)
+            if pages > 1 and image.size == size:
+                raise PalpateError(
+                    f"{name} is a stack of {pages} images.", "Save each as a file of its own.", code="image-stack"
+                )
+            return size
     except UnidentifiedImageError as error:
         raise PalpateError(
             f"{name} is not an image.", f"Supported formats: {', '.join(SUFFIXES)}.", code="image-format-unknown"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -46,6 +46,11 @@ class Source(ABC):
     @abstractmethod
     def name(self) -> str:
         """Name of the source for display."""
+
+    @property
+    def times(self) -> Sequence[float]:
+        """Times, s, of the recorded images that are yielded so far; empty if they are unknown."""
+        return ()
 
     @property
     def truth(self) -> tuple[float, ...] | None:

@@ -304,9 +304,9 @@ def _name(lines: list[Line], dialect: Dialect, block: Block, widths: list[int]) 
 
 
 def _looks_alike(cells: list[str], row: list[str]) -> bool:
-    """Whether a cell of text has the pattern of the same cell in a row: ``000.png`` and ``001.png``."""
+    """Whether a cell has the pattern of the same cell in a row: ``000.png``, ``001.png``, ``10:31``."""
     shapes = ((re.sub(r"\d+", "0", a), re.sub(r"\d+", "0", b)) for a, b in zip(cells, row, strict=False))
-    return any(a == b and "0" in a and re.search(r"[^\W\d]", a) for a, b in shapes)
+    return any(a == b and "0" in a and re.search(r"[^\W\d]|:", a) for a, b in shapes)
 
 
 def _is_divided(lines: list[Line], dialect: Dialect, at: int) -> bool:

@@ -18,7 +18,7 @@ _ANGLE = re.compile(
 )
 _LENGTH = re.compile(
     r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
-    r"|tiefe|profondeur|深"
+    r"|tiefe|profondeur|深|(position|translation)[./]+[xyz]$"
 )
 FACTORS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°", "度"), ("deg", 1.0)),
@@ -35,7 +35,7 @@ FACTORS = {
 }
 """Unit that is written → unit of the program and factor."""
 AXES = {
-    **dict.fromkeys(("fz", "load", "kraft", "normal_force", "力"), "force"),
+    **dict.fromkeys(("fz", "fn", "f_z", "force_z", "load", "kraft", "normalkraft", "normal_force", "力"), "force"),
     **{"roll": "rx", "pitch": "ry", "yaw": "rz"},
     **{f"{word}_{axis}": f"r{axis}" for word in ("euler", "rot", "rotation", "angle") for axis in "xyz"},
     **dict.fromkeys(
@@ -97,20 +97,14 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
     if unit not in FACTORS or not bare:
         bare = low
-        if (
-            is_unit(unit)
-            and unit not in ("-", "1")
-            and re.search(r"[(\[]", low)
-            and not choice.angles + choice.lengths
-        ):
+        written = is_unit(unit) and unit not in ("-", "1") and bool(re.search(r"[(\[]", low))
+        if written and not choice.angles + choice.lengths:
             return PoseColumn(name, short_name(low), "1", values, f"Column {name} is in {unit}; it is kept.")
         if _ANGLE.search(low):
             clear = most > _TURN and not _fits_circle(values)
             unit = choice.angles or ("deg" if clear or _are_degrees(table, low) else "")
-            other, flag = (
-                "radians or degrees",
-                "--angles deg or --angles rad; near π, the tool points down in radians",
-            )
+            other = "radians or degrees"
+            flag = "--angles deg or --angles rad; near π, the tool points down in radians"
         elif _LENGTH.search(low):
             unit = choice.lengths or ("mm" if most > _TURN / 10 else "")
             other, flag = "metres or mm", "--lengths mm or --lengths m"
@@ -149,5 +143,6 @@ def _fits_circle(values: FloatArray) -> bool:
 
 def short_name(name: str) -> str:
     """Return the name of an axis without prefixes: ``pose_Rx`` is ``rx``."""
-    short = re.sub(r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+", "", name.strip(" _[]()"))
+    prefix = r"^(pose|robot|tcp|sensor|target|gt|label)[_ ]+|^.*(position|translation)[./]+(?=[xyz]$)"
+    short = re.sub(prefix, "", name.strip(" _[]()"))
     return re.sub(r"\W+", "_", short) or "value"

@@ -75,7 +75,7 @@ def find_quantities(
     chosen = {axis: named[axis] for axis in (*axes, *optional) if axis in named}
     for axis in chosen:
         fault = table.faults.get(named[axis].column)
-        if fault and "'nan'" not in fault.lower():
+        if fault:
             raise PalpateError(
                 f"{table.name}, column {named[axis].column}: {fault}.", "Write a number.", code="value-not-number"
             )

@@ -7,16 +7,17 @@ diffusion policies do; each episode counts as a press. Zarr needs the extra ``za
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from traceback import extract_tb
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, Item
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_images import ImageSet, file_stamp
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns, read_row
 from palpate.datasets.table import RecordingTable
 
@@ -35,14 +36,8 @@ class ArraysReader(RecordingReader):
         return place.suffix.lower() in cls.formats.split(", ")
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
-        try:
+        with reading(place.name, _REMEDY):
             return self._read(place, _read_npz(place) if place.suffix.lower() == ".npz" else _read_zarr(place))
-        except PalpateError:
-            raise
-        except Exception as error:  # NumPy, zipfile and each codec of Zarr have errors of their own
-            raise PalpateError(
-                f"{place.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
 
     def _read(self, place: Path, arrays: Mapping[str, Any]) -> tuple[RecordingTable, ImageSet]:
         held = [name for name, array in arrays.items() if holds_images(array)]
@@ -88,19 +83,10 @@ class _Rows(ImageSet):
     """Rows of an array of images."""
 
     def __init__(self, place: Path, images: Any) -> None:
-        self._images, about = images, place.stat()
-        self._stamp = f"{place.name} {about.st_size} {about.st_mtime_ns}"
+        self._images, self._stamp = images, file_stamp(place)
 
     def stamp(self, number: int) -> str:
         return f"{self._stamp} {number}"
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            try:
-                yield read_row(self._images, number)
-            except PalpateError as error:
-                yield error
-            except Exception as error:  # each codec of Zarr has errors of its own
-                yield PalpateError(
-                    f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
-                )
+    def _image(self, number: int) -> NDArray[Any]:
+        return read_row(self._images, number)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +13,11 @@ from palpate.core import FloatArray, PalpateError
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.pose_column import FACTORS
-from palpate.datasets.recording_columns import list_columns
+from palpate.datasets.recording_columns import TIME, list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink
-from palpate.datasets.table import RecordingTable, as_numbers, read_table
+from palpate.datasets.table import Column, RecordingTable, as_numbers, read_table
 
-_TIME = re.compile(
-    r"%?(?:.*[. /])?(?:time|time_?stamp|stamp|t|zeit|temps|时间|時刻)"
-    r"(?:[\s_/,(\[]+(?:in\s+)?(s|sec|seconds?|ms|[uµμ]s|ns)[)\]]?)?"
-)
 _SECONDS = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
 """Seconds a unit."""
 _EPOCH_S = (1e9, 5e9)
@@ -52,7 +49,7 @@ def add_forces(
     assert choice.forces is not None
     found = read_table(choice.forces)
     names, values = _wrench(found, choice)
-    (_, known), (clock, asked) = _seconds(found, choice), _seconds(table, choice)
+    (_, known), (clock, asked) = find_times(found, choice), find_times(table, choice)
     sound = np.isfinite(values).all(axis=1) & np.isfinite(known)
     samples = Samples.of(known[sound], values[sound])
     order = np.argsort(asked, kind="stable")
@@ -85,13 +82,14 @@ def _range(time: FloatArray) -> tuple[str, str]:
     return f"{time.min(initial=np.inf):.3f}", f"{time.max(initial=-np.inf):.3f}"
 
 
-def _seconds(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatArray]:
+def find_times(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatArray]:
     """Column of times, and times (n,) s of the rows, by the unit in its name, the flag or the values."""
     for name in table.columns:
-        match = _TIME.fullmatch(name.strip().lower())
-        if match is None or not table.is_numeric(name):
+        match = TIME.fullmatch(name.strip().lower())
+        values = _clock(table.columns[name]) if match else None
+        if match is None or values is None:
             continue
-        values, unit = as_numbers(table.columns[name]), match[1] or choice.times
+        unit = "s" if table.columns[name].dtype.kind == "U" else match[1] or choice.times
         middle, step = np.nanmedian(values), np.nanmedian(np.abs(np.diff(values)))
         epochs = [one for one in ("s", *_SECONDS) if _EPOCH_S[0] <= middle * _SECONDS.get(one, 1.0) < _EPOCH_S[1]]
         unit = unit or (epochs[0] if epochs else "s" if step < _STEP_S else "")
@@ -107,6 +105,16 @@ def _seconds(table: RecordingTable, choice: ColumnMapping) -> tuple[str, FloatAr
         "Name it time_s, or timestamp with its unit.",
         code="time-column-missing",
     )
+
+
+def _clock(values: Column) -> FloatArray | None:
+    """Numbers, or dates (ISO 8601, in UTC without a zone) in s since 1970; `None` for other texts."""
+    try:
+        texts = values.tolist() if values.dtype.kind == "U" else []
+        dates = [datetime.fromisoformat("1970-01-01 " * (text[2:3] == ":") + text) for text in texts]
+    except ValueError:
+        return None
+    return np.array([(one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp() for one in dates] or values)
 
 
 def _wrench(table: RecordingTable, choice: ColumnMapping) -> tuple[list[str], FloatArray]:

@@ -18,7 +18,7 @@ import numpy as np
 from palpate.core import PalpateError, reject_external_links
 from palpate.core.files import natural_key
 from palpate.datasets.recording_images import ArrayImages, ImageSet
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns
 from palpate.datasets.table import Column, RecordingTable
 
@@ -42,17 +42,12 @@ class HDF5Reader(RecordingReader):
         places: list[tuple[Path, str, int]] = []
         held = ""
         for path in _episodes(place) if place.is_dir() else [place]:
-            try:
-                with h5py.File(path, "r") as file:
-                    reject_external_links(file, path)
-                    held = held or list_arrays(_arrays(file))
-                    for images, group in self._groups(path, file):
-                        parts.append(_columns(group, images, images.shape[0]))
-                        places += [(path, images.name, row) for row in range(images.shape[0])]
-            except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
-                raise PalpateError(
-                    f"{path.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable"
-                ) from error
+            with reading(path.name, _REMEDY), h5py.File(path, "r") as file:
+                reject_external_links(file, path)
+                held = held or list_arrays(_arrays(file))
+                for images, group in self._groups(path, file):
+                    parts.append(_columns(group, images, images.shape[0]))
+                    places += [(path, images.name, row) for row in range(images.shape[0])]
         for number, part in enumerate(parts if len(parts) > 1 else ()):
             part.setdefault("press", np.full(len(next(iter(part.values()), ())), float(number)))
         return RecordingTable(place.name, join_parts(place.name, parts, held), {}), ArrayImages(places)

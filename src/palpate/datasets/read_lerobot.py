@@ -6,16 +6,17 @@ The files are read by pyarrow; LeRobot itself is not needed.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.camera import decode_image, read_image
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, Item, VideoImages
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_images import ImageSet, VideoImages
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.table import Column, RecordingTable
 
 _REMEDY = "Give the folder that holds meta/info.json, data and videos."
@@ -33,7 +34,7 @@ class LeRobotReader(RecordingReader):
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
-        try:
+        with reading(place.name, _REMEDY):
             features = json.loads((place / "meta" / "info.json").read_text(encoding="utf-8"))["features"]
             cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
             if not cameras:
@@ -50,10 +51,6 @@ class LeRobotReader(RecordingReader):
                 if features[camera]["dtype"] == "video"
                 else _Cells([cell for table in tables for cell in table.column(camera).to_pylist()], place)
             )
-        except (OSError, KeyError, ValueError, TypeError) as error:
-            raise PalpateError(
-                f"{place.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
         return RecordingTable(place.name, columns, {}), images
 
 
@@ -115,12 +112,9 @@ class _Cells(ImageSet):
         cell = self._cells[number]
         return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            cell = self._cells[number]
-            path = self._folder / str(cell.get("path"))
-            try:
-                content = cell.get("bytes")
-                yield decode_image(content, f"Image {number}") if content else read_image(path)
-            except PalpateError as error:
-                yield error
+    def _image(self, number: int) -> NDArray[Any]:
+        cell = self._cells[number]
+        content = cell.get("bytes")
+        return (
+            decode_image(content, f"Image {number}") if content else read_image(self._folder / str(cell.get("path")))
+        )

@@ -7,19 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.camera import read_image, recording_suffixes
+from palpate.camera import read_image
 from palpate.core import FloatArray, IntArray, PalpateError, generator
-from palpate.core.files import natural_key
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.pose_column import PoseColumn
 from palpate.datasets.read_forces import add_forces
 from palpate.datasets.recording_columns import (
     INDEX,
+    TIME,
     find_gaps,
     find_image_column,
     find_pose_columns,
     find_press_column,
-    list_columns,
 )
 from palpate.datasets.recording_images import (
     ConcatenatedImages,
@@ -34,6 +33,7 @@ from palpate.datasets.recording_images import (
 from palpate.datasets.recording_reader import READERS, RecordingReader
 from palpate.datasets.surface_poses import to_surface
 from palpate.datasets.table import REST, RecordingTable
+from palpate.datasets.video_frames import list_videos, number_frames, videos_of_rows
 
 LEAST_IMAGES, LEAST_PRESSES = 8, 8
 """Minimum numbers of images and presses of a recording. By hand."""
@@ -123,7 +123,8 @@ def read_recording(
     folder = place.parent
     if images is None and choice.image not in table.columns and (folder / choice.image).is_dir():
         folder, choice = folder / choice.image, replace(choice, image="")
-    notes: list[str] = [f"{place.name}: {note}." for note in table.notes]
+    table = table if images is not None else number_frames(table, folder, choice)
+    notes = [f"{place.name}: {note}." for note in table.notes]
     by = find_press_column(table, choice)
     column, files = ("", None) if images is not None else _name_images(table, choice, folder, notes)
     if files is not None:
@@ -140,10 +141,9 @@ def read_recording(
         shown = _find_images(folder, posed, column) if images is None else SelectedImages(images, chosen.tolist())
         posed, within = add_forces(posed, shown, choice)
         chosen, posed = chosen[within], posed.rows(within)
-    posed, gaps, said = find_gaps(posed, choice)
-    if said:
-        notes.append(f"{place.name}: {said}.")
-        chosen, posed = chosen[~gaps], posed.rows(~gaps)
+    gaps, said = find_gaps(posed, choice)
+    notes += [f"{place.name}: {said}."] if said else []
+    chosen, posed = chosen[~gaps], posed.rows(~gaps)
     posed = to_surface(posed, choice, (by, column))
     notes += [f"{note}." if not note.endswith(".") else note for note in posed.notes[len(table.notes) :]]
     poses, others, left_out = find_pose_columns(posed, choice, (by, column))
@@ -182,14 +182,8 @@ def _name_images(
         called = [name for name in texts if {str(text).casefold() for text in table.columns[name]} - {REST} <= stems]
         if called and error.code == "image-column-missing":
             return called[0], None
-        videos = sorted(path.name for path in folder.iterdir() if path.suffix.lower() in recording_suffixes())
-        if error.code == "image-column-missing" and videos and not files:
-            raise PalpateError(
-                f"No column of {table.name} numbers the images of {videos[0]}; it has {list_columns(table)}.",
-                "Number the images from 0 in a column called frame.",
-                code="image-column-missing",
-            ) from error
-        counts = (table.columns[name] for name in table.columns if name.strip().lower() in INDEX)
+        low = {name: name.strip().lower() for name in table.columns}
+        counts = (table.columns[name] for name, key in low.items() if key in INDEX or TIME.fullmatch(key))
         ordered = all(values.dtype.kind == "U" or bool((np.diff(values) > 0).all()) for values in counts)
         together = len({path.parent for path in files}) == 1
         if error.code != "image-column-missing" or len(files) != len(table) or not (ordered and together):
@@ -225,7 +219,8 @@ def _find_reader(place: Path) -> tuple[type[RecordingReader], Path]:
         )
     files = sorted(place.iterdir())
     about = {path for path in files if path.stem.lower() in _ABOUT and path.suffix.lower() in ("", ".txt", ".md")}
-    others = [path for path in files if path.suffix.lower() != ".json" and path not in about]
+    files = [path for path in files if path not in about]
+    others = [path for path in files if path.suffix.lower() != ".json"]
     for reader, held in ((reader, held) for held in (others, files) for reader in readers):
         tables = [path for path in held if reader.accepts(path)]
         if len(tables) == 1 or (tables and len({path.read_bytes() for path in tables}) == 1):
@@ -290,29 +285,18 @@ def _find_images(folder: Path, table: RecordingTable, column: str) -> ImageSet:
             "Name the column of image files or numbers by --image.",
             code="image-number-wrong",
         )
-    found = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
-    videos = [path for path in found if path.suffix.lower() in recording_suffixes()]
-    which = [0] * len(table) if len(videos) == 1 else _videos_of_rows(table, videos)
+    videos = list_videos(folder)
+    which = videos_of_rows(table, videos)
     if which is None and (images := find_numbered_files(folder, table.columns[column].astype(int).tolist())):
         return ImageFiles(images)
     if which is None:
         raise PalpateError(
-            f"Column {column} numbers images, and {folder} holds {len(videos)} videos and no image of each.",
+            f"Column {column} numbers images {numbers.min():g} to {numbers.max():g}, and {folder} holds "
+            f"{len(videos)} videos and no image of each number.",
             "Put the one video or the images at the table, or name the video or image of each row in a column.",
             code="recording-several-videos",
         )
     return VideoImages(videos, which, table.columns[column].astype(int).tolist())
-
-
-def _videos_of_rows(table: RecordingTable, videos: list[Path]) -> list[int] | None:
-    """Number of each row's video, by the column of their file names; `None` without such a column."""
-    numbers = {path.name: number for number, path in enumerate(videos)}
-    for name, values in table.columns.items():
-        if not table.is_numeric(name):
-            files = [Path(str(text).replace("\\", "/")).name for text in values]
-            if files and all(file in numbers for file in files):
-                return [numbers[file] for file in files]
-    return None
 
 
 def _refuse_small(found: Recording) -> None:

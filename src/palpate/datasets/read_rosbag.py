@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import find_peaks
 from scipy.spatial.transform import Rotation, Slerp
 
 from palpate.camera import decode_image
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra, load_opencv
-from palpate.datasets.recording_images import ImageSet, Item
-from palpate.datasets.recording_reader import RecordingReader
+from palpate.datasets.recording_images import ImageSet, Item, file_stamp
+from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.samples import LEAST_SAMPLES, Samples, find_offset, shrink
 from palpate.datasets.table import Column, RecordingTable
 
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 _POSES = (
-    "geometry_msgs/msg/PoseStamped",
-    "geometry_msgs/msg/TransformStamped",
-    "geometry_msgs/msg/PoseWithCovarianceStamped",
-    "nav_msgs/msg/Odometry",
-    "geometry_msgs/msg/Pose",
-    "geometry_msgs/msg/Transform",
+    *("geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped", "nav_msgs/msg/Odometry"),
+    *("geometry_msgs/msg/PoseWithCovarianceStamped", "geometry_msgs/msg/Pose", "geometry_msgs/msg/Transform"),
 )
 _FORCES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench")
 _REMEDY = "Give a rosbag1 (.bag), or a rosbag2 (folder, .mcap or .db3)."
@@ -32,6 +30,8 @@ _PARTS = 40
 """Maximum number of parts of equal duration that count as presses. By hand."""
 _PAUSE = 5.0
 """Time between two images, over its median, from which a new press begins. By hand."""
+_LIFT = 0.2
+"""Minimum travel of the tool back along its axis between two presses, over its whole travel. By hand."""
 _MOSAICS = {"rggb": "BG", "bggr": "RG", "gbrg": "GR", "grbg": "GB"}
 """Bayer mosaics by ROS, and OpenCV's names of the same: their second row, second and third column."""
 
@@ -52,15 +52,8 @@ class RosbagReader(RecordingReader):
 
     def read(self, place: Path) -> tuple[RecordingTable, ImageSet]:
         load_extra("rosbags.highlevel", "ros", "rosbags")
-        try:
-            with _open(place) as bag:
-                return self._read(place, bag)
-        except PalpateError:
-            raise
-        except Exception as error:  # a damaged bag ends the parsers of rosbags by errors of every kind
-            raise PalpateError(
-                f"{place.name} cannot be read as a ROS bag: {error}.", _REMEDY, code="recording-unreadable"
-            ) from error
+        with reading(place.name, _REMEDY), _open(place) as bag:
+            return self._read(place, bag)
 
     def _read(self, place: Path, bag: Any) -> tuple[RecordingTable, ImageSet]:
         topics = {
@@ -102,7 +95,8 @@ class RosbagReader(RecordingReader):
         if len(topics[_FORCES]) == 1:
             forces = _samples(bag, topics[_FORCES][0], _force_values).at(time)
             columns |= dict(zip(("fx_n", "fy_n", "fz_n", "tx_nm", "ty_nm", "tz_nm"), forces.T, strict=True))
-        columns["press"], note = _presses(time)
+        axis = Rotation.from_quat(turns).as_matrix()[:, :, 2].mean(axis=0)
+        columns["press"], note = _presses(time, places[:, :3] @ axis)
         return RecordingTable(place.name, columns, {}, (*notes, note)), shots
 
     def _pick(self, place: Path, found: Sequence[Any], asked: str, flag: str) -> Any:
@@ -170,13 +164,17 @@ def _force_values(message: Any) -> tuple[float, ...]:
     return tuple(getattr(part, axis) for part in (body.force, body.torque) for axis in "xyz")
 
 
-def _presses(time: FloatArray) -> tuple[FloatArray, str]:
-    """Number of the press of each image (n,), and a note on it: pauses, or parts of equal duration."""
+def _presses(time: FloatArray, depth: FloatArray) -> tuple[FloatArray, str]:
+    """Number of the press of each image (n,), and a note on it: pauses, lifts, or parts of equal duration."""
     step = np.diff(time)
     begins = np.concatenate([[False], step > _PAUSE * np.median(step)]) if len(step) else np.zeros(len(time), bool)
     press = np.cumsum(begins).astype(float)
     if press[-1] + 1 >= LEAST_SAMPLES:
         return press, f"pauses divide the images into {int(press[-1]) + 1} presses"
+    lifts = find_peaks(-depth, prominence=max(_LIFT * np.ptp(depth), 1e-9))[0]
+    if len(lifts) + 1 >= LEAST_SAMPLES:
+        press = np.searchsorted(lifts, np.arange(len(time)), side="right").astype(float)
+        return press, f"lifts of the tool along its axis divide the images into {len(lifts) + 1} presses"
     count = int(np.clip(len(time) // LEAST_SAMPLES, 1, _PARTS))
     parts = np.floor(np.arange(len(time)) * count / len(time))
     return parts, f"the images follow each other without pauses; {count} parts of equal length count as presses"
@@ -188,13 +186,8 @@ def _decode(message: Any, name: str) -> NDArray[Any]:
         return decode_image(bytes(message.data), name)
     encoding = message.encoding.lower()
     kind = np.dtype(np.uint16 if encoding.endswith("16") or "16u" in encoding else np.uint8)
-    channels = (
-        4
-        if "a8" in encoding or "8uc4" in encoding
-        else 3
-        if encoding[:3] in ("rgb", "bgr") or "uc3" in encoding
-        else 1
-    )
+    channels = 3 if encoding[:3] in ("rgb", "bgr") or "uc3" in encoding else 1
+    channels = 4 if "a8" in encoding or "8uc4" in encoding else channels
     known = ("mono", "rgb", "bgr", "8uc", "16uc", "bayer")
     if not encoding.startswith(known):
         raise PalpateError(
@@ -222,10 +215,8 @@ class _Shots(ImageSet):
         self.times_s, self.small, self.rows = times_s, small, np.arange(len(bag_ns))
 
     def stamp(self, number: int) -> str:
-        about = (self._place / "metadata.yaml" if self._place.is_dir() else self._place).stat()
-        return (
-            f"{self._place.name} {about.st_size} {about.st_mtime_ns} {self._topic} {self._bag_ns[self.rows[number]]}"
-        )
+        file = self._place / "metadata.yaml" if self._place.is_dir() else self._place
+        return f"{self._place.name} {file_stamp(file)} {self._topic} {self._bag_ns[self.rows[number]]}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         if not numbers:
@@ -238,12 +229,9 @@ class _Shots(ImageSet):
             span = {"start": int(self._bag_ns[first]), "stop": int(self._bag_ns[last]) + 1}
             for connection, _, raw in bag.messages(connections=topics, **span):
                 if row in wanted:
-                    try:
-                        yield _decode(bag.deserialize(raw, connection.msgtype), f"Image {row}")
-                    except PalpateError as error:
-                        yield error
-                    except Exception as error:  # as above
-                        yield PalpateError(
-                            f"Image {row} is broken: {error}.", "Leave it out.", code="image-unreadable"
-                        )
+                    self._deserialize = partial(bag.deserialize, raw, connection.msgtype)
+                    yield from super().read([row])
                 row += 1
+
+    def _image(self, number: int) -> NDArray[Any]:
+        return _decode(self._deserialize(), f"Image {number}")

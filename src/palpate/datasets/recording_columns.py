@@ -6,7 +6,7 @@ degrees, lengths to mm.
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -20,29 +20,31 @@ from palpate.datasets.pose_column import AXES, PoseColumn, name_axes, short_name
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _IMAGE = (
-    "image",
-    "image_name",
-    "image_file",
-    "image_path",
-    "filename",
-    "file_name",
-    "file",
-    "img",
-    "path",
-    "sensor_image",
-    "frame",
-    "bild",
-    "bilddatei",
-    "fichier",
-    "图像",
-    "画像",
+    *(
+        "image",
+        "image_name",
+        "image_file",
+        "image_path",
+        "filename",
+        "file_name",
+        "file",
+        "img",
+        "path",
+        "sensor_image",
+    ),
+    *("frame", "bild", "bilddatei", "fichier", "图像", "画像"),
 )
 _PRESS = (
     *("press", "contact", "touch", "tap", "trial", "episode", "episode_index", "demo", "group", "run"),
     *("kontakt", "appui", "接触"),
 )
-INDEX = ("index", "id", "frame", "frame_index", "timestamp", "time", "t", "n", "row", "task_index", "unnamed: 0", "")
+INDEX = ("index", "id", "frame", "frame_index", "n", "row", "task_index", "unnamed: 0", "")
 """Names of columns that number the rows."""
+TIME = re.compile(
+    r"%?(?:.*[. /])?(?:time|time_?stamp|stamp|t|zeit|temps|时间|時刻)"
+    r"(?:[\s_/,(\[]+(?:in\s+)?(s|sec|seconds?|ms|[uµμ]s|ns)[)\]]?)?"
+)
+"""Names of columns of times, with their unit."""
 _STILL, _FEW_MISSING = 1e-9, 0.1
 """Relative range of a constant column: rounding; share of rows without a number that loses a column.
 By hand."""
@@ -66,7 +68,7 @@ def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
         return held[0]
     if held:
         raise PalpateError(
-            f"The columns {', '.join(held)} of {table.name} all name images.",
+            f"{len(held)} columns of {table.name} name images: {', '.join(held[:5])}.",
             "Choose one by --image.",
             code="column-ambiguous",
         )
@@ -152,37 +154,29 @@ def find_pose_columns(
     return tuple(chosen), others, tuple(left_out)
 
 
-def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[RecordingTable, NDArray[np.bool_], str]:
-    """Rows in which a few numbers of the pose are missing.
-
-    Returns
-    -------
-    tuple
-        The table without the faults of these rows, (n,) whether a row is one of them, and a sentence; empty without
-        such rows.
-    """
+def find_gaps(table: RecordingTable, choice: ColumnMapping) -> tuple[NDArray[np.bool_], str]:
+    """Rows (n,) in which a few numbers of the pose are missing, and a sentence; empty without such rows."""
     gaps, names = np.zeros(len(table), bool), []
     asked = {text.partition("=")[0].strip().casefold() for text in choice.targets}
     for name, values in table.columns.items():
         short = short_name(split_unit(name.strip().lower())[0])
         wanted = name.casefold() in asked if asked else AXES.get(short, short) in ("rx", "ry", "depth")
-        typed = name in table.faults and "'nan'" not in table.faults[name].lower()
-        if wanted and table.is_numeric(name) and not typed:
+        if wanted and table.is_numeric(name) and name not in table.faults:
             missing = ~np.isfinite(as_numbers(values))
             if 0 < missing.sum() <= _FEW_MISSING * len(values):
                 gaps |= missing
                 names.append(name)
     if not 0 < gaps.sum() <= _FEW_MISSING * len(gaps):
-        return table, np.zeros(len(table), bool), ""
-    faults = {name: fault for name, fault in table.faults.items() if name not in names}
-    said = f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
-    return replace(table, faults=faults), gaps, said
+        return np.zeros(len(table), bool), ""
+    return gaps, f"{gaps.sum()} of {len(gaps)} rows are left out: without a number in {', '.join(names)}"
 
 
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
     """The table with columns by the names that the user gives them, ``pose_4=rx_deg``; these names."""
     pairs = [text.partition("=") for text in learn]
     new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
+    units = {old: split_unit(old.strip())[1] for old, name in new.items() if not split_unit(name)[1]}
+    new |= {old: f"{new[old]} [{unit}]" for old, unit in units.items() if unit and new[old]}
     twice = [name for name in new.values() if not name or name in table.columns]
     if twice:
         raise PalpateError(
@@ -241,7 +235,7 @@ def _why_not(table: RecordingTable, name: str) -> str:
         return f"{len(values) - len(known)} of its {len(values)} cells are empty or not finite"
     if float(np.ptp(known)) <= _STILL * max(1.0, float(np.abs(known).max())):
         return f"it is {known[0]:g} throughout"
-    if name.strip().lower() in INDEX:
+    if name.strip().lower() in INDEX or TIME.fullmatch(name.strip().lower()):
         return "it numbers the rows"
     step = np.diff(known)
     if len(known) > 10 and np.all(step == 1.0):
@@ -257,7 +251,10 @@ def _names_images(table: RecordingTable, name: str) -> bool:
 
 
 def _given(table: RecordingTable, name: str, flag: str) -> str:
-    alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
+    low = name.strip().lower()
+    alike = [column for column in table.columns if column.strip().lower() == low]
+    bare = [column for column in table.columns if split_unit(column.strip().lower())[0] == low]
+    alike = alike or (bare if len(bare) == 1 else [])
     if not alike:
         raise PalpateError(
             f"{table.name} has no column {name}; it has {list_columns(table)}.",

@@ -25,6 +25,15 @@ from palpate.datasets.table import REST
 Item = NDArray[Any] | PalpateError
 
 
+def file_stamp(path: Path) -> str:
+    """Return a text that changes with a file: its name, size and time."""
+    try:
+        about = path.stat()
+    except OSError:
+        return f"{path.name} does not exist"
+    return f"{path.name} {about.st_size} {about.st_mtime_ns}"
+
+
 class ImageSet(ABC):
     """Images by number."""
 
@@ -32,9 +41,20 @@ class ImageSet(ABC):
     def stamp(self, number: int) -> str:
         """Return a text that changes with the image: name, size and time of its file."""
 
-    @abstractmethod
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         """Yield images by ascending numbers, with an error in place of an unreadable one."""
+        for number in numbers:
+            try:
+                yield self._image(number)
+            except PalpateError as error:
+                yield error
+            except Exception as error:  # each codec has errors of its own
+                yield PalpateError(
+                    f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
+                )
+
+    def _image(self, number: int) -> NDArray[Any]:
+        raise NotImplementedError
 
 
 @final
@@ -45,19 +65,10 @@ class ImageFiles(ImageSet):
         self._paths = tuple(paths)
 
     def stamp(self, number: int) -> str:
-        path = self._paths[number]
-        try:
-            about = path.stat()
-        except OSError:
-            return f"{path.name} does not exist"
-        return f"{path.name} {about.st_size} {about.st_mtime_ns}"
+        return file_stamp(self._paths[number])
 
-    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        for number in numbers:
-            try:
-                yield read_image(self._paths[number])
-            except PalpateError as error:
-                yield error
+    def _image(self, number: int) -> NDArray[Any]:
+        return read_image(self._paths[number])
 
 
 @final
@@ -68,9 +79,7 @@ class VideoImages(ImageSet):
         self._videos, self._which, self._frames = tuple(videos), tuple(which), tuple(frames)
 
     def stamp(self, number: int) -> str:
-        path = self._videos[self._which[number]]
-        about = path.stat()
-        return f"{path.name} {about.st_size} {about.st_mtime_ns} {self._frames[number]}"
+        return f"{file_stamp(self._videos[self._which[number]])} {self._frames[number]}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         playing, at = -1, -1
@@ -97,25 +106,17 @@ class ArrayImages(ImageSet):
         self._places = tuple(places)
 
     def stamp(self, number: int) -> str:
-        path, name, row = self._places[number]
-        about = path.stat()
-        return f"{path.name} {about.st_size} {about.st_mtime_ns} {(name, row)}"
+        path, *place = self._places[number]
+        return f"{file_stamp(path)} {(*place,)}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         for path, group in groupby(numbers, lambda number: self._places[number][0]):
-            with h5py.File(path, "r") as file:
-                for number in group:
-                    _, name, row = self._places[number]
-                    try:
-                        yield read_row(file[name], row)
-                    except PalpateError as error:
-                        yield error
-                    except (OSError, LookupError, RuntimeError, TypeError, ValueError) as error:
-                        yield PalpateError(
-                            f"Image {row} of {name} cannot be read: {error}.",
-                            "Repair or leave it out.",
-                            code="image-unreadable",
-                        )
+            with h5py.File(path, "r") as self._file:
+                yield from super().read(list(group))
+
+    def _image(self, number: int) -> NDArray[Any]:
+        _, name, row = self._places[number]
+        return read_row(self._file[name], row)
 
 
 @final
@@ -204,7 +205,7 @@ def _bare_name(path: Path) -> str:
 
 
 def _is_image(path: Path) -> bool:
-    return path.suffix.lower() in IMAGE_SUFFIXES
+    return path.suffix.lower() in IMAGE_SUFFIXES and path.name[0] != "."
 
 
 def list_below(folder: Path) -> list[Path]:

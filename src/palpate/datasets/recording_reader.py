@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar, final
 
@@ -71,6 +72,17 @@ class RecordingReader(ABC):
         PalpateError
             If it cannot be read.
         """
+
+
+@contextmanager
+def reading(name: str, remedy: str) -> Iterator[None]:
+    """Replace errors of every kind, by which parsers end in a damaged file, by one that names the file."""
+    try:
+        yield
+    except PalpateError:
+        raise
+    except Exception as error:
+        raise PalpateError(f"{name} cannot be read: {error}.", remedy, code="recording-unreadable") from error
 
 
 @final

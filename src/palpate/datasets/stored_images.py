@@ -33,8 +33,9 @@ def holds_images(array: Any) -> bool:
     if len(shape) == 3 and kind in "uifb" and min(shape[1:]) >= _LEAST_PX:
         if kind in "ub":
             return True
-        low, high = float(np.min(array[0])), float(np.max(array[0]))
-        return low >= 0.0 and high <= (1.0 if kind == "f" else 65535.0)
+        image = np.asarray(array[0])
+        whole = kind == "i" or bool((image == np.round(image)).all())  # grey levels as floats are whole
+        return float(image.min()) >= 0.0 and float(image.max()) <= (65535.0 if whole else 1.0)
     if (len(shape) == 1 and kind in "OSV") or (len(shape) == 2 and array.dtype == np.uint8 and shape[1] >= 64):
         return _file_content(array[0]).startswith(_FILES)
     return False

@@ -14,17 +14,24 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, PalpateError
+from palpate.core.files import natural_key
 from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.pose_column import FACTORS, PoseColumn, short_name
 from palpate.datasets.quantities import find_angles_and_lengths
+from palpate.datasets.recording_columns import list_columns
 from palpate.datasets.table import RecordingTable, as_numbers
 
 _EULER = ("roll", "pitch", "yaw")
 _ROBOTS = {("A", "B", "C"): ("yaw", "pitch", "roll"), ("W", "P", "R"): ("roll", "pitch", "yaw")}
 """Letters of angles in poses XYZABC of KUKA and XYZWPR of FANUC → angles about fixed axes."""
-_TCP = {"actual_TCP_pose_": "x_m y_m z_m rx_rad ry_rad rz_rad", "eef_pos_": "x_m y_m z_m", "ee_pos_": "x_m y_m z_m"}
-"""Beginnings of numbered columns of Universal Robots, robomimic and robosuite → their names."""
+_TCP = {
+    "actual_TCP_pose_": "x_m y_m z_m rx_rad ry_rad rz_rad",
+    "eef?_pos_": "x_m y_m z_m",
+    "(?:position|translation)_": "x y z",
+    "(?:rotation|rotvec|rvec|rotation_vector|axis_angle)_": "rx ry rz",
+}
+"""Beginnings of numbered columns of Universal Robots, robomimic, robosuite and JSON → their names."""
 _AXES = {"x", "y", "z", "depth", "rx", "ry", "rz"}
 """Axes of a pose."""
 _QUATERNION = re.compile(r"(?:^|[_. ])(?:q|quat|quaternion|orientation|rot|rotation|ori)[_. \[]*([wxyz]|\d)\]?$")
@@ -70,15 +77,29 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
         return table
     given, tool = table, _name_tcp(table, choice, taken)
     table = _name_robot_angles(tool, choice, taken)
-    angles = find_angles_and_lengths(table, choice, taken)
+    if "rx_rad" in tool.columns and "rx_rad" not in given.columns:  # the robot's orientation has one kind
+        choice = replace(choice, euler=choice.euler or "rotvec")
+    doubts: list[PalpateError] = []
+    angles = find_angles_and_lengths(table, choice, taken, doubts)
     found = _quaternions(table, choice) or _matrices(table, choice) or _three_angles(table, angles, choice)
+    if found is None and choice.euler:
+        raise (
+            doubts[0]
+            if doubts
+            else PalpateError(
+                f"No columns of {table.name} are an orientation {choice.euler}; it has {list_columns(table)}.",
+                "Name them rx, ry, rz, or qx to qw, or r11 to r33, or leave out --orientation.",
+                code="euler-columns-missing",
+            )
+        )
     frame = _frame(choice.frame)
     if found is None and frame is None:  # z of a base is no depth
         return table if tool is given else given
     axis, inward, notes = _surface(found, frame)
     new: dict[str, FloatArray] = {}
     if found is not None:
-        relative = frame is None and axis[2] > 0.5
+        spread = float((found.turns.as_matrix()[:, :, 2] @ axis).min())
+        relative = frame is None and axis[2] > max(0.5, spread)  # tilts about the surface surround its normal
         new = dict(zip(("rx_deg", "ry_deg"), _tilt(found.turns, axis, relative).T, strict=True))
         where = "in the frame of the poses" if relative else "in the tool's frame"
         notes.insert(
@@ -90,6 +111,13 @@ def to_surface(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, .
             inward = None
     places = found.positions if found is not None and found.positions is not None else _positions(angles)
     used = set(found.columns) if found is not None else set()
+    height = angles.get("depth")
+    if frame is not None and places is None and height is not None and short_name(height.column.lower())[:1] == "z":
+        raise PalpateError(
+            f"--frame is given, but {table.name} has a height {height.column} without x and y in mm or m.",
+            "Add them, or leave out --frame and give the depth.",
+            code="positions-missing",
+        )
     if inward is not None and places is not None and "depth_mm" not in table.columns:
         depth = (places - (0.0 if frame is None else frame[0])) @ inward
         used |= {one.column for axis_name, one in angles.items() if axis_name == "depth" and one.unit == "mm"}
@@ -105,11 +133,10 @@ def _name_tcp(table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ..
     """The table with names of axes for numbered columns of one tool (`_TCP`), unless others name an axis."""
     named = choice.targets or find_angles_and_lengths(table, choice, taken).keys() & _AXES
     for start, names in _TCP.items() if not named else ():
-        found = [name for name in table.columns if re.fullmatch(rf"(robot\d_)?{start}\d", name, re.I)]
+        found = [name for name in table.columns if re.fullmatch(rf"(.*[_.])?{start}\d", name, re.I)]
         axes = (names.replace("_m", "") if choice.lengths else names).split()
-        new = dict(zip(sorted(found), axes, strict=False))
         if len(found) == len(axes):
-            return _rename(table, new, axes)
+            table = _rename(table, dict(zip(sorted(found), axes, strict=True)), axes)
     return table
 
 
@@ -249,10 +276,16 @@ def _quaternions(table: RecordingTable, choice: ColumnMapping) -> _Found | None:
 def _matrices(table: RecordingTable, choice: ColumnMapping) -> _Found | None:
     """Nine columns of a rotation matrix, or those of a homogeneous one with the position."""
     groups: dict[str, dict[tuple[int, int], str]] = {}
-    for name in table.columns:
-        match = _MATRIX.match(name.strip().lower())
-        if match and table.is_numeric(name):
+    rows: dict[str, list[str]] = {}
+    for name in filter(table.is_numeric, table.columns):
+        if match := _MATRIX.match(name.strip().lower()):
             groups.setdefault(match[1], {})[int(match[2]), int(match[3])] = name
+        rows.setdefault(re.sub(r"[_. ]*\[?\d+\]?$", "", name), []).append(name)
+    for start, names in rows.items():
+        if len(names) == 16:
+            grid = np.array(sorted(names, key=natural_key)).reshape(4, 4)
+            by_columns = not any(table.columns[name].any() for name in grid[:3, 3].tolist())  # as Franka's O_T_EE
+            groups[start] = {place: str(name) for place, name in np.ndenumerate(grid.T if by_columns else grid)}
     for group in groups.values():
         first = 0 if (0, 0) in group else 1
         places = [(i + first, j + first) for i in range(3) for j in range(3)]
@@ -280,12 +313,6 @@ def _three_angles(table: RecordingTable, angles: dict[str, PoseColumn], choice: 
     chosen = [angles[axis] for axis in ("rx", "ry", "rz") if axis in angles and angles[axis].unit == "deg"]
     axes = [one.axis for one in chosen]
     if "rx" not in axes or "ry" not in axes:
-        if choice.euler and choice.euler not in ("xyzw", "wxyz", "matrix"):
-            raise PalpateError(
-                "An orientation needs columns rx and ry.",
-                "Name them so, or leave out --orientation.",
-                code="euler-columns-missing",
-            )
         return None
     columns = tuple(one.column for one in chosen)
     values = np.stack([one.values for one in chosen], axis=1)

@@ -73,6 +73,7 @@ def read_table(path: Path) -> RecordingTable:
     faults = {
         names[at]: f"line {fault.line} has '{fault.text[:30]}', which is no number"
         for at, fault in table.faults.items()
+        if fault.text.casefold() not in ("nan", "null", "none")  # no number, as programs write it
     }
     return RecordingTable(
         path.name, dict(zip(names, table.columns, strict=True)), faults, table.notes, int(table.lines[0])

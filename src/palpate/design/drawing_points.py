@@ -193,8 +193,9 @@ def _svg_children(
         if kind in ("circle", "ellipse"):
             values = (child.get("cx", "0"), child.get("cy", "0"), child.get("r", child.get("rx", "0")))
             x, y, size = ((_length(path, value) or 0.0) / _MM["px"] for value in values)
-            x, y, _ = own @ [x, y, 1.0]
-            yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
+            x, y, _ = own @ [x, y, 1.0] if np.isfinite(x + y) else (x, y, 1.0)
+            if size > 0.0:  # SVG draws no other
+                yield float(x), float(y), size * float(np.sqrt(abs(np.linalg.det(own[:2, :2]))))
         elif paths and kind == "path" and "z" in child.get("d", "").lower():
             curves = load_extra("svgelements", "cad").Path(child.get("d")).as_subpaths()
             for curve in curves:
@@ -207,7 +208,7 @@ def _svg_children(
 
 def _length(path: Path, text: str | None) -> float | None:
     """Length in mm; `None` if absent or relative."""
-    found = re.fullmatch(r"\s*([-+.\deE]+?)\s*([a-zA-Z]*|%)\s*", text or "")
+    found = re.fullmatch(r"\s*([-+]?(?i:nan|inf)|[-+.\deE]+?)\s*([a-zA-Z]*|%)\s*", text or "")
     if found is None or found[2] == "%":
         return None
     if found[2].lower() not in _MM:

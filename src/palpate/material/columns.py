@@ -142,12 +142,22 @@ def refuse_faults(table: Table, column: int) -> None:
     if fault is None and not table.is_numeric(column):
         fault = Fault(int(table.lines[0]), str(table.columns[column][0]))
     if fault is not None:
-        label = f"column {column + 1}" + (f" ({table.header[column]})" if table.header[column] else "")
         raise PalpateError(
-            f"{table.path}: row {fault.line}, {label}: '{fault.text[:40]}' is no number.",
+            f"{table.path}: row {fault.line}, {_label(table, column)}: '{fault.text[:40]}' is no number.",
             _correct(fault.text, table.decimal),
             code="value-not-number",
         )
+
+
+def empty_cell(table: Table, line: int, column: int) -> PalpateError:
+    """The error of a cell without a number."""
+    return PalpateError(
+        f"{table.path}: row {line}, {_label(table, column)} is empty.", "Fill or delete the row.", code="cell-empty"
+    )
+
+
+def _label(table: Table, column: int) -> str:
+    return f"column {column + 1}" + (f" ({table.header[column]})" if table.header[column] else "")
 
 
 def _correct(cell: str, decimal: str) -> str:
@@ -173,8 +183,13 @@ def find_columns(table: Table, spec: TestFileSpec) -> Columns:
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
         raise _several(table, kind, several)
     pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
-    _check_apart(table, pairs)
     for pair in pairs:
+        if pair.strain == pair.stress:
+            raise PalpateError(
+                f"{table.path}: column {pair.strain + 1} is both strain and stress.",
+                "Give --strain and --stress.",
+                code="column-taken-twice",
+            )
         refuse_faults(table, pair.strain)
         refuse_faults(table, pair.stress)
     strain_unit, factor, assumed = _strain_unit(table, pairs, spec)
@@ -280,16 +295,6 @@ def _alternate(strains: list[int], stresses: list[int]) -> bool:
     """Whether strain and stress columns alternate: samples side by side."""
     turns = sorted([*strains, *stresses])
     return turns[0::2] in (strains, stresses) and turns[1::2] in (strains, stresses)
-
-
-def _check_apart(table: Table, pairs: tuple[Pair, ...]) -> None:
-    for pair in pairs:
-        if pair.strain == pair.stress:
-            raise PalpateError(
-                f"{table.path}: column {pair.strain + 1} is both strain and stress.",
-                "Give --strain and --stress.",
-                code="column-taken-twice",
-            )
 
 
 def _written(table: Table, columns: list[int]) -> set[str]:

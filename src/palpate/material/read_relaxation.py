@@ -15,6 +15,7 @@ from palpate.material.columns import (
     STRAIN,
     STRESS,
     STRETCH,
+    empty_cell,
     find_column,
     read_columns,
     refuse_faults,
@@ -31,17 +32,7 @@ _EXTENDED = re.compile(
 """Names of travel from rest; a position may begin anywhere."""
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
 """Seconds a unit."""
-_UNITS = {
-    "ms": "ms",
-    "s": "s",
-    "sec": "s",
-    "sek": "s",
-    "seconds": "s",
-    "秒": "s",
-    "min": "min",
-    "h": "h",
-    "hour": "h",
-}
+_UNITS = {"ms": "ms", **dict.fromkeys(("s", "sec", "sek", "seconds", "秒"), "s"), "min": "min", "h": "h", "hour": "h"}
 
 
 def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> RelaxationTest:
@@ -101,14 +92,8 @@ def _take(table: Table, columns: list[int]) -> FloatArray:
         raise PalpateError(
             f"{table.path}: the columns of time and stress are empty.", "Give other columns.", code="columns-empty"
         )
-    gap = np.argwhere(np.isnan(values))
-    if len(gap):
-        row, at = gap[0]
-        raise PalpateError(
-            f"{table.path}: row {lines[row]}, column {columns[at] + 1} is empty.",
-            "Fill or delete the row.",
-            code="cell-empty",
-        )
+    for row, at in np.argwhere(np.isnan(values)):
+        raise empty_cell(table, lines[row], columns[at])
     return values
 
 

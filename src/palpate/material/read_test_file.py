@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.core.tables import Table
-from palpate.material.columns import MAX_STRAIN, Columns, Pair, find_columns, read_columns
+from palpate.material.columns import MAX_STRAIN, Columns, Pair, empty_cell, find_columns, read_columns
 from palpate.material.cycles import select_cycle
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import StrainUnit, StressUnit, TestFileSpec
@@ -180,13 +180,7 @@ def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, Float
     strain, stress, lines = strain[:end], stress[:end], lines[:end]
     gaps = np.flatnonzero(np.isnan(strain) | np.isnan(stress))
     if len(gaps):
-        column = pair.strain if np.isnan(strain[gaps[0]]) else pair.stress
-        name = f" ({table.header[column]})" if table.header[column] else ""
-        raise PalpateError(
-            f"{table.path}: row {lines[gaps[0]]}, column {column + 1}{name} is empty.",
-            "Fill or delete the row.",
-            code="cell-empty",
-        )
+        raise empty_cell(table, lines[gaps[0]], pair.strain if np.isnan(strain[gaps[0]]) else pair.stress)
     if end < LEAST_ROWS:
         raise PalpateError(
             f"{table.path} has {end} row{'s' if end != 1 else ''} of numbers.",

@@ -46,7 +46,7 @@ class AssetSpec(Spec):
     @field_validator("name")
     @classmethod
     def _name_is_an_identifier(cls, name: str | None) -> str | None:
-        if name is not None and not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        if name is not None and not re.fullmatch(r"(?!world$)[A-Za-z_][A-Za-z0-9_]*", name):
             raise PydanticCustomError(
                 "name-not-identifier",
                 "'{name}' is not a name in all formats; use letters, digits and _, such as left_finger.",

@@ -28,8 +28,11 @@ _GAP = 2.6
 """Minimum gap between markers of one field, over the median nearest-neighbour distance. By hand."""
 _CLEAR = 40.0
 """Ratio of a blob's summed contrast to its noise at which half of its elongation is used. By hand."""
+_CORRELATED = 1.5
+"""Minimum noise at three pixels over that at one of an image whose noise is correlated.
 
-
+White noise has 1.1, noise saved as JPEG of quality 80 has 7. By hand.
+"""
 _LUMA = np.array([0.114, 0.587, 0.299], np.float32)
 """Weights of blue, green and red (ITU-R BT.601), in OpenCV's order."""
 _SMALLEST_PX = 8
@@ -150,23 +153,31 @@ def prepare_detector(
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
-    none = PalpateError(
-        f"No field of markers was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
-        "Check light and focus. `palpate sensor detect --polarity … --diameter …` tests other settings.",
-        code="markers-not-found",
-    )
+    found = _prepare(grey, spec, doubt, gap)
+    if found is None and (correlated := measure_noise(grey, 3) / measure_noise(grey)) > _CORRELATED:
+        spec = spec.model_copy(update={"threshold": min(correlated * spec.threshold, 100.0)})
+        found = _prepare(grey, spec, doubt, gap)
+    if found is None:
+        raise PalpateError(
+            f"No field of markers was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
+            "Check light and focus. `palpate sensor detect --polarity … --diameter …` tests other settings.",
+            code="markers-not-found",
+        )
+    return found
+
+
+def _prepare(grey: Image, spec: DetectSpec, doubt: bool, gap: float) -> Detector | None:
+    """Return the detector of the field of markers in grey levels (h, w); `None` without one."""
     field = choose_field(grey, spec)
     if field is None:
-        raise none
-    dark = field.dark
-    rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
+        return None
+    rough = Detector(spec, field.dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
     mask = _find_mask(blobs, grey.shape, max(gap, _GAP)) if spec.mask == "auto" else None
-    found = Detector(spec, dark, rough.diameter_px, mask, edge, doubt)
+    found = Detector(spec, field.dark, rough.diameter_px, mask, edge, doubt)
     known = spec.diameter_px is not None and spec.polarity != "auto"
-    if doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
-        raise none
-    return found
+    unlike = doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field)
+    return None if unlike else found
 
 
 def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:

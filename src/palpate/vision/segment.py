@@ -101,14 +101,16 @@ class Blobs:
         return replace(self, **{name: getattr(self, name)[mask] for name in names})
 
 
-def measure_noise(image: Image) -> float:
+def measure_noise(image: Image, step: int = 1) -> float:
     """Return the standard deviation of pixel noise, by the median of second differences (Immerkær 1996).
 
-    It is at least the rounding error of integers, 1/√12.
+    It is at least the rounding error of integers, 1/√12. Compression and smoothing correlate the noise of neighbours,
+    whose differences then show a part of it; those of pixels `step` apart show more.
     """
-    first = np.arange(0, image.shape[0] - 2, max((image.shape[0] - 2) // _NOISE_ROWS, 1))
-    both = image[first] - 2.0 * image[first + 1] + image[first + 2]
-    both = both[:, :-2] - 2.0 * both[:, 1:-1] + both[:, 2:]
+    height = image.shape[0] - 2 * step
+    first = np.arange(0, height, max(height // _NOISE_ROWS, 1))
+    both = image[first] - 2.0 * image[first + step] + image[first + 2 * step]
+    both = both[:, : -2 * step] - 2.0 * both[:, step:-step] + both[:, 2 * step :]
     # the mean is what Immerkær takes; the median forgives dots and edges
     return max(float(np.median(np.abs(both))) / 0.6745 / 6.0, 12.0**-0.5)
 

@@ -130,7 +130,8 @@ def test_images_that_cannot_be_used_are_named_with_the_reason():
         ("small", cv2.resize(good[0][1], (320, 240))),
         ("dot", np.zeros((1, 1), np.uint8)),
     ]
-    found = calibrate_camera([*good, *bad], CalibrationSpec(board=board))
+    found = calibrate_camera([*bad, *good], CalibrationSpec(board=board))
+    assert (found.width_px, found.height_px) == (640, 480)
     reasons = dict(found.rejected)
     assert set(reasons) == {"empty", "unread", "small", "dot"}
     assert "chessboard" in reasons["empty"]

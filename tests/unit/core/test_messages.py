@@ -121,7 +121,7 @@ WITHOUT_VALUE = listed(
     """
     argument-missing*3 azimuths-need-flat-wall benchmark-no-pictures calibration-press-missing
     calibration-press-no-touch cuda-missing dataset-no-forces dataset-not-finite deck-filled-shell
-    deck-shell-stiff deck-wall-bent euler-columns-missing evaluation-no-image fit-no-samples*2 fit-stress-falls
+    deck-shell-stiff deck-wall-bent evaluation-no-image fit-no-samples*2 fit-stress-falls
     force-not-positive forces-need-wall grid-empty grid-missing grid-selection-empty image-damaged
     image-mirrored image-not-encoded image-not-finite inverted-state-gel
     inverted-state-route law-exponent-zero law-term-incomplete limit-obstacle-level

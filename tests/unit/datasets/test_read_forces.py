@@ -1,5 +1,6 @@
 """Forces of a sensor with its own clock and rate at the times of the images of a recording."""
 
+from datetime import UTC, datetime
 from pathlib import Path
 
 import cv2
@@ -72,6 +73,20 @@ def test_times_have_the_unit_of_their_name_or_flag(tmp_path: Path) -> None:
     with refused("time-unit-unknown", "time", "ft.txt", "--times"):
         read(tmp_path, forces)
     assert values(read(tmp_path, forces, times="ms"))["force_N"] == pytest.approx(wrench(IMAGES_S)[:, 2], abs=1e-3)
+
+
+@pytest.mark.parametrize("zone", ["", "Z", "+02:00"])
+def test_times_may_be_dates(zone: str, tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    shift = {"": 0, "Z": 0, "+02:00": 7200}[zone]
+    dates = [
+        datetime.fromtimestamp(1.7e9 + shift + time, UTC).replace(tzinfo=None).isoformat() + zone
+        for time in TIMES_S - START
+    ]
+    rows = [f"{date},{force:.6f}" for date, force in zip(dates, wrench(TIMES_S)[:, 2], strict=True)]
+    (tmp_path / "ft.csv").write_text("\n".join(["time,Fz_N", *rows]))
+    found = values(read(tmp_path, tmp_path / "ft.csv"))
+    assert found["force_N"] == pytest.approx(wrench(IMAGES_S)[:, 2], abs=1e-3)
 
 
 def test_images_without_a_force_at_their_time_are_left_out(tmp_path: Path) -> None:

@@ -98,6 +98,7 @@ CIRCLES, MOVE, BACK = (
 )  # fmt: skip
 def test_circles_of_svg_are_read_about_the_middle_of_the_page(tmp_path: Path, page: str, body: str) -> None:
     hidden = '<defs><circle cx="1" cy="1" r="0.7"/></defs><circle r="19.9" cx="0" cy="0" display="none"/>'
+    hidden += '<circle cx="3" cy="3" r="0"/><circle cx="2" cy="2"/>'
     assert same(read(svg(tmp_path / "a.svg", page, hidden + body)))
 
 
@@ -134,6 +135,8 @@ def test_a_damaged_entity_of_dxf_is_refused(tmp_path: Path) -> None:
             "drawing-empty",
         ),
         ("a.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="4em" height="9"/>', "drawing-unit"),
+        ("a.svg", '<svg width="9mm" height="9mm"><circle cx="nan" cy="2" r="1"/></svg>', "drawing-broken"),
+        ("a.svg", '<svg width="9mm" height="9mm"><circle cx="2" cy="-inf" r="1"/></svg>', "drawing-broken"),
         ("a.svg", '<svg viewBox="0 0 9 9"><g transform="matrix(1 2)"><circle/></g></svg>', "drawing-broken"),
         ("a.svg", '<svg viewBox="a b c d"><circle/></svg>', "drawing-unit"),
     ],

@@ -313,7 +313,7 @@ def test_two_named_sensors_load_in_one_usd_stage(pair: dict[AssetFormat, list[Pa
     assert [str(one) for one in bound] == ["/right/silicone"]
 
 
-@pytest.mark.parametrize("name", ["1st", "left finger", "left/finger", "é"])
+@pytest.mark.parametrize("name", ["world", "1st", "left finger", "left/finger", "é"])
 def test_a_name_that_not_every_format_takes_is_refused(name: str) -> None:
     with pytest.raises(ValueError) as caught:  # noqa: PT011
         AssetSpec(name=name)

@@ -26,12 +26,16 @@ class VideoSource(Source):
             raise PalpateError(
                 f"{path} does not exist.", "Give a video, a folder or the number of a camera.", code="file-missing"
             )
-        self._path = path
+        self._path, self._times = path, list[float]()
         self._capture = open_capture(text)
 
     @property
     def name(self) -> str:
         return str(self._path)
+
+    @property
+    def times(self) -> list[float]:
+        return self._times
 
     def images(self) -> Iterator[ImageOrError]:
         cv2 = load_opencv()
@@ -48,6 +52,7 @@ class VideoSource(Source):
             given += 1
             now_s = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
             last_s, gap_s = now_s, max(gap_s, now_s - last_s)
+            self._times.append(now_s)
             yield np.asarray(image)
         if not given or (given < promised and not self._is_whole(given, promised, fps, last_s + 1.5 * gap_s)):
             yield PalpateError(
@@ -59,13 +64,12 @@ class VideoSource(Source):
     def _is_whole(self, given: int, promised: int, fps: float, end_s: float) -> bool:
         """Test whether a video of fewer images than its header states is complete.
 
-        It is if its edit list shows a part of its images, or if it has a variable frame rate in a container that
-        stores no count: the stated count is then the duration times the mean rate. The end of its images is the last
-        stamp and one and a half times their longest interval.
+        An edit list may show a part of the images; in a container that stores no count, it is the duration times the
+        mean rate. The end of the images is the last stamp and one and a half times their longest interval.
         """
         if self._path.suffix.lower() not in (".mp4", ".mov", ".m4v"):
             return self._path.suffix.lower() in (".mkv", ".webm") and end_s >= (promised - 1) / fps
-        return given + 1 >= int(_edited_s(self._path) * fps) > 0
+        return given + 1 >= int(_duration_s(self._path) * fps) > 0
 
     def _decode_av1(self) -> Iterator[ImageOrError]:
         """Yield the images of an AV1 video by PyAV, since the wheels of OpenCV do not decode it."""
@@ -81,6 +85,7 @@ class VideoSource(Source):
         try:
             with av.open(str(self._path)) as container:
                 for frame in container.decode(video=0):
+                    self._times.append(frame.time or 0.0)
                     yield np.asarray(frame.to_ndarray(format="bgr24"))
         except (av.FFmpegError, OSError, IndexError, ValueError) as error:
             yield PalpateError(
@@ -91,26 +96,17 @@ class VideoSource(Source):
         self._capture.release()
 
 
-def _edited_s(path: Path) -> float:
-    """Return the duration, s, of an MP4 file's first edit list; 0 without one, or if the file is cut off."""
+def _duration_s(path: Path) -> float:
+    """Return the duration, s, of an MP4 file with its edit list; 0 if the file is cut off."""
     content = path.read_bytes()
     at = 0
     while at + 8 <= len(content):
         size = int.from_bytes(content[at : at + 4], "big")
         size = int.from_bytes(content[at + 8 : at + 16], "big") if size == 1 else size or len(content) - at
         at += max(size, 8)
-    head, edits = content.find(b"mvhd"), content.find(b"elst")
-    if at != len(content) or min(head, edits) < 0:
+    head = content.find(b"mvhd")
+    if at != len(content) or not 0 <= head < len(content) - 36:
         return 0.0
-    try:
-        long = content[head + 4] == 1
-        (scale,) = struct.unpack_from(">I", content, head + (24 if long else 16))
-        long, (count,) = content[edits + 4] == 1, struct.unpack_from(">I", content, edits + 8)
-        form = ">QqI" if long else ">IiI"
-        entries = [
-            struct.unpack_from(form, content, edits + 12 + number * (20 if long else 12))
-            for number in range(min(count, 1000))
-        ]
-    except struct.error:
-        return 0.0
-    return sum(duration for duration, start, _ in entries if start >= 0) / max(scale, 1)
+    long = content[head + 4] == 1
+    scale, ticks = struct.unpack_from(">IQ" if long else ">II", content, head + (24 if long else 16))
+    return float(ticks / max(scale, 1))
