@@ -87,8 +87,8 @@ def covariance(first: FloatArray, second: FloatArray, scale: FloatArray, actions
         (g, b, b) on the targets.
     """
     own = first / scale
-    found = np.zeros((len(own), len(actions[0]), second.shape[1], len(actions[0])), own.dtype)
-    for other, action in zip(second / scale, actions.astype(own.dtype), strict=True):
+    found = np.zeros((len(own), len(actions[0]), second.shape[1], len(actions[0])))
+    for other, action in zip(second / scale, actions, strict=True):
         apart = (own**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * own @ other.T
         found += np.exp(-0.5 * np.maximum(apart, 0.0))[:, None, :, None] * action[None, :, None, :]
     return np.asarray(found.reshape(len(own) * len(actions[0]), -1) / len(actions))
@@ -221,14 +221,12 @@ def _choose(
 ) -> list[tuple[Kernel, float]]:
     """Kernel of minimum left-out error, and that error, for each column of targets (n b, v)."""
     best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
-    # exponentials of single precision take a tenth of the time
-    single = replace(presses, components=presses.components.astype("f4"), moved=presses.moved.astype("f4"))
     rows = press_rows(presses.press, len(targets) // len(presses.press))
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
         scale = scale * max(float(np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())), 1e-9)
         for length in LENGTHS:
-            decomposed = _decompose(single, (scale * length).astype("f4"), actions)
+            decomposed = _decompose(presses, scale * length, actions)
             for noise in _NOISES:
                 errors = left_out(decomposed, noise * float(decomposed[0].mean()), targets, rows)
                 for column, error in enumerate(np.sqrt(np.mean(errors**2, axis=0))):
@@ -239,7 +237,7 @@ def _choose(
 
 def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Eigenvalues and eigenvectors of the covariance."""
-    matrix = covariance(presses.components, presses.moved, scale, actions).astype(float)
+    matrix = covariance(presses.components, presses.moved, scale, actions)
     values, vectors = eigh(matrix, overwrite_a=True, driver="evd")
     return np.maximum(values, 0.0), vectors
 
