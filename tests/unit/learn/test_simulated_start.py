@@ -94,15 +94,20 @@ def errors(seen: PreparedRecording, found: MarkerProcess, test: np.ndarray) -> n
 
 
 def test_ten_presses_from_a_simulation_are_better_than_from_scratch(seen: PreparedRecording) -> None:
+    """Over two draws of ten presses, the rest being read."""
     samples, _ = seen.samples(markers=True)
-    train = np.flatnonzero(seen.accepted)[:10]
-    few = replace(samples, train=np.isin(np.arange(len(samples.train)), train), validation=samples.train & False)
-    test = seen.accepted & ~few.train
-    assert test.sum() > 70
-    found = errors(seen, start().train(seen, few), test)
-    scratch = errors(seen, MarkerProcess.train("x", replace(few, rotation=seen.rotation), TrainingRun()), test)
+    found, scratch = np.zeros((2, 3)), np.zeros((2, 3))
+    for draw in range(2):
+        train = np.flatnonzero(seen.accepted)[10 * draw : 10 * draw + 10]
+        few = replace(samples, train=np.isin(np.arange(len(samples.train)), train), validation=samples.train & False)
+        test = seen.accepted & ~few.train
+        assert test.sum() > 70
+        found[draw] = errors(seen, start().train(seen, few), test)
+        scratch[draw] = errors(
+            seen, MarkerProcess.train("x", replace(few, rotation=seen.rotation), TrainingRun()), test
+        )
     assert (found < [0.5, 0.5, 0.06]).all()
-    assert (found < 0.5 * scratch).all()
+    assert (found.mean(axis=0) < 0.5 * scratch.mean(axis=0)).all()
 
 
 def test_without_presses_depth_is_estimated_and_tilts_in_the_frame_of_the_image(seen: PreparedRecording) -> None:
