@@ -96,6 +96,8 @@ class Dialect:
                 text = text.replace('"', "")
         if self.delimiter == " ":
             return _TOKEN.findall(text) if re.search(r"[\[(]", text) and text[:1].isalpha() else text.split()
+        if "]" in text:  # a list is one cell: 7; p[0.4, -0.1, 0.2]
+            return [cell.strip() for cell in re.split(rf"{re.escape(self.delimiter)}(?![^\[\]]*\])", text)]
         return [cell.strip() for cell in text.split(self.delimiter)]
 
     def is_number(self, cell: str) -> bool:

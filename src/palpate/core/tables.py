@@ -282,13 +282,19 @@ class _Columns:
 def _expand(
     names: tuple[str, ...], units: tuple[str, ...], columns: tuple[Column, ...]
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[Column, ...]]:
-    """Add a column for each number of lists that are the cells of a column: ``[1, 2]``."""
+    """Add a column for each number of lists that are the cells of a column: ``[1, 2]``.
+
+    The pose ``p[…]`` of a UR robot, a position and a rotation vector, gets the names of its RTDE.
+    """
     for name, column in zip(names, columns, strict=True):
-        if column.dtype.kind != "U" or not len(column) or str(column[0])[:1] != "[":
+        if column.dtype.kind != "U" or not len(column) or "[" not in str(column[0])[:2]:
             continue
-        if all(cell[:1] + cell[-1:] == "[]" for cell in column.tolist()):
-            cells = [re.split(r"[\s,;]+", cell[1:-1].strip()) for cell in column.tolist()]
+        lists = [cell.removeprefix("p") for cell in column.tolist()]
+        if all(cell[:1] + cell[-1:] == "[]" for cell in lists):
+            cells = [re.split(r"[\s,;]+", cell[1:-1].strip()) for cell in lists]
             values = np.array([[parse_number(text) for text in row] for row in cells if len(row) == len(cells[0])])
+            of_robot = str(column[0]).startswith("p") and values.shape[1:] == (6,)
+            name = "actual_TCP_pose" if of_robot else name
             if len(values) == len(column) and np.isfinite(values).all() and f"{name}_0" not in names:
                 names = (*names, *(f"{name}_{at}" for at in range(values.shape[1])))
                 units = (*units, *("",) * values.shape[1]) if units else ()

@@ -9,6 +9,7 @@ import cv2
 import h5py
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from errors import check_values, refused
 from needs import needs
@@ -292,3 +293,23 @@ def test_degrees_without_a_unit_are_read_as_such(tmp_path: Path, size: int, shif
     cells = [[k % (size + 1) + shift, (3 * k) % (size + 1) + shift, 2 + 0.1 * k] for k in range(COUNT)]
     found = read(tmp_path, "rx,ry,depth_mm", cells)
     assert found.targets[:, :2] == pytest.approx(np.array(cells)[:, :2])
+
+
+@pytest.mark.parametrize("delimiter", [";", ",", "\t"])
+def test_the_pose_of_a_ur_robot_in_one_cell_is_read(tmp_path: Path, delimiter: str) -> None:
+    """The tool points down; its tilt and depth follow from the rotation vector in the cell."""
+    rng, down = np.random.default_rng(1), Rotation.from_euler("x", 180, degrees=True)
+    names, poses = (
+        write_images(tmp_path / "images"),
+        np.column_stack([rng.uniform(-8, 8, (COUNT, 2)), np.zeros(COUNT)]),
+    )
+    cells = []
+    for number, turn in enumerate((Rotation.from_rotvec(poses, degrees=True) * down).as_rotvec()):
+        place = [0.4, -0.1, 0.2 - 1e-4 * number]
+        cells.append("p[" + ", ".join(f"{value:.6f}" for value in [*place, *turn]) + "]")
+    rows = [delimiter.join([name, cell]) for name, cell in zip(names, cells, strict=True)]
+    write_csv(tmp_path, delimiter.join(["image", "pose"]), rows)
+    found = read_recording(tmp_path)
+    tilt = np.hypot(*(found.targets[:, :2] - found.targets[:, :2].mean(axis=0)).T)
+    assert tilt == pytest.approx(np.hypot(*(poses[:, :2] - poses[:, :2].mean(axis=0)).T), abs=0.3)
+    assert np.ptp(found.targets[:, 2]) == pytest.approx(2.3, rel=0.02)
