@@ -88,7 +88,7 @@ def twin(
 ) -> int:
     """Make the twin of a design, or of every skin of a study, and predict the errors of built units.
 
-    Each skin is pressed at tilts in steps of 4 degrees with seven contact laws. No estimator is trained.
+    Each skin is pressed at tilts in steps of 4 degrees with five contact laws. No estimator is trained.
     Results in the result folder are reused.
     """
     from palpate.study import run_twins

@@ -82,7 +82,10 @@ def write_instructions(made: PackContent, findings: Sequence[Finding]) -> list[S
         Section("Cast", tuple(cast), steps=True),
         *marks,
         *([write_filling(made.window, made.gel, spec)] if made.window else []),
-        Section("Inspect", (measured[0], volume_line(skin, made.solids["module"]), *measured[1:])),
+        Section(
+            "Inspect",
+            (measured[0], volume_line(skin, made.solids["module"], filled=bool(made.window)), *measured[1:]),
+        ),
         Section("Enclosure", tuple(_assemble(made)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]

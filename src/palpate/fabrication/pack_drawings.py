@@ -164,8 +164,9 @@ def _draw_mold_plan(mold: Mold, spec: ProcessSpec) -> Figure:
 
 
 def _on(reach: float, module: ContactModule) -> str:
-    """Name the circle of features, or their distance along x for a plan that is not round."""
-    return f" on Ø {2 * reach:.4g}" if module.skin.plan.is_round else f", {reach:.4g} from the axis along x"
+    """Name the circle of features, or their distances along x and y for a plan that is not round."""
+    x, y = module.place(reach, 0.0)[0], module.place(reach, 90.0)[1]
+    return f" on Ø {2 * reach:.4g}" if module.skin.plan.is_round else f", {x:.4g} along x or {y:.4g} along y"
 
 
 def _draw_enclosure_plan(enclosure: Enclosure) -> Figure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, log, pi, sqrt
+from math import ceil, exp, log, pi, sqrt
 
 from palpate.design import CadSolid, ContactModule, Skin, box
 from palpate.fabrication.enclosure import ISO_PLATE, M6_CLEAR, SQUEEZE, THREAD, WALL
@@ -13,6 +13,18 @@ from palpate.material import Material, get_material, list_materials
 
 _DENSITY, _BULLETIN = 1.07, "ecoflex_00_30"
 """Density of Ecoflex 00-30, g/mL, and part of its names in the library (source: `ECOFLEX`)."""
+_PRODUCTS = {
+    name: "Smooth-On " + product
+    for name in list_materials()
+    for part, product in {
+        _BULLETIN: "Ecoflex 00-30",
+        "ecoflex_00_50": "Ecoflex 00-50",
+        "dragon_skin_10": "Dragon Skin 10",
+        "dragon_skin_30": "Dragon Skin 30",
+    }.items()
+    if part in name
+}
+"""Products of which the library has laws, by the name of the law."""
 NOZZLE, LAYER, RESIN_LAYER, _SPEED = 0.4, 0.1, 0.05, 60.0
 """Nozzle and layers of a filament and a resin printer, mm, and speed of the nozzle, mm/s."""
 TAPE = 0.05
@@ -73,19 +85,20 @@ def printing_lines(skin: Skin, spec: ProcessSpec, parts_mm3: float) -> list[str]
         "core and hollow with clear acrylic lacquer: filler may inhibit platinum silicone.",
         "Measure Rz on the plate of the core, finished alike, with a tester or a comparison specimen.",
         f"The pins have a gap of {spec.clearance:g} mm, more than a thin skin tolerates: wind tape of {TAPE:g} mm "
-        f"around each, some {spec.clearance / TAPE:.0f} turns, until the core is centred and still lifts by hand.",
+        f"around each, some {ceil(spec.clearance / TAPE)} turns, until the core is centred and still lifts by hand.",
     ]
 
 
 def product_name(material: Material) -> str:
     """Return the name under which an elastomer is sold, or its stiffness and the closest of the library."""
-    if _BULLETIN in material.name:
-        return f"Smooth-On Ecoflex 00-30 (law {material.name})"
-    stiffness = {name: get_material(name).young_modulus for name in list_materials()}
-    near = min(stiffness, key=lambda name: abs(log(stiffness[name] / material.young_modulus)))
+    if material.name in _PRODUCTS:
+        return f"{_PRODUCTS[material.name]} (law {material.name})"
+    apart = {name: log(get_material(name).young_modulus / material.young_modulus) for name in _PRODUCTS}
+    near = min(apart, key=lambda name: abs(apart[name]))
+    modulus = 1000 * material.young_modulus
     return (
-        f"silicone with a Young's modulus of {1000 * material.young_modulus:.3g} kPa (law {material.name}); closest "
-        f"in the library: {near}, {1000 * stiffness[near]:.3g} kPa"
+        f"silicone with a Young's modulus of {modulus:.{0 if modulus > 99 else 1}f} kPa (law {material.name}); the "
+        f"closest product of the library, {_PRODUCTS[near]}, has {exp(apart[near]):.2g} times this modulus"
     )
 
 
@@ -118,13 +131,13 @@ def clamping(mold: Mold) -> str:
     )
 
 
-def volume_line(skin: Skin, body: CadSolid) -> str:
-    """Write how the thickness of a module is measured without denting it."""
+def volume_line(skin: Skin, body: CadSolid, *, filled: bool) -> str:
+    """Write how the thickness of a module is measured without denting it, before it is filled."""
     far = 10 * skin.height + 10 * skin.base_radius
     top = skin.height if skin.hole else far
     wall = body.cut(box((-far, -far, -far), (far, far, 0.0)), box((-far, -far, top), (far, far, far + 1)))
     allowed = thickness_tolerance(skin) / skin.thickness * wall.volume
-    return (
+    return "Before the gel is poured: " * filled + (
         "A gauge dents the elastomer: focus a microscope on the inner and the outer surface, or cut a spare part. "
         "Volume by weighing in air and in water, without sprues: "
         f"{body.volume / 1000:.4g} mL ± {allowed / 1000:.2g} mL."

@@ -49,7 +49,7 @@ def check_contact(value: Any) -> str | float:
         if math.isnan(number):
             raise PydanticCustomError("contact-unknown", "unknown contact law '{given}'; {remedy}", given)
         raise PydanticCustomError("friction-out-of-bounds", "the coefficient of friction is {given}; {remedy}", given)
-    return number
+    return number or FRICTIONLESS
 
 
 class ObstacleSpec(Spec, ABC):

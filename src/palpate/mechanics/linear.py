@@ -46,8 +46,8 @@ class Pattern:
 _SOLID = 70
 """Entries of a column (upper triangle) above which a pattern is of a solid.
 
-They are 61 to 63 on thin skins, 83 to 85 on filled ones. A TacTip with 9 936 unknowns is factored in 97 ms after
-nested dissection, in 149 ms after minimum degree.
+They are 56 to 67 on thin skins of one layer, 71 to 87 on filled ones. A TacTip with 9 936 unknowns is factored in
+97 ms after nested dissection, in 149 ms after minimum degree.
 """
 
 
@@ -85,8 +85,8 @@ class SingularMatrixError(ArithmeticError):
 class PardisoSolver(LinearSolver):
     """Intel MKL Pardiso, one thread: LDLᵀ with Bunch–Kaufman pivots.
 
-    On meshes one cell thick, minimum degree ordering factors up to a tenth faster than nested dissection; on those of
-    filled skins, nested dissection needs 0.6 of its time.
+    On meshes one cell thick, minimum degree ordering factors faster than nested dissection; on those of filled skins,
+    nested dissection needs 0.6 to 0.75 of its time.
     """
 
     def analyze(self, pattern: Pattern) -> None:

@@ -28,8 +28,11 @@ from palpate.surrogate import (
     write_twin,
 )
 
-_PREDICTION_TILTS = 3
-"""Tilts of the presses from which the accuracy of built units is predicted. By hand."""
+_PREDICTION_TILTS, _PREDICTION_CONTACTS = 3, ("no-slip", 0.8)
+"""Tilts and contact laws of the presses from which the accuracy of built units is predicted.
+
+The frictions of the default tolerances are between these laws. By hand.
+"""
 _FEWEST_IMAGES = 5
 """Minimum increments of a press for a prediction; with fewer, the depth step is halved. By hand."""
 _STEP_SHARE = 0.5
@@ -135,7 +138,7 @@ def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
     """The twin for the predicted accuracy of built units of a skin.
 
     If the study gives `built`, the twin for reading images. Otherwise a twin of three of the study's tilts under each
-    contact law of `AsBuiltSpec.prediction_contacts`; `None` if the skin is not of revolution, the obstacle is not a
+    contact law of `_PREDICTION_CONTACTS`; `None` if the skin is not of revolution, the obstacle is not a
     wall, or the study has fewer than three tilts from 0.
 
     Raises
@@ -158,7 +161,7 @@ def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
         return None
     middle = min(_twin_tilts(study)[1:-1], key=lambda tilt: (abs(tilt - 0.5 * tilts[-1]), -tilt))
     share = 1.0 if study.obstacle.depth >= _FEWEST_IMAGES * study.obstacle.depth_step else _STEP_SHARE
-    presses = _plan_presses(study, skin, (0.0, middle, tilts[-1]), study.built.prediction_contacts, share)
+    presses = _plan_presses(study, skin, (0.0, middle, tilts[-1]), _PREDICTION_CONTACTS, share)
     return TwinTask(tuple(presses))
 
 

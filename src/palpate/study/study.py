@@ -151,12 +151,6 @@ class MaterialSpec(Spec):
 class AsBuiltSpec(Spec):
     """Settings of the predicted accuracy of built units, and of the presses of the twin of each skin."""
 
-    prediction_contacts: tuple[Contact, ...] = parameter(
-        ("no-slip", 1.0),
-        unit="1",
-        meaning="contact laws of the presses for the prediction, unless the study's wall is frictionless",
-        source="docs/design_notes/surrogate.md",
-    )
     contacts: tuple[Contact, ...] = parameter(
         ("no-slip", 2.0, 0.8, 0.3, 0.2),
         unit="1",
@@ -185,6 +179,18 @@ class AsBuiltSpec(Spec):
         le=20,
     )
     tolerance: ToleranceSpec = ToleranceSpec()
+
+    @field_validator("contacts")
+    @classmethod
+    def _contacts_have_friction(cls, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        if not contacts or "frictionless" in contacts:
+            raise PydanticCustomError(
+                "twin-contacts",
+                "the contact laws of a twin are {given}: give one or more of no-slip and coefficients above 0; "
+                "without friction, make the obstacle frictionless",
+                {"given": ", ".join(map(str, contacts)) or "none"},
+            )
+        return contacts
 
 
 AZIMUTHS_DEG = (0.0, 30.0, 60.0, 90.0)

@@ -195,6 +195,12 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
             "Press every tilt under every friction.",
             code="presses-missing",
         )
+    if len(slips) > 1 and np.isinf(slips[-1]):
+        raise PalpateError(
+            f"Of {len(presses)} presses some are frictionless, others are not, and 1/µ has no value between.",
+            "Give presses with friction, or frictionless ones alone.",
+            code="twin-frictionless-mixed",
+        )
     sloped = all("friction" in press.derivatives for press in presses if 0 < press.obstacle.friction < np.inf)
     if tilts[0] != 0.0 or len(tilts) < _FEWEST or (1 < len(slips) < _FEWEST and not sloped):
         raise PalpateError(
@@ -277,7 +283,7 @@ def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: Floa
 def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray, depths: FloatArray) -> None:
     """Extend presses that end early by interpolation between those of the neighbouring frictions.
 
-    `values` (1/µ, tilt, 6, depth, …) are of presses that reach (1/µ, tilt) mm. A thin skin may invert at one friction
+    `values` (1/µ, tilt, 7, depth, …) are of presses that reach (1/µ, tilt) mm. A thin skin may invert at one friction
     only; linear extrapolation there would distort the interpolation at neighbouring frictions.
     """
     count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
@@ -286,16 +292,16 @@ def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray
         last = min(count[row - 1, tilt], count[row + 1, tilt])
         if last <= known:
             continue
-        share = (inverse_frictions[row] - inverse_frictions[row - 1]) / (
-            inverse_frictions[row + 1] - inverse_frictions[row - 1]
-        )
+        step = inverse_frictions[row + 1] - inverse_frictions[row - 1]
+        share = (inverse_frictions[row] - inverse_frictions[row - 1]) / step
         between = (1 - share) * values[row - 1, tilt] + share * values[row + 1, tilt]
+        between[_SLOPE] = (values[row + 1, tilt, 0] - values[row - 1, tilt, 0]) / step
         apart = values[row, tilt, :, known - 1 : known] - between[:, known - 1 : known]
         values[row, tilt, :, known:] = between[:, known:] + apart
 
 
 def _straighten(values: FloatArray, forces: FloatArray) -> None:
-    """Remove mesh effects at tilt 0, in values (1/µ, tilt, 6, depth, order, …) and forces (…, 3).
+    """Remove mesh effects at tilt 0, in values (1/µ, tilt, 7, depth, order, …) and forces (…, 3).
 
     Under an untilted wall nothing depends on the direction: displacement, curvature and twist have order 0 only, and
     a lateral motion is one field of order 1 in any direction. Further terms come from the mesh, which is centred at
@@ -324,7 +330,7 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
 
 
 def _reduce(values: FloatArray, size: float) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Reduce series (1/µ, tilt, 6, depth, order, 3 circles) to modes: order (r,), shapes, amplitudes."""
+    """Reduce series (1/µ, tilt, 7, depth, order, 3 circles) to modes: order (r,), shapes, amplitudes."""
     weighted = values * (_WEIGHTS * size**_WEIGHT_POWER)[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]

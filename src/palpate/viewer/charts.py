@@ -122,7 +122,7 @@ def _heat_cell(
     marked = number in (chosen.design, chosen.other)
     name = design_label(row)
     text = grid_column(metric).text(value)
-    short = "–" if value is None else f"{value:#.2g}".rstrip(".") if abs(value) < 100 else f"{value:.0f}"
+    short = "–" if value is None else f"{value:#.2g}".rstrip(".") if abs(value) < 99.5 else f"{value:.0f}"
     dark_text = value is not None and value > bright
     return {
         "name": name,

@@ -152,7 +152,15 @@ def test_pot_life_and_cure_of_one_silicone_are_not_given_for_another() -> None:
 def test_an_elastomer_without_a_product_is_named_by_its_stiffness_and_the_closest_of_the_library() -> None:
     named = product_name(get_material("neo-hooke:0.1"))
     assert "Young's modulus of 600 kPa" in named, "6 C10 of an incompressible neo-Hooke law"
-    assert named.endswith(f"marechal_2020_dragon_skin_30, {1000 * DRAGON_30.young_modulus:.0f} kPa")
+    assert "Dragon Skin 30" in named
+    assert numbers(named)[-1] == pytest.approx(DRAGON_30.young_modulus / 0.6, abs=0.05), "times this modulus"
+
+
+def test_a_law_of_the_library_is_named_by_its_product() -> None:
+    assert "Dragon Skin 10 (" in product_name(get_material("marechal_2020_dragon_skin_10"))
+    named = product_name(get_material("meunier_2008_silicone"))
+    assert "1088 kPa" in named
+    assert "Dragon Skin 30" in named
 
 
 def test_the_sheet_gives_the_gap_of_the_pins_the_volume_and_the_hours_of_printing(pack: FabricationPack) -> None:

@@ -51,6 +51,9 @@ def test_a_prediction_adds_derivatives_to_presses_of_the_study() -> None:
     predicted, own = plan.built[0].twin.presses, plan.designs[0].dataset.presses
     shared = [press.obstacle.radial for press in own if press in predicted]
     assert shared == [press.obstacle.radial for press in own if press.solver.derivatives] == [0.0, 8.0, 12.0]
+    sloped = {press.obstacle.contact for press in predicted if "friction" in press.solver.derivatives}
+    assert sloped == {press.obstacle.contact for press in predicted} - {"no-slip"} != set()
+    assert min(map(float, sloped)) <= AsBuiltSpec().tolerance.friction_at(0.0), "no friction is drawn beyond the twin"
     assert [
         len(plan_study(Study(name="a", tilts_deg=tilts)).tasks()) for tilts in ((0, 4), (0, 4, 8), (2, 4, 8))
     ] == [*(2 + 5, 3 + 3 + 7, 3 + 5)]

@@ -103,6 +103,8 @@ def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
         ("name: a\ntilts_deg: [0, 40]\n", ("less_than_equal", "mine.yaml:2: tilts_deg", 40, 30)),
         ("name: a\ntilts_deg: [4, 2]\n", ("positions-not-ascending", "mine.yaml:2: tilts_deg")),
         ("name: a\ntilts_deg: []\n", ("list-empty", "mine.yaml:2: tilts_deg")),
+        ("name: a\nbuilt: {contacts: []}\n", ("twin-contacts", "mine.yaml:2: built.contacts", "no-slip")),
+        ("name: a\nbuilt: {contacts: [no-slip, 0]}\n", ("twin-contacts", "mine.yaml:2", "frictionless")),
         ("name: a\nobstacle: {tilt_deg: 3}\n", ("obstacle-position-given", "mine.yaml:2: obstacle", "tilt_deg")),
         ("name: a\nmaterial: {name: ecoflex}\n", ("material-unknown", "mine.yaml:2: material.name", "ecoflex")),
         ("seed: 1\n", ("missing", "mine.yaml:1", "name")),

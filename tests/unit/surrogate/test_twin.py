@@ -85,6 +85,26 @@ def test_a_friction_between_is_foreseen_by_the_derivative_by_friction(presses: l
         build_twin(blind)
 
 
+def test_the_slope_by_friction_of_a_press_is_that_of_the_twin(presses: list[Press], twin: Twin) -> None:
+    """Of markers and force, under a straight and a tilted wall; a row with one press without it has none."""
+    dots = twin.with_markers(LAYOUT.positions)
+    for tilt in (0.0, 8.0):
+        one = next(each for each in presses if (each.obstacle.radial, each.obstacle.contact) == (tilt, 0.8))
+        slope = one.derivatives["friction"]
+        motion = dots.evaluate(at(tilt, 0.0, float(one.depth[8])), 1 / 0.8)
+        force = motion.force_jacobian["inverse_friction"]
+        assert force[2] == pytest.approx(-(0.8**2) * slope.force[8, 2], rel=0.02)
+        assert abs(force[2]) > 1e-3
+    bare = [replace(each, derivatives={**each.derivatives}) for each in presses]
+    del bare[9].derivatives["friction"]
+    plain = build_twin(bare).amplitudes.coefficients
+    without = [replace(each, derivatives={**each.derivatives}) for each in presses]
+    for each in without[8:12]:
+        del each.derivatives["friction"]
+    assert np.isfinite(plain).all()
+    assert plain == pytest.approx(build_twin(without).amplitudes.coefficients, abs=2e-3)
+
+
 def test_without_depth_nothing_moves(twin: Twin) -> None:
     motion = twin.with_markers(LAYOUT.positions).evaluate(at(5.0, 30.0, 0.0), 0.5)
     assert motion.positions == pytest.approx(LAYOUT.positions, abs=2e-3)
@@ -193,6 +213,10 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
 def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
     with refused("presses-none"):
         build_twin([])
+    slippery = {"contact": "frictionless"}
+    smooth = [replace(each, obstacle=each.obstacle.model_copy(update=slippery)) for each in presses[:4]]
+    with refused("twin-frictionless-mixed", len(presses) + 4):
+        build_twin([*presses, *smooth])
     with refused("presses-missing", "1", "8", "0.8"):
         build_twin([each for each in presses if (each.obstacle.tilt_deg, each.obstacle.contact) != (8.0, 0.8)])
     with refused("derivative-missing", "thickness"):

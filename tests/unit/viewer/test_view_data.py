@@ -98,13 +98,13 @@ def test_every_design_has_a_cell_that_names_its_row():
 
 
 def test_figures_of_cells_have_two_digits():
-    figures = [0.0951, 0.1, 2.0, 20.04, 314.2]
+    figures = [0.0951, 0.1, 2.0, 20.04, 99.6, 314.2]
     table = SpecificationGrid(
-        [row | {"rmse_deg": value} for row, value in zip([rows()[0]] * 5, figures, strict=True)], []
+        [row | {"rmse_deg": value} for row, value in zip([rows()[0]] * 6, figures, strict=True)], []
     )
     options = heat_chart(table, "rmse_deg", Selection({0}, 0, 0), LIGHT)
     shown = [cell["label"]["formatter"] for series in options["series"] for cell in series["data"]]
-    assert shown == ["0.095", "0.10", "2.0", "20", "314"]
+    assert shown == ["0.095", "0.10", "2.0", "20", "100", "314"]
 
 
 def test_the_front_is_what_nothing_beats():
