@@ -75,7 +75,7 @@ def test_status_says_how_much_is_made(out: Path, capsys: pytest.CaptureFixture[s
     code, shown, _ = run(capsys, "study", "status", "first", "--out", out, "--json")
     assert code == 0
     output = json.loads(shown)
-    assert (output["made"], output["of"]) == (1, 70)
+    assert (output["made"], output["of"]) == (1, 64)
     assert output["kinds"]["press"]["made"] == 1
     code, shown, _ = run(capsys, "study", "status", "first", "--out", out)
     assert "press" in shown
