@@ -60,8 +60,10 @@ def test_rings_may_be_given_by_their_diameters(page, link):
     check_values(fault(page, "rings-not-growing"), 20, 8)
     rings.fill("")
     page.locator("[data-testid=press]:not([disabled])").wait_for()
-    assert len(dots(page)) == 19, "two rings, evenly spaced"
+    even = dots(page)
+    assert len(even) == 19, "two rings, evenly spaced"
     rings.fill("8, 20")
+    wait_for_motion(page, even, 18, 1)
     assert box(page, "rings").input_value() == "2"
     box(page, "rings").fill("3")
     wait_for_dots(page, 37)
