@@ -31,7 +31,7 @@ def list_videos(folder: Path) -> list[Path]:
 def videos_of_rows(table: RecordingTable, videos: list[Path]) -> list[int] | None:
     """Number of each row's video, by the column of their file names; `None` without such a column."""
     numbers = {path.name: number for number, path in enumerate(videos)}
-    for name, values in table.columns.items():
+    for name, values in table.columns.items() if videos else ():
         if not table.is_numeric(name):
             files = [Path(str(text).replace("\\", "/")).name for text in values]
             if files and all(file in numbers for file in files):
