@@ -142,9 +142,8 @@ def read_recording(
         posed, within = add_forces(posed, shown, choice)
         chosen, posed = chosen[within], posed.rows(within)
     gaps, said = find_gaps(posed, choice)
-    if said:
-        notes.append(f"{place.name}: {said}.")
-        chosen, posed = chosen[~gaps], posed.rows(~gaps)
+    notes += [f"{place.name}: {said}."] if said else []
+    chosen, posed = chosen[~gaps], posed.rows(~gaps)
     posed = to_surface(posed, choice, (by, column))
     notes += [f"{note}." if not note.endswith(".") else note for note in posed.notes[len(table.notes) :]]
     poses, others, left_out = find_pose_columns(posed, choice, (by, column))

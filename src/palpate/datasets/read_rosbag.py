@@ -9,7 +9,6 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 from scipy.spatial.transform import Rotation, Slerp
 
 from palpate.camera import decode_image
@@ -171,6 +170,8 @@ def _presses(time: FloatArray, depth: FloatArray) -> tuple[FloatArray, str]:
     press = np.cumsum(begins).astype(float)
     if press[-1] + 1 >= LEAST_SAMPLES:
         return press, f"pauses divide the images into {int(press[-1]) + 1} presses"
+    from scipy.signal import find_peaks  # here: its import takes 40 MB
+
     lifts = find_peaks(-depth, prominence=max(_LIFT * np.ptp(depth), 1e-9))[0]
     if len(lifts) + 1 >= LEAST_SAMPLES:
         press = np.searchsorted(lifts, np.arange(len(time)), side="right").astype(float)
