@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, file_stamp
+from palpate.datasets.recording_images import ImageSet, SeparateImages, file_stamp
 from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.stored_images import holds_images, join_parts, list_arrays, merge_columns, read_row
 from palpate.datasets.table import RecordingTable
@@ -79,7 +79,7 @@ def _is_not_of_zarr(record: logging.LogRecord) -> bool:
 
 
 @final
-class _Rows(ImageSet):
+class _Rows(SeparateImages):
     """Rows of an array of images."""
 
     def __init__(self, place: Path, images: Any) -> None:
@@ -88,5 +88,5 @@ class _Rows(ImageSet):
     def stamp(self, number: int) -> str:
         return f"{self._stamp} {number}"
 
-    def _image(self, number: int) -> NDArray[Any]:
+    def image(self, number: int) -> NDArray[Any]:
         return read_row(self._images, number)

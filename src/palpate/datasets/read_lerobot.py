@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import decode_image, read_image
 from palpate.core import PalpateError, load_extra
-from palpate.datasets.recording_images import ImageSet, VideoImages
+from palpate.datasets.recording_images import ImageSet, SeparateImages, VideoImages
 from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.table import Column, RecordingTable
 
@@ -102,7 +102,7 @@ def _videos(folder: Path, camera: str, columns: dict[str, Column], parquet: Any)
 
 
 @final
-class _Cells(ImageSet):
+class _Cells(SeparateImages):
     """Images kept as cells: the bytes of a file, or its path."""
 
     def __init__(self, cells: Sequence[Any], folder: Path) -> None:
@@ -112,7 +112,7 @@ class _Cells(ImageSet):
         cell = self._cells[number]
         return f"{cell.get('path')} {len(cell.get('bytes') or b'')}"
 
-    def _image(self, number: int) -> NDArray[Any]:
+    def image(self, number: int) -> NDArray[Any]:
         cell = self._cells[number]
         content = cell.get("bytes")
         return (

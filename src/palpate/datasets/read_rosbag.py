@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from palpate.camera import decode_image
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra, load_opencv
-from palpate.datasets.recording_images import ImageSet, Item, file_stamp
+from palpate.datasets.recording_images import ImageSet, Item, SeparateImages, file_stamp
 from palpate.datasets.recording_reader import RecordingReader, reading
 from palpate.datasets.samples import LEAST_SAMPLES, Samples, find_offset, shrink
 from palpate.datasets.table import Column, RecordingTable
@@ -208,7 +208,7 @@ def _decode(message: Any, name: str) -> NDArray[Any]:
 
 
 @final
-class _Shots(ImageSet):
+class _Shots(SeparateImages):
     """Images of one topic; `rows` are those with a pose."""
 
     def __init__(self, place: Path, topic: Any, bag_ns: IntArray, times_s: FloatArray, small: FloatArray) -> None:
@@ -234,5 +234,5 @@ class _Shots(ImageSet):
                     yield from super().read([row])
                 row += 1
 
-    def _image(self, number: int) -> NDArray[Any]:
+    def image(self, number: int) -> NDArray[Any]:
         return _decode(self._deserialize(), f"Image {number}")

@@ -41,11 +41,22 @@ class ImageSet(ABC):
     def stamp(self, number: int) -> str:
         """Return a text that changes with the image: name, size and time of its file."""
 
+    @abstractmethod
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         """Yield images by ascending numbers, with an error in place of an unreadable one."""
+
+
+class SeparateImages(ImageSet):
+    """Images that are read one by one."""
+
+    @abstractmethod
+    def image(self, number: int) -> NDArray[Any]:
+        """Read an image (h, w) or (h, w, 3), BGR; any error is that of this image."""
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         for number in numbers:
             try:
-                yield self._image(number)
+                yield self.image(number)
             except PalpateError as error:
                 yield error
             except Exception as error:  # each codec has errors of its own
@@ -53,12 +64,9 @@ class ImageSet(ABC):
                     f"Image {number} cannot be read: {error}.", "Repair or leave it out.", code="image-unreadable"
                 )
 
-    def _image(self, number: int) -> NDArray[Any]:
-        raise NotImplementedError
-
 
 @final
-class ImageFiles(ImageSet):
+class ImageFiles(SeparateImages):
     """Files of a folder."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
@@ -67,7 +75,7 @@ class ImageFiles(ImageSet):
     def stamp(self, number: int) -> str:
         return file_stamp(self._paths[number])
 
-    def _image(self, number: int) -> NDArray[Any]:
+    def image(self, number: int) -> NDArray[Any]:
         return read_image(self._paths[number])
 
 
@@ -99,7 +107,7 @@ class VideoImages(ImageSet):
 
 
 @final
-class ArrayImages(ImageSet):
+class ArrayImages(SeparateImages):
     """Images of datasets of HDF5 files: file, dataset and row of each."""
 
     def __init__(self, places: Sequence[tuple[Path, str, int]]) -> None:
@@ -114,7 +122,7 @@ class ArrayImages(ImageSet):
             with h5py.File(path, "r") as self._file:
                 yield from super().read(list(group))
 
-    def _image(self, number: int) -> NDArray[Any]:
+    def image(self, number: int) -> NDArray[Any]:
         _, name, row = self._places[number]
         return read_row(self._file[name], row)
 

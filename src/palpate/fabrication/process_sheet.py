@@ -9,22 +9,18 @@ from palpate.fabrication.enclosure import ISO_PLATE, M6_CLEAR, SQUEEZE, THREAD, 
 from palpate.fabrication.frame import CAP_THREAD
 from palpate.fabrication.mold import PIN_AZIMUTHS_DEG, Mold
 from palpate.fabrication.spec import ECOFLEX, ProcessSpec
-from palpate.material import Material, get_material, list_materials
+from palpate.material import Material, get_material
 
 _DENSITY, _BULLETIN = 1.07, "ecoflex_00_30"
 """Density of Ecoflex 00-30, g/mL, and part of its names in the library (source: `ECOFLEX`)."""
 _PRODUCTS = {
-    name: "Smooth-On " + product
-    for name in list_materials()
-    for part, product in {
-        _BULLETIN: "Ecoflex 00-30",
-        "ecoflex_00_50": "Ecoflex 00-50",
-        "dragon_skin_10": "Dragon Skin 10",
-        "dragon_skin_30": "Dragon Skin 30",
-    }.items()
-    if part in name
+    "zaid_2024_ecoflex_00_30": "Smooth-On Ecoflex 00-30",
+    "marechal_2020_ecoflex_00_30": "Smooth-On Ecoflex 00-30",
+    "marechal_2020_ecoflex_00_50": "Smooth-On Ecoflex 00-50",
+    "marechal_2020_dragon_skin_10": "Smooth-On Dragon Skin 10",
+    "marechal_2020_dragon_skin_30": "Smooth-On Dragon Skin 30",
 }
-"""Products of which the library has laws, by the name of the law."""
+"""Products whose laws the library has, by the name of the law."""
 NOZZLE, LAYER, RESIN_LAYER, _SPEED = 0.4, 0.1, 0.05, 60.0
 """Nozzle and layers of a filament and a resin printer, mm, and speed of the nozzle, mm/s."""
 TAPE = 0.05

@@ -137,9 +137,9 @@ def read_accuracy(path: Path) -> tuple[PredictedAccuracy, ...]:
 def plan_prediction(study: Study, skin: SkinSpec) -> TwinTask | None:
     """The twin for the predicted accuracy of built units of a skin.
 
-    If the study gives `built`, the twin for reading images. Otherwise a twin of three of the study's tilts under each
-    contact law of `_PREDICTION_CONTACTS`; `None` if the skin is not of revolution, the obstacle is not a
-    wall, or the study has fewer than three tilts from 0.
+    If the study gives `built`, the twin for reading images. Otherwise a twin of three of the study's tilts without
+    slip and under one friction; `None` if the skin is not of revolution, the obstacle is not a wall, or the study has
+    fewer than three tilts from 0.
 
     Raises
     ------

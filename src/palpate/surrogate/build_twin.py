@@ -103,7 +103,8 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
         for found, parts in ((fields, expanded), (forces, pushes)):
             whole = np.zeros((len(_PARTS), *parts.shape[1:]))
             whole[[0, *part_of]] = parts
-            whole[_SLOPE] *= -(press.obstacle.friction**2) if _SLOPE in part_of else 1.0  # by 1/µ instead of µ
+            if _SLOPE in part_of:  # by 1/µ instead of µ
+                whole[_SLOPE] *= -(press.obstacle.friction**2)
             found.append([_fill(part, press, depths) for part in _over_travel(whole, press)])
     shape = (len(slips), len(tilts), len(_PARTS), len(depths))
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
