@@ -76,6 +76,14 @@ def test_a_stack_is_refused_and_a_preview_passed_over(same: bool, tmp_path: Path
         return
     with refused("image-stack", "a.tif", "2"):
         read_image(tmp_path / "a.tif")
+    content = bytearray((tmp_path / "a.tif").read_bytes())
+    first = int.from_bytes(content[4:8], "little")
+    end = first + 2 + 12 * int.from_bytes(content[first : first + 2], "little")
+    second = int.from_bytes(content[end : end + 4], "little")
+    content[second + 2 : second + 4] = b"\xff\x7f"  # the tag of the second page's width
+    (tmp_path / "a.tif").write_bytes(content)
+    with refused("image-unreadable", "a.tif"):
+        read_image(tmp_path / "a.tif")
 
 
 @pytest.mark.parametrize("orientation", range(2, 9))

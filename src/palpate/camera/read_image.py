@@ -147,11 +147,13 @@ def _read_size(content: bytes, name: str) -> tuple[int, int]:
                     f"{name} is a stack of {pages} images.", "Save each as a file of its own.", code="image-stack"
                 )
             return size
+    except PalpateError:
+        raise
     except UnidentifiedImageError as error:
         raise PalpateError(
             f"{name} is not an image.", f"Supported formats: {', '.join(SUFFIXES)}.", code="image-format-unknown"
         ) from error
-    except (OSError, ValueError, SyntaxError) as error:
+    except Exception as error:  # a damaged page ends the decoders by errors of every kind
         raise PalpateError(f"{name} cannot be read: {error}.", "Check the file.", code="image-unreadable") from error
     finally:
         Image.MAX_IMAGE_PIXELS = limit
