@@ -2,14 +2,17 @@
 
 import io
 import sys
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
-from palpate.rig import ManualRobot
+from needs import needs
+from palpate.rig import ManualRobot, open_robot
 from palpate.sensor import Placement, Robot
 from palpate.simulation import SimulatedRobot, SimulatedRobotSpec
 from palpate.testing import RobotSuite
+from ur_controller import UrController
 
 
 class TestManualRobot(RobotSuite):
@@ -18,6 +21,18 @@ class TestManualRobot(RobotSuite):
         """The user confirms each pose."""
         monkeypatch.setattr(sys, "stdin", io.StringIO("\n" * 10))
         return ManualRobot()
+
+
+class TestUrRobot(RobotSuite):
+    @pytest.fixture
+    def robot(self) -> Iterator[Robot]:
+        """It is moved by ur-rtde and a simulated controller."""
+        needs("rtde_control")
+        controller = UrController()
+        robot = open_robot(f"ur:{controller.host}?speed=200&acceleration=5000")
+        yield robot
+        robot.close()
+        controller.close()
 
 
 class TestSimulatedRobot(RobotSuite):

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 _OUT = "Folder of the recording: images, poses.csv and recording.json. The same command resumes it."
 _ROBOT = (
     "Robot as NAME or NAME:TEXT: 'manual' (the user sets each pose with a goniometer or sine plate), 'simulated' (a "
-    "unit on a simulated rig, by the twin), 'tcp:HOST:PORT' (a server of text lines), or another package's robot."
+    "unit on a simulated rig, by the twin), 'ur:HOST' (Universal Robots), 'tcp:HOST:PORT' (a server of text lines), "
+    "or another package's robot."
 )
 _SOURCE = "Camera of the sensor: its number, or the text of another package's source; not with --robot simulated."
 _SEED = "Random seed of the simulated unit and rig."

@@ -10,7 +10,11 @@ from palpate.sensor import Robot
 ROBOTS: Registry[type[Robot]] = Registry(
     "palpate.robots",
     "robot",
-    {"manual": "palpate.rig.manual_robot:ManualRobot", "tcp": "palpate.rig.tcp_robot:TcpRobot"},
+    {
+        "manual": "palpate.rig.manual_robot:ManualRobot",
+        "tcp": "palpate.rig.tcp_robot:TcpRobot",
+        "ur": "palpate.rig.ur_robot:UrRobot",
+    },
     fits=lambda found: isinstance(found, type) and issubclass(found, Robot),
     remedy="`simulated` is a simulated unit; a package with an entry point in the group palpate.robots adds another.",
 )

@@ -12,7 +12,6 @@ After a fault the connection is closed, which the server must answer by a stop.
 from __future__ import annotations
 
 import socket
-from typing import final
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -21,7 +20,6 @@ from palpate.core import PalpateError
 from palpate.sensor import Placement, Robot, rotation_from_vector
 
 
-@final
 class TcpRobot(Robot):
     """Robot behind a server of text lines.
 
@@ -46,14 +44,17 @@ class TcpRobot(Robot):
             raise PalpateError(
                 f"The address of the robot is '{text}'.", "Give --robot tcp:HOST:PORT.", code="robot-address"
             )
-        self._text, self._apart = text, apart
         try:
-            self._socket = socket.create_connection((host, int(port)), timeout_s)
+            connection = socket.create_connection((host, int(port)), timeout_s)
         except (OSError, OverflowError) as error:
             raise PalpateError(
                 f"The robot at {text} does not answer: {error}.", "Start its server.", code="robot-lost"
             ) from error
-        self._lines = self._socket.makefile("rb")
+        self._connect(connection, text, apart)
+
+    def _connect(self, connection: socket.socket, text: str, apart: float) -> None:
+        self._text, self._apart = text, apart
+        self._socket, self._lines = connection, connection.makefile("rb")
 
     def move(self, base_from_flange: Placement) -> None:
         turn = Rotation.from_matrix(base_from_flange.rotation).as_rotvec(degrees=True)
@@ -92,6 +93,8 @@ class TcpRobot(Robot):
             raise self._stop(f"does not answer: {error}") from error
         if not answer:
             raise self._stop("closed the connection")
+        if answer.startswith("error"):
+            raise self._stop(f"stopped: {answer[5:].strip() or 'no reason given'}")
         return answer
 
     def _stop(self, problem: str) -> PalpateError:

@@ -1,0 +1,91 @@
+"""Robots of Universal Robots by the library ur-rtde, in a process of their own."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+from contextlib import suppress
+from typing import final
+from urllib.parse import parse_qsl
+
+from palpate.core import PalpateError, Spec, load_extra, parameter
+from palpate.rig.tcp_robot import TcpRobot
+
+
+class UrSpec(Spec):
+    """Limits and speed of a robot of Universal Robots."""
+
+    force: float = parameter(
+        50.0, unit="N", meaning="change of the force since the start at which the robot is stopped", gt=0, le=500
+    )
+    workspace: float = parameter(
+        150.0, unit="mm", meaning="distance of the flange from its pose at the start that is never exceeded", gt=0
+    )
+    speed: float = parameter(20.0, unit="mm/s", meaning="speed of the flange", gt=0, le=1000)
+    acceleration: float = parameter(200.0, unit="mm/s²", meaning="acceleration of the flange", gt=0, le=10000)
+    stall_s: float = parameter(
+        0.5,
+        unit="s",
+        meaning="time without data after which the connection is lost; the controller stops a move after it, too",
+        gt=0,
+        le=10,
+    )
+
+
+@final
+class UrRobot(TcpRobot):
+    """Robot of Universal Robots, in remote control.
+
+    The controller's tool centre point is set to the flange. The library waits for ever after a lost connection and
+    writes to the terminal, so it runs in a process of its own.
+
+    Parameters
+    ----------
+    text
+        Address, and fields of `UrSpec` if they differ from the defaults: ``192.168.0.10?force=30&speed=10``.
+    timeout_s
+        Maximum time of a move, s.
+    apart
+        Maximum distance of the reported from the commanded pose after a move, mm and degrees.
+
+    Raises
+    ------
+    PalpateError
+        If the library is missing, a setting is refused, or the robot does not answer.
+    """
+
+    def __init__(self, text: str, timeout_s: float = 60.0, apart: float = 0.5) -> None:
+        host, _, query = text.partition("?")
+        if not host:
+            raise PalpateError(
+                f"The address of the robot is '{text}'.", "Give --robot ur:HOST.", code="robot-address"
+            )
+        spec = UrSpec(**dict(parse_qsl(query, keep_blank_values=True)))
+        load_extra("rtde_control", "ur", "ur-rtde")
+        with socket.create_server(("127.0.0.1", 0)) as listening:
+            listening.settimeout(timeout_s)
+            port = listening.getsockname()[1]
+            command = [sys.executable, "-m", "palpate.rig.ur_bridge", str(port), host, spec.model_dump_json()]
+            quiet = subprocess.DEVNULL
+            self._process = subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet)
+            try:
+                connection, _ = listening.accept()
+            except TimeoutError:
+                self._process.kill()
+                raise PalpateError(
+                    f"The robot at {host} does not answer in {timeout_s:g} s.",
+                    "Check its address.",
+                    code="robot-lost",
+                ) from None
+        connection.settimeout(timeout_s)
+        self._connect(connection, host, apart)
+        self.flange_pose()
+
+    def close(self) -> None:
+        super().close()
+        try:
+            self._process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            with suppress(OSError):
+                self._process.kill()
