@@ -34,7 +34,9 @@ EXPECTED = {
     "ex15_gel_filled": pytest.approx(12.0, rel=0.02),
     "ex16_slide": pytest.approx(0.6, rel=0.02),
     "ex17_edge_sensor": pytest.approx((0.029, 0.47), rel=0.3),
+    "ex18_deburring_cell": pytest.approx(0.035, abs=0.03),
 }
+SLOW = {"ex18_deburring_cell": pytest.mark.slow}
 NEEDS = {
     "ex05_mold": ["build123d"],
     "ex08_dots": ["cv2"],
@@ -43,6 +45,7 @@ NEEDS = {
     "ex13_ball_sensor": ["torch"],
     "ex14_mujoco": ["mujoco", "trimesh"],
     "ex17_edge_sensor": ["torch"],
+    "ex18_deburring_cell": ["mujoco", "trimesh"],
 }
 
 
@@ -50,7 +53,7 @@ def test_every_example_is_expected() -> None:
     assert sorted(path.stem for path in EXAMPLES.glob("ex*.py")) == sorted(EXPECTED)
 
 
-@pytest.mark.parametrize("name", EXPECTED)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(name, ())) for name in EXPECTED])
 def test_an_example_gives_its_number(name: str, tmp_path, monkeypatch) -> None:
     for needed in NEEDS.get(name, ()):
         needs(needed)
