@@ -77,7 +77,7 @@ from palpate.learn.member import ImageRidge
 ImageRidge.sides = (16,)
 folder = Path("drawn")
 folder.mkdir()
-draw_recording(folder, draw_motions(20, 1, shear=2.0), DrawnSensor(rings=3))
+draw_recording(folder, draw_motions(45, 1, shear=2.0), DrawnSensor(rings=3))
 main(["learn", str(folder), "--out", "learnt", "--estimators", "ridge", "--json"])
 """
 

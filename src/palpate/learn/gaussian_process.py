@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,24 +75,22 @@ class _Presses:
         )
 
 
-def covariance(first: FloatArray, second: FloatArray, scale: FloatArray, actions: FloatArray) -> FloatArray:
-    """Covariance (n b, m b) of targets that the group acts on.
+def squared_distances(first: FloatArray, second: FloatArray, scale: FloatArray) -> FloatArray:
+    """Squared distances (g, n, m) of components (n, k) from moved ones (g, m, k), over `scale` (k,)."""
+    own, other = first / scale, second / scale
+    found = -2.0 * own @ other.transpose(0, 2, 1)
+    found += (own**2).sum(axis=1)[:, None]
+    found += (other**2).sum(axis=2)[:, None]
+    return np.maximum(found, 0.0, out=found)
 
-    Parameters
-    ----------
-    first, second
-        (n, k) components, and (g, m, k) components under each element of the group.
-    scale
-        (k,) divisors.
-    actions
-        (g, b, b) on the targets.
-    """
-    own = first / scale
-    found = np.zeros((len(own), len(actions[0]), second.shape[1], len(actions[0])))
-    for other, action in zip(second / scale, actions, strict=True):
-        apart = (own**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * own @ other.T
-        found += np.exp(-0.5 * np.maximum(apart, 0.0))[:, None, :, None] * action[None, :, None, :]
-    return np.asarray(found.reshape(len(own) * len(actions[0]), -1) / len(actions))
+
+def covariance(distances: FloatArray, actions: FloatArray) -> FloatArray:
+    """Covariance (n b, m b) of targets that the group acts on by `actions` (g, b, b)."""
+    (group, rows, columns), width = distances.shape, actions.shape[1]
+    kernels = np.exp(-0.5 * distances).reshape(group, -1)
+    found = (actions.reshape(group, -1).T / group) @ kernels
+    parts = found.reshape(width, width, rows, columns).transpose(2, 0, 3, 1)
+    return np.asarray(parts.reshape(rows * width, columns * width))
 
 
 def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
@@ -108,9 +107,8 @@ def choose_symmetry(samples: TrainingSet) -> RotationAugmentation | None:
         columns, actions = next(_groups(replace(samples, rotation=option)))
         vectors = np.stack([tilt_vector(samples.targets[rows][:, columns], angles) for angles in ANGLES], axis=-1)
         presses = _Presses(moved[0], moved, vectors / samples.scale[1][0], samples.press_numbers[rows])
-        errors = [
-            error for _, error in _choose(presses, presses.targets.reshape(-1, len(ANGLES)), arrays["sd"], actions)
-        ]
+        group = presses.targets.reshape(-1, len(ANGLES)), actions
+        errors = [error for _, error in _choose(presses, arrays["sd"], [group])[0]]
         found += [(error, option._replace(angles=angles)) for error, angles in zip(errors, ANGLES, strict=True)]
     return min(found, key=lambda one: one[0])[1]
 
@@ -131,10 +129,8 @@ def train_process(samples: TrainingSet, *, doubtful: bool = True) -> dict[str, N
     groups = list(_groups(samples))
     for last in (False, True):
         tuned = presses.rows(np.arange(min(len(presses.press), MOST_TUNED)))
-        chosen = [
-            _choose(tuned, tuned.targets[:, columns].reshape(-1, 1), arrays["sd"], actions)[0]
-            for columns, actions in groups
-        ]
+        scaled = [(tuned.targets[:, columns].reshape(-1, 1), actions) for columns, actions in groups]
+        chosen = [best for (best,) in _choose(tuned, arrays["sd"], scaled)]
         kernels = [kernel for kernel, _ in chosen]
         weights, apart = _solve(presses, groups, kernels)
         kept = apart <= max(_OUTLIER, float(np.quantile(apart, 1.0 - _MOST_OUTLIERS)))
@@ -217,28 +213,28 @@ def _groups(samples: TrainingSet) -> Iterator[tuple[Sequence[int], FloatArray]]:
 
 
 def _choose(
-    presses: _Presses, targets: FloatArray, sd: FloatArray, actions: FloatArray
-) -> list[tuple[Kernel, float]]:
+    presses: _Presses, sd: FloatArray, groups: Sequence[tuple[FloatArray, FloatArray]]
+) -> list[list[tuple[Kernel, float]]]:
     """Kernel of minimum left-out error, and that error, for each column of targets (n b, v)."""
-    best: list[tuple[Kernel, float]] = [(Kernel(sd, 1.0), np.inf)] * targets.shape[1]
-    rows = press_rows(presses.press, len(targets) // len(presses.press))
+    best: list[list[tuple[Kernel, float]]] = [[(Kernel(sd, 1.0), np.inf)] * group[0].shape[1] for group in groups]
+    rows = [press_rows(presses.press, len(targets) // len(presses.press)) for targets, _ in groups]
     for power in _POWERS:
         scale = (sd**2 + (0.01 * sd[0]) ** 2) ** (0.5 * power)
         scale = scale * max(float(np.sqrt(((presses.components / scale) ** 2).sum(axis=1).mean())), 1e-9)
-        for length in LENGTHS:
-            decomposed = _decompose(presses, scale * length, actions)
+        distances = squared_distances(presses.components, presses.moved, scale)
+        for length, (number, (targets, actions)) in product(LENGTHS, enumerate(groups)):
+            decomposed = _decompose(distances / length**2, actions)
             for noise in _NOISES:
-                errors = left_out(decomposed, noise * float(decomposed[0].mean()), targets, rows)
+                errors = left_out(decomposed, noise * float(decomposed[0].mean()), targets, rows[number])
                 for column, error in enumerate(np.sqrt(np.mean(errors**2, axis=0))):
-                    if error < best[column][1]:
-                        best[column] = Kernel(scale * length, noise), float(error)
+                    if error < best[number][column][1]:
+                        best[number][column] = Kernel(scale * length, noise), float(error)
     return best
 
 
-def _decompose(presses: _Presses, scale: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _decompose(distances: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Eigenvalues and eigenvectors of the covariance."""
-    matrix = covariance(presses.components, presses.moved, scale, actions)
-    values, vectors = eigh(matrix, overwrite_a=True, driver="evd")
+    values, vectors = eigh(covariance(distances, actions), overwrite_a=True, driver="evd")
     return np.maximum(values, 0.0), vectors
 
 
@@ -279,11 +275,12 @@ def _solve(
     """Weights (n b,) of each group of targets, and the relative distance of each image."""
     weights, apart = [], np.zeros(len(presses.press))
     for (columns, actions), kernel in zip(groups, kernels, strict=True):
-        values, vectors = _decompose(presses, kernel.scale, actions)
-        inverse = 1.0 / (values + kernel.noise * values.mean())
-        found = vectors @ (inverse * (vectors.T @ presses.targets[:, columns].reshape(-1)))
+        matrix = covariance(squared_distances(presses.components, presses.moved, kernel.scale), actions)
+        matrix[np.diag_indices_from(matrix)] += kernel.noise * np.trace(matrix) / len(matrix)
+        inverse = np.linalg.inv(matrix)
+        found = inverse @ presses.targets[:, columns].reshape(-1)
         # the error of one target from all others over its deviation (Rasmussen & Williams 2006, eq. 5.12)
-        size = np.abs(found) / np.sqrt(vectors**2 @ inverse)
+        size = np.abs(found) / np.sqrt(np.diag(inverse))
         size = size.reshape(-1, len(columns)).max(axis=1)
         apart = np.maximum(apart, size / max(float(np.median(size)), 1e-12))
         weights.append(found)
@@ -315,8 +312,8 @@ def predict_process(arrays: Mapping[str, NDArray[Any]], inputs: NDArray[Any]) ->
             arrays[f"{name}_{number}"] for name in ("columns", "actions", "scale", "weights")
         )
         for start in range(0, len(inputs), 256):
-            matrix = covariance(components[start : start + 256], moved, scale, actions)
-            part = (matrix @ weights).reshape(-1, len(columns))
+            distances = squared_distances(components[start : start + 256], moved, scale)
+            part = (covariance(distances, actions) @ weights).reshape(-1, len(columns))
             found[start : start + 256, columns] += part * arrays["sd_targets"][columns]
     if "actions_0" in arrays and len(arrays["columns_0"]) == 2:
         found[:, :2] = tilt_angles(found[:, :2], ANGLES[int(arrays["angles"])])

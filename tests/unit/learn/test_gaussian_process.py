@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
-from palpate.learn.gaussian_process import choose_symmetry, covariance, predict_process, train_process
+from palpate.learn.gaussian_process import (
+    choose_symmetry,
+    covariance,
+    predict_process,
+    squared_distances,
+    train_process,
+)
 from palpate.learn.member import MarkerProcess, MarkerRidge, TrainingRun
 from palpate.learn.rotation import RotationAugmentation, RotationOperators, find_rotation, rotation
 from palpate.learn.training_set import TrainingSet
@@ -72,12 +78,9 @@ def _fields(found: TrainingSet) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.
 def test_the_covariance_is_symmetric_and_positive() -> None:
     arrays = train_process(samples(40))
     for number in range(2):
-        matrix = covariance(
-            arrays["features"],
-            arrays["features"] @ arrays["elements"].transpose(0, 2, 1),
-            arrays[f"scale_{number}"],
-            arrays[f"actions_{number}"],
-        )
+        moved = arrays["features"] @ arrays["elements"].transpose(0, 2, 1)
+        distances = squared_distances(arrays["features"], moved, arrays[f"scale_{number}"])
+        matrix = covariance(distances, arrays[f"actions_{number}"])
         assert np.abs(matrix - matrix.T).max() < 1e-9
         assert np.linalg.eigvalsh(matrix)[0] > -1e-9
 
