@@ -11,7 +11,7 @@ for where the design has them.
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,17 @@ LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
 TOLERANCE = ToleranceSpec(
     camera_offset=4.0, camera_tilt_deg=6.0, camera_distance=2.0, marker_position=0.6, print_shift=1.0
 )
+
+
+@dataclass(frozen=True, eq=False)
+class BentPrint(SimulatedUnit):
+    """A unit whose markers have the edges (m, k, 3) mm of `bent`."""
+
+    bent: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 3)))
+
+    @property
+    def edges(self) -> np.ndarray:
+        return self.bent
 
 
 def bend_print(points, outermost, rng):
@@ -65,10 +76,8 @@ def main() -> None:
         designed = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
         x, y = bend_print(designed, float(np.hypot(*layout.positions[:, :2].T).max()), rng).T
         printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
-        scene = replace(
-            SimulatedUnit(Design.of_skin(skin, layout, nominal), deviation, LIGHT),
-            edges=marker_outlines(skin, printed, layout.diameter),
-        )
+        bent = marker_outlines(skin, printed, layout.diameter)
+        scene = BentPrint(Design.of_skin(skin, layout, nominal), deviation, LIGHT, bent)
         unit = Unit(Design.of_skin(skin, layout, nominal), tolerance=TOLERANCE)
         sensor = open_sensor([scene.render_rest()], unit, twin, SensorSpec())
         rest = scene.camera.project(layout.positions)  # the control: as if the print were the design's

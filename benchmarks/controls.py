@@ -78,7 +78,7 @@ def print_intervals(estimator: Estimator, dataset: Dataset, fresh: Dataset) -> N
         print(
             f"coverage on {name}: {found.presses} presses, angle {100 * found.angle:.1f} %, depth "
             f"{100 * found.depth:.1f} %, half-width {found.half_width_deg:.2f}°, called outside "
-            f"{100 * found.outside:.1f} %",
+            f"{100 * found.flagged_ood:.1f} %",
             flush=True,
         )
 

@@ -28,7 +28,7 @@ AT_REST = 3
 
 
 def take_images(unit, material):
-    mesh = mesh_skin(unit.skin)
+    mesh = mesh_skin(unit.design.skin)
     presses = [
         solve_press(
             mesh, material, WallSpec(tilt_deg=tilt, azimuth_deg=azimuth, contact=friction, depth=8.0, depth_step=0.8)
