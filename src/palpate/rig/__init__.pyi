@@ -1,6 +1,8 @@
 """Rig: acquisition of a recording by a robot, or manually, and choice of its presses."""
 
 from palpate.rig.acquisition import Acquisition
+from palpate.rig.camera_check_spec import CameraCheckSpec
+from palpate.rig.check_camera import CameraCheck, check_camera
 from palpate.rig.check_image import NextImage, find_image_fault, images_of, take_image
 from palpate.rig.manual_robot import ManualRobot
 from palpate.rig.next_press import choose_next_press
@@ -12,12 +14,15 @@ from palpate.rig.take_spec import PlannedPress, TakeSpec
 __all__ = [
     "ROBOTS",
     "Acquisition",
+    "CameraCheck",
+    "CameraCheckSpec",
     "ManualRobot",
     "NextImage",
     "PlannedPress",
     "PressFrame",
     "RecordingFolder",
     "TakeSpec",
+    "check_camera",
     "choose_next_press",
     "find_image_fault",
     "images_of",

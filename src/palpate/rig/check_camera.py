@@ -1,0 +1,267 @@
+"""Check of the camera of a built sensor: light, sharpness, noise, motion and frame rate of its images.
+
+Each figure is compared with its limit, the field of `CameraCheckSpec` of the same name. A figure that the images do
+not determine is left out, such as the white balance of grey images.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import FloatArray, PalpateError, parameters
+from palpate.rig.camera_check_spec import CameraCheckSpec
+from palpate.rig.image_series import MOTION_VARIANCE, ImageSeries
+from palpate.vision import DetectSpec
+
+_REMEDIES = {
+    "unreadable": "Check cable, USB port and light, and record again.",
+    "blank": "Take off the lens cap, switch on the light, and check that the camera faces the skin.",
+    "frozen": "Connect the camera again, and close other programs that use it.",
+    "saturated": "Shorten the exposure or dim the light.",
+    "dark": "Increase the light or the exposure time, and only then the gain.",
+    "markers": "Check light, focus and field of view: `palpate sensor detect`.",
+    "cut_off": "Centre the camera or move it back until every marker is wholly visible.",
+    "contrast": "Print markers of another colour, or keep other light off the skin.",
+    "evenness": "Move or diffuse the lights, or add one on the dark side.",
+    "focus": "Turn the lens until the edges of markers are sharp, and lock it.",
+    "noise": "Increase the light and lower the gain.",
+    "motion_blur": "Shorten the exposure, stop vibrations, or press more slowly.",
+    "vibration": "Tighten camera and skin, and keep motors and fans off the rig.",
+    "magnification": "Switch off the autofocus and lock the focus ring.",
+    "sharpness": "Switch off the autofocus and lock the focus ring.",
+    "drift": "Let the camera warm up before the rest images, and tighten its mount.",
+    "brightness": "Switch off automatic exposure and gain, and supply the lights with direct current.",
+    "auto_exposure": "Switch off automatic exposure and gain.",
+    "white_balance": "Switch off the automatic white balance.",
+    "dropped": "Lower the resolution, use another USB port, or record to a faster disk.",
+    "irregular": "Switch off a frame rate that depends on the light (exposure_dynamic_framerate).",
+}
+"""Remedy of each fault, in the order of the report."""
+_MINIMA = {"blank", "dark", "markers", "contrast", "evenness"}
+"""Figures that have a minimum."""
+_EFFECTS = {
+    "blank": {"dark", "markers"},
+    "saturated": {"markers", "contrast", "noise", "focus"},
+    "dark": {"markers", "noise"},
+    "contrast": {"noise"},
+    "focus": {"noise"},
+    "magnification": {"drift", "sharpness"},
+    "vibration": {"drift"},
+}
+"""Fault → faults that it causes, which are left out."""
+
+
+@dataclass(frozen=True)
+class CameraFigure:
+    """One figure of a camera, its limit, and the remedy if it is beyond."""
+
+    code: str
+    meaning: str
+    value: float
+    limit: float
+    unit: str
+    passed: bool
+    remedy: str
+
+    @property
+    def sentence(self) -> str:
+        """Sentence with value, limit and remedy."""
+        unit = f" {self.unit}" if self.unit != "1" else ""
+        limit = f"{'minimum' if self.code in _MINIMA else 'maximum'} {self.limit:g}{unit}"
+        return f"{self.meaning[:1].upper()}{self.meaning[1:]}: {self.value:.3g}{unit} ({limit}). {self.remedy}"
+
+
+@dataclass(frozen=True, eq=False)
+class CameraCheck:
+    """Result of the check of a camera.
+
+    Attributes
+    ----------
+    figures
+        Figures that the images determine.
+    rest, press
+        Measured images at rest and of presses.
+    """
+
+    figures: tuple[CameraFigure, ...]
+    rest: ImageSeries
+    press: ImageSeries
+
+    @property
+    def findings(self) -> tuple[CameraFigure, ...]:
+        """Figures beyond their limits."""
+        return tuple(one for one in self.figures if not one.passed)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as JSON data; `passed` is true without a finding."""
+        return {
+            "passed": not self.findings,
+            "findings": [one.code for one in self.findings],
+            "rest_images": len(self.rest.exposures),
+            "press_images": len(self.press.exposures),
+            "figures": [asdict(one) for one in self.figures],
+        }
+
+
+def check_camera(
+    rest: Iterable[NDArray[Any] | PalpateError],
+    press: Iterable[NDArray[Any] | PalpateError] = (),
+    times: Sequence[float] = (),
+    spec: CameraCheckSpec | None = None,
+    detect: DetectSpec | None = None,
+) -> CameraCheck:
+    """Check a camera by images of the unloaded skin, and of presses.
+
+    Parameters
+    ----------
+    rest, press
+        Images (h, w) or (h, w, 3) of integers in their order; an error stands for an unreadable image.
+    times
+        Times of the images at rest, s, if known; read after the images.
+    spec, detect
+        Limits, and known properties of the markers.
+
+    Raises
+    ------
+    PalpateError
+        If no image at rest can be read.
+    """
+    spec, unloaded = spec or CameraCheckSpec(), ImageSeries(detect or DetectSpec())
+    unloaded.read(rest)
+    if not unloaded.exposures:
+        raise PalpateError("No image at rest can be read.", "Record the unloaded skin.", code="rest-image-missing")
+    pressed = ImageSeries(unloaded.detect, unloaded.detector)
+    pressed.read(press)
+    values = _measure_images(unloaded, pressed) | _measure_rate(np.array(times, float))
+    if unloaded.figures:
+        values |= _measure_markers(unloaded) | _measure_motion(unloaded, spec.significant)
+        values |= _measure_colours(unloaded, pressed)
+        if pressed.figures:
+            values["motion_blur"] = max(values["motion_blur"], pressed.motion_blur(unloaded))
+    return CameraCheck(tuple(_compare(values, spec)), unloaded, pressed)
+
+
+def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraFigure]:
+    """Compare figures with their limits; a fault that another one causes is left out."""
+    described = {one.name: one for one in parameters(CameraCheckSpec)}
+    limits = spec.model_dump()
+    failed = {
+        name for name, value in values.items() if (value < limits[name] if name in _MINIMA else value > limits[name])
+    }
+    caused = set().union(*(_EFFECTS.get(name, set()) for name in failed))
+    return [
+        CameraFigure(
+            name,
+            described[name].meaning,
+            values[name],
+            limits[name],
+            described[name].unit,
+            name not in failed,
+            remedy,
+        )
+        for name, remedy in _REMEDIES.items()
+        if name in values and name not in failed & caused
+    ]
+
+
+def _measure_images(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
+    """Figures of whole images, whether or not they show markers."""
+    count = len(rest.exposures)
+    values = {
+        "unreadable": float(rest.unreadable + press.unreadable),
+        "blank": float(np.median([one.spread for one in rest.exposures])),
+        "saturated": float(np.median([one.saturated for one in rest.exposures])),
+        "dark": float(np.median(rest.light)) / rest.top,
+        "markers": float(np.median([len(one.blobs) for one in rest.figures] or [0])),
+    }
+    return values | ({"frozen": rest.repeated / (count - 1)} if count > 1 else {})
+
+
+def _measure_markers(rest: ImageSeries, tail: float = 0.05) -> dict[str, float]:
+    """Light and sharpness at the markers, with percentiles beyond a `tail`, and the number of cut ones."""
+    light, contrast, even, cut, radius = (list[float]() for _ in range(5))
+    for one in rest.figures:
+        blobs = one.blobs
+        level = one.light.mean(axis=1) + (0.0 if rest.dark else 1.0) * blobs.contrast
+        low, high = np.quantile(level, [tail, 1.0 - tail])
+        light.append(np.median(level))
+        contrast.append(np.median(blobs.contrast) / max(light[-1], 1.0))
+        even.append(low / max(high, 1.0))
+        border = np.minimum(blobs.positions_px, rest.size_px - 1.0 - blobs.positions_px).min(axis=1)
+        cut.append((blobs.at_border | (border < 0.5 * blobs.diameter_px)).sum())
+        radius.append(0.5 * np.median(blobs.diameter_px))
+    motion = rest.motion_blur()
+    values = {
+        "saturated": np.median([one.saturated for one in rest.figures]),
+        "dark": np.median(light) / rest.top,
+        "contrast": np.median(contrast),
+        "evenness": np.median(even),
+        "cut_off": np.median(cut),
+        "focus": np.sqrt(max(rest.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0)) / np.median(radius),
+        "motion_blur": motion,
+    }
+    return {name: float(value) for name, value in values.items()}
+
+
+def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
+    """Noise and motion of the markers at rest, px, and the change of sharpness; empty for a single image."""
+    motion, noise = rest.motion
+    count = len(motion)
+    if count == 1:
+        return {"noise": float(np.median(rest.figures[0].blobs.sigma_px))}
+    values = {"noise": noise, "magnification": np.ptp(_smooth(motion[:, 3])), "sharpness": _change(rest.blur_px)}
+    steps = np.diff(motion[:, :2], axis=0)
+    values["vibration"] = np.sqrt(0.5 * (steps**2).mean())
+    if count > 2:
+        time = np.linspace(-0.5, 0.5, count)
+        trend = time @ motion[:, :3] / (time @ time)
+        left = motion[:, :3] - motion[:, :3].mean(axis=0) - time[:, None] * trend
+        error = np.sqrt((left**2).sum() / (count - 2) / (time @ time))
+        size = float(np.linalg.norm(trend))
+        values["drift"] = size if size > significant * error else 0.0
+    return {name: float(value) for name, value in values.items()}
+
+
+def _measure_colours(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
+    """Changes of light and of colours, between images at rest and by a press."""
+    light = rest.brightness
+    grey = light.mean(axis=1)
+    values = {"brightness": float(np.ptp(grey))} if len(grey) > 1 else {}
+    colours = [float(np.ptp(light / grey[:, None], axis=0).max())] if len(grey) > 1 else []
+    ratios = [rest.light_ratio(one) for one in press.figures]
+    if ratios:
+        values["auto_exposure"] = max(_common(ratio.mean(axis=1)) for ratio in ratios)
+        colours += [_common(column) for one in ratios for column in (one / one.mean(axis=1, keepdims=True)).T]
+    return values | ({"white_balance": max(colours)} if colours and light.shape[1] > 1 else {})
+
+
+def _measure_rate(times: FloatArray) -> dict[str, float]:
+    """Missing images and irregular intervals, by times (n,) s; empty for fewer than 3 times."""
+    intervals = np.diff(times)
+    if len(intervals) < 2:
+        return {}
+    typical = max(float(np.median(intervals)), np.finfo(float).tiny)
+    missing = np.maximum(np.rint(intervals / typical) - 1.0, 0.0)
+    whole = intervals[missing == 0.0] / typical
+    return {"dropped": float(missing.sum() / (missing.sum() + len(times))), "irregular": float(whole.std())}
+
+
+def _common(ratio: FloatArray) -> float:
+    """Return the change of three quarters of ratios (n,): the smaller distance of their quartiles from 1."""
+    low, high = (float(np.median(half)) - 1.0 for half in np.array_split(np.sort(ratio), 2))
+    return min(abs(low), abs(high)) if low * high > 0.0 else 0.0
+
+
+def _smooth(series: FloatArray, parts: int = 6) -> FloatArray:
+    """Return the means of consecutive parts of a series (k,), which have less noise than its values."""
+    return np.array([part.mean() for part in np.array_split(series, min(parts, len(series)))])
+
+
+def _change(series: FloatArray) -> float:
+    """Return the range of a smoothed series (k,) over its mean."""
+    return float(np.ptp(_smooth(series)) / max(series.mean(), np.finfo(float).tiny))

@@ -1,0 +1,153 @@
+"""Figures of a series of images of one sensor: light, sharpness, and the motion of all markers at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from palpate.core import FloatArray, PalpateError
+from palpate.rig.check_image import Exposure, measure_exposure
+from palpate.rig.measure_image import ImageFigures, measure_image
+from palpate.vision import Detector, DetectSpec, prepare_detector
+
+MOTION_VARIANCE = 1.0 / 24.0
+"""Mean over the azimuth, and second harmonic, of the variance by a uniform motion, over its squared length."""
+
+
+@dataclass(eq=False)
+class ImageSeries:
+    """Measured images of one sensor; `read` adds images.
+
+    Attributes
+    ----------
+    detect, detector
+        Known properties of the markers; detector of the first image with markers, `None` without one.
+    figures
+        Figures of the images in which markers were detected.
+    unreadable, repeated
+        Number of images without the markers of the first, and that equal the one before.
+    exposures, light
+        Exposure of each readable image, and median grey value of its brighter half.
+    last
+        The last readable image.
+    """
+
+    detect: DetectSpec
+    detector: Detector | None = None
+    figures: list[ImageFigures] = field(default_factory=list)
+    unreadable: int = 0
+    repeated: int = 0
+    exposures: list[Exposure] = field(default_factory=list)
+    light: list[float] = field(default_factory=list)
+    last: NDArray[Any] | None = None
+
+    def read(self, images: Iterable[NDArray[Any] | PalpateError]) -> None:
+        """Measure images one by one, and store none but the last."""
+        for image in images:
+            if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
+                self.unreadable += 1
+                continue
+            self.repeated += self.last is not None and np.array_equal(image, self.last)
+            self.last = image
+            self.exposures.append(measure_exposure(image))
+            self.light.append(float(np.median(image[image >= np.median(image)])))
+            try:
+                self.detector = self.detector or prepare_detector(image, self.detect)
+                found = measure_image(image, self.detector)
+                if 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
+                    raise PalpateError("Half of the markers are missing.", code="markers-not-found")
+                self.figures.append(found)
+            except PalpateError:
+                self.unreadable += self.detector is not None
+
+    @property
+    def dark(self) -> bool:
+        """Whether the markers are darker than the skin."""
+        return self.detector is not None and self.detector.dark
+
+    @property
+    def edge_px(self) -> float:
+        """Blur of the markers' edges in the first image, px."""
+        return self.detector.edge_px if self.detector else np.nan
+
+    @property
+    def size_px(self) -> FloatArray:
+        """Width and height (2,) of the images."""
+        return np.array(self.last.shape[1::-1] if self.last is not None else (0, 0), float)
+
+    @cached_property
+    def top(self) -> float:
+        """Maximum grey value of the camera."""
+        return max(one.top for one in self.exposures)
+
+    @cached_property
+    def _matched(self) -> tuple[FloatArray, FloatArray]:
+        """Positions (k, m, 2) and light (k, m, c) in k images of the m markers that are in all of them."""
+        first = self.figures[0].blobs.positions_px
+        reach = 0.5 * float(np.median(cKDTree(first).query(first, 2)[0][:, 1]))
+        before, kept, places, lights = first, np.ones(len(first), bool), [], []
+        for one in self.figures:
+            distance, number = cKDTree(one.blobs.positions_px).query(before, distance_upper_bound=reach)
+            kept &= np.isfinite(distance)
+            number = np.minimum(number, len(one.blobs) - 1)
+            before = np.where(np.isfinite(distance)[:, None], one.blobs.positions_px[number], before)
+            places.append(before)
+            lights.append(one.light[number])
+        return np.array(places)[:, kept], np.maximum(np.array(lights)[:, kept], 1.0)
+
+    @cached_property
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Motion (k, 4) of all markers, px: shift (2,), and rms by rotation and by scale; noise of a coordinate."""
+        z = self._matched[0] @ [1.0, 1j]
+        centre = z.mean(axis=1, keepdims=True)
+        own, start = z - centre, (z - centre).mean(axis=0)
+        size = float(np.sqrt((abs(start) ** 2).mean()))
+        factor = own @ start.conj() / (abs(start) ** 2).sum()
+        left = own - factor[:, None] * start
+        left = left - left.mean(axis=0)
+        shift = centre[:, 0] - centre.mean()
+        free = max(len(z) - 1, 1)
+        noise = np.sqrt(np.median((abs(left) ** 2).sum(axis=0)) / free / 2.0)
+        return np.stack([shift.real, shift.imag, size * factor.imag, size * (factor.real - 1.0)], axis=1), noise
+
+    @cached_property
+    def brightness(self) -> FloatArray:
+        """Light (k, c) of each image over the mean of the series, by colour: median over markers."""
+        light = self._matched[1]
+        return np.asarray(np.median(light / light.mean(axis=0), axis=1))
+
+    def light_ratio(self, image: ImageFigures) -> FloatArray:
+        """Light (n, c) at the blobs of another image over that of the nearest markers of the series."""
+        places, lights = self._matched
+        nearest = cKDTree(places.mean(axis=0)).query(image.blobs.positions_px)[1]
+        return np.asarray(np.maximum(image.light, 1.0) / lights.mean(axis=0)[nearest])
+
+    @cached_property
+    def blur_px(self) -> FloatArray:
+        """Blur (k,) of the markers' edges in each image, px."""
+        return np.array([np.sqrt(max(float(np.median(one.variance)), 0.0)) for one in self.figures])
+
+    def motion_blur(self, rest: ImageSeries | None = None) -> float:
+        """Length of the motion during an exposure, px: that of all markers alike, or from the centre of the field.
+
+        The latter is of images of presses, and beyond that at `rest`, since lenses may blur radially.
+        """
+        means = [(abs(one.harmonic.mean()) ** 2, one.harmonic.var() / len(one.blobs)) for one in self.figures]
+        common = np.sqrt(max(float(np.mean([square - noise for square, noise in means])), 0.0))
+        radial = self._radial - rest._radial if rest is not None else 0.0
+        return float(np.sqrt(max(common, radial) / MOTION_VARIANCE))
+
+    @cached_property
+    def _radial(self) -> float:
+        """Second harmonic of the blur along the direction from the centre of the field, px²."""
+        parts = []
+        for one in self.figures:
+            z = (one.blobs.positions_px - one.blobs.positions_px.mean(axis=0)) @ [1.0, 1j]
+            parts.append(float((one.harmonic * (z.conj() / np.maximum(abs(z), 1.0)) ** 2).real.mean()))
+        return float(np.mean(parts))
