@@ -5,7 +5,7 @@
 Markers of five designs are rendered without defects. All defects are applied here, in floating point: blur, motion
 kernels, light, shot and read noise, colour, geometry, time stamps. A fault is drawn over the range in `FAULTS`; the
 first number is the weakest one. Good sets draw every property over the range in `good`. Half of the sets have
-images of a press by a flat wall, which changes the light near the contact by up to 25 %. Half are in colour, and a
+images of a press by a flat wall, which changes the light near the contact by up to 20 %. Half are in colour, and a
 third have bright markers. One row a kind: the sets, those whose fault is named, those with no other finding, and
 all other findings with their numbers.
 """
@@ -49,7 +49,7 @@ FAULTS = {
     "magnification": ("rms motion by the change of scale, px", 0.2, 2.0),
     "sharpness": ("relative change of the blur", 0.4, 1.5),
     "brightness": ("relative change of the light", 0.06, 0.4),
-    "auto_exposure": ("relative change of the light by a press", 0.12, 0.6),
+    "auto_exposure": ("relative change of the light by a press", 0.2, 0.6),
     "white_balance": ("relative change of a colour", 0.06, 0.4),
     "dropped": ("share of missing images", 0.05, 0.3),
     "irregular": ("standard deviation of intervals over their mean", 0.35, 0.8),
@@ -81,6 +81,7 @@ class Draw:
     blur: np.ndarray = field(default_factory=lambda: np.ones(REST))
     balance: np.ndarray = field(default_factory=lambda: np.ones(REST))
     covered: float = 0.0
+    clipped: float = 0.0
     repeated: float = 0.0
     times: np.ndarray = field(default_factory=lambda: np.arange(REST) / FPS)
 
@@ -142,6 +143,14 @@ def field_of(design: int, offset: tuple[float, float]) -> tuple[np.ndarray, floa
     return centres.mean(axis=0), size, float(np.median(np.sqrt(area / np.pi)))
 
 
+def scene_centres(draw: Draw) -> np.ndarray:
+    """Centres (m, 2) of the markers that the image shows, px."""
+    camera, edges = scene(draw.design, draw.offset)
+    centres = camera.project(edges).mean(axis=1)
+    size = np.array([camera.width_px, camera.height_px])
+    return centres[((centres > 0) & (centres < size - 1)).all(axis=1)].astype(np.float32)
+
+
 def make(draw: Draw) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     """Images at rest, images of a press, and times."""
     rng = np.random.default_rng(draw.seed)
@@ -151,9 +160,12 @@ def make(draw: Draw) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     way, share = rng.uniform(0, 2 * np.pi), rng.uniform(0, 1)
     across = 0.5 + ((x - centre[0]) * np.cos(way) + (y - centre[1]) * np.sin(way)) / (4.0 * size)
     away = ((x - centre[0]) ** 2 + (y - centre[1]) ** 2) / (2.0 * size) ** 2
-    lamps = 1.0 - (1.0 - draw.dimmest) * (np.clip(across, 0, 1) if share < 0.5 else np.clip(1.6 * away, 0, 1))
+    shade = across if share < 0.5 else away
+    at_dots = cv2.remap(shade.astype(np.float32), *scene_centres(draw).T[..., None], cv2.INTER_LINEAR)
+    shade = np.clip((shade - at_dots.min()) / np.ptp(at_dots), 0.0, 1.2)
+    lamps = 1.0 - (1.0 - draw.dimmest) * shade
     tint = rng.uniform(0.75, 1.0, 3) if draw.colour else np.ones(1)
-    touched = rng.uniform(-0.25, 0.25)
+    touched = rng.uniform(-0.2, 0.2)
     rest, press = [], []
     for number in range(REST + (PRESS if draw.press else 0)):
         at, depth = min(number, REST - 1), max(number - REST + 1, 0) * 0.4
@@ -173,7 +185,9 @@ def make(draw: Draw) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
         if depth:
             image *= draw.press_light ** (depth / (0.4 * PRESS))
             image *= 1.0 + touched * np.exp(-((x - centre[0]) ** 2 + (y - centre[1]) ** 2) / (2 * (0.5 * size) ** 2))
-        image = image[..., None] * tint
+        if draw.clipped:
+            image *= 255.0 / np.quantile(image[away < 0.4], 1.0 - draw.clipped)
+        image = image[..., None] * tint / tint.max()
         if draw.colour:
             image[..., 2] *= draw.balance[at]
         image = np.full_like(image, draw.covered) if draw.covered else image
@@ -225,8 +239,7 @@ def fault(kind: str, strength: float, rng: np.random.Generator, seed: int) -> Dr
         case "frozen":
             draw.repeated = value
         case "saturated":
-            draw.bright, draw.dimmest = False, 0.7
-            draw.level = 255.0 / np.quantile(1.0 - 0.3 * rng.uniform(size=1000), 1.0 - value) * 1.03
+            draw.bright, draw.clipped = False, value
         case "dark":
             draw.level = 255.0 * value
         case "cut_off":
@@ -253,8 +266,8 @@ def fault(kind: str, strength: float, rng: np.random.Generator, seed: int) -> Dr
         case "brightness":
             draw.light = 1.0 + rng.choice([-1, 1]) * min(value, 0.3) * (slow if rng.uniform() < 0.5 else sudden)
         case "auto_exposure":
-            draw.press, draw.press_light = True, 1.0 + rng.choice([-0.5, 1.0]) * value
-            draw.level = min(draw.level, 250.0 / max(draw.press_light * 1.25, 1.0))
+            draw.press, draw.press_light = True, (1.0 + value) ** rng.choice([-1.0, 1.0])
+            draw.level = min(draw.level, 250.0 / max(draw.press_light * 1.2, 1.0))
         case "white_balance":
             draw.colour, draw.balance = True, 1.0 - value * (slow if rng.uniform() < 0.5 else sudden)
         case "dropped":

@@ -113,5 +113,10 @@ class CameraCheckSpec(ImageCheckSpec):
         0.01, unit="1", meaning="share of missing images, by gaps of time stamps", source=_RANGE, ge=0, le=1
     )
     irregular: float = parameter(
-        0.2, unit="1", meaning="standard deviation of intervals over their median", source=_RANGE, ge=0, le=10
+        0.15,
+        unit="1",
+        meaning="deviation of intervals from whole multiples of their median, over it",
+        source=_RANGE,
+        ge=0,
+        le=10,
     )

@@ -46,12 +46,15 @@ _MINIMA = {"blank", "dark", "markers", "contrast", "evenness"}
 """Figures that have a minimum."""
 _EFFECTS = {
     "blank": {"dark", "markers"},
-    "saturated": {"markers", "contrast", "noise", "focus"},
+    "saturated": {"markers", "contrast", "noise", "focus", "auto_exposure"},
     "dark": {"markers", "noise"},
     "contrast": {"noise"},
-    "focus": {"noise"},
-    "magnification": {"drift", "sharpness"},
+    "evenness": {"noise", "magnification", "sharpness"},
+    "focus": {"noise", "contrast", "motion_blur"},
+    "magnification": {"drift"},
     "vibration": {"drift"},
+    "sharpness": {"brightness", "magnification"},
+    "irregular": {"dropped"},
 }
 """Fault → faults that it causes, which are left out."""
 
@@ -146,6 +149,22 @@ def check_camera(
     return CameraCheck(tuple(_compare(values, spec)), unloaded, pressed)
 
 
+def _measure_evenness(rest: ImageSeries, tail: float = 0.05, alike: float = 1.5) -> float:
+    """Light at a percentile `tail` of the markers over that at 1 - `tail`, in the first image.
+
+    A marker in dim light has the relative contrast and the size of the median marker, up to a factor `alike`.
+    """
+    faint, first = rest.faint or rest.figures[0], rest.figures[0]
+    light, own = rest.light_at(faint), rest.light_at(first)
+    pairs = (
+        (faint.blobs.contrast / light, first.blobs.contrast / own),
+        (faint.blobs.diameter_px, first.blobs.diameter_px),
+    )
+    same = np.all([abs(np.log(many / np.median(few))) < np.log(alike) for many, few in pairs], axis=0)
+    low, high = np.quantile(light[same] if same.any() else own, [tail, 1.0 - tail])
+    return float(low / high)
+
+
 def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraFigure]:
     """Compare figures with their limits; a fault that another one causes is left out."""
     described = {one.name: one for one in parameters(CameraCheckSpec)}
@@ -179,19 +198,18 @@ def _measure_images(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
         "dark": float(np.median(rest.light)) / rest.top,
         "markers": float(np.median([len(one.blobs) for one in rest.figures] or [0])),
     }
+    if rest.figures:
+        del values["blank"]
     return values | ({"frozen": rest.repeated / (count - 1)} if count > 1 else {})
 
 
-def _measure_markers(rest: ImageSeries, tail: float = 0.05) -> dict[str, float]:
-    """Light and sharpness at the markers, with percentiles beyond a `tail`, and the number of cut ones."""
-    light, contrast, even, cut, radius = (list[float]() for _ in range(5))
+def _measure_markers(rest: ImageSeries) -> dict[str, float]:
+    """Light and sharpness at the markers, and the number of cut ones."""
+    light, contrast, cut, radius = (list[float]() for _ in range(4))
     for one in rest.figures:
         blobs = one.blobs
-        level = one.light.mean(axis=1) + (0.0 if rest.dark else 1.0) * blobs.contrast
-        low, high = np.quantile(level, [tail, 1.0 - tail])
-        light.append(np.median(level))
-        contrast.append(np.median(blobs.contrast) / max(light[-1], 1.0))
-        even.append(low / max(high, 1.0))
+        light.append(np.median(rest.light_at(one)))
+        contrast.append(np.median(blobs.contrast) / light[-1])
         border = np.minimum(blobs.positions_px, rest.size_px - 1.0 - blobs.positions_px).min(axis=1)
         cut.append((blobs.at_border | (border < 0.5 * blobs.diameter_px)).sum())
         radius.append(0.5 * np.median(blobs.diameter_px))
@@ -200,12 +218,12 @@ def _measure_markers(rest: ImageSeries, tail: float = 0.05) -> dict[str, float]:
         "saturated": np.median([one.saturated for one in rest.figures]),
         "dark": np.median(light) / rest.top,
         "contrast": np.median(contrast),
-        "evenness": np.median(even),
+        "evenness": _measure_evenness(rest),
         "cut_off": np.median(cut),
-        "focus": np.sqrt(max(rest.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0)) / np.median(radius),
+        "focus": np.sqrt(max(np.median(rest.edge_px) ** 2 - MOTION_VARIANCE * motion**2, 0.0)) / np.median(radius),
         "motion_blur": motion,
     }
-    return {name: float(value) for name, value in values.items()}
+    return {name: float(np.asarray(value)) for name, value in values.items()}
 
 
 def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
@@ -214,7 +232,7 @@ def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
     count = len(motion)
     if count == 1:
         return {"noise": float(np.median(rest.figures[0].blobs.sigma_px))}
-    values = {"noise": noise, "magnification": np.ptp(_smooth(motion[:, 3])), "sharpness": _change(rest.blur_px)}
+    values = {"noise": noise, "magnification": np.ptp(_smooth(motion[:, 3])), "sharpness": _change(rest.edge_px)}
     steps = np.diff(motion[:, :2], axis=0)
     values["vibration"] = np.sqrt(0.5 * (steps**2).mean())
     if count > 2:
@@ -230,12 +248,11 @@ def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
 def _measure_colours(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
     """Changes of light and of colours, between images at rest and by a press."""
     light = rest.brightness
-    grey = light.mean(axis=1)
-    values = {"brightness": float(np.ptp(grey))} if len(grey) > 1 else {}
-    colours = [float(np.ptp(light / grey[:, None], axis=0).max())] if len(grey) > 1 else []
+    values = {"brightness": float(np.ptp(light, axis=0).min())} if len(light) > 1 else {}
+    colours = [float(np.ptp(light / light.mean(axis=1, keepdims=True), axis=0).max())]
     ratios = [rest.light_ratio(one) for one in press.figures]
     if ratios:
-        values["auto_exposure"] = max(_common(ratio.mean(axis=1)) for ratio in ratios)
+        values["auto_exposure"] = max(min(map(_common, ratio.T)) for ratio in ratios)
         colours += [_common(column) for one in ratios for column in (one / one.mean(axis=1, keepdims=True)).T]
     return values | ({"white_balance": max(colours)} if colours and light.shape[1] > 1 else {})
 
@@ -247,8 +264,8 @@ def _measure_rate(times: FloatArray) -> dict[str, float]:
         return {}
     typical = max(float(np.median(intervals)), np.finfo(float).tiny)
     missing = np.maximum(np.rint(intervals / typical) - 1.0, 0.0)
-    whole = intervals[missing == 0.0] / typical
-    return {"dropped": float(missing.sum() / (missing.sum() + len(times))), "irregular": float(whole.std())}
+    uneven = intervals / typical - np.rint(intervals / typical)
+    return {"dropped": float(missing.sum() / (missing.sum() + len(times))), "irregular": float(uneven.std())}
 
 
 def _common(ratio: FloatArray) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,8 @@ from palpate.vision import Detector, DetectSpec, prepare_detector
 
 MOTION_VARIANCE = 1.0 / 24.0
 """Mean over the azimuth, and second harmonic, of the variance by a uniform motion, over its squared length."""
+_OUTLIER = 10.0
+"""Variance of a marker over the median at which it does not count, such as one that comes and goes. By hand."""
 
 
 @dataclass(eq=False)
@@ -33,9 +35,9 @@ class ImageSeries:
     unreadable, repeated
         Number of images without the markers of the first, and that equal the one before.
     exposures, light
-        Exposure of each readable image, and median grey value of its brighter half.
-    last
-        The last readable image.
+        Exposure of each readable image, and grey value that few of its pixels exceed.
+    last, faint
+        The last readable image; figures of the first one with fainter blobs, of a rim, too.
     """
 
     detect: DetectSpec
@@ -46,9 +48,13 @@ class ImageSeries:
     exposures: list[Exposure] = field(default_factory=list)
     light: list[float] = field(default_factory=list)
     last: NDArray[Any] | None = None
+    faint: ImageFigures | None = None
 
-    def read(self, images: Iterable[NDArray[Any] | PalpateError]) -> None:
-        """Measure images one by one, and store none but the last."""
+    def read(self, images: Iterable[NDArray[Any] | PalpateError], faint: float = 0.05) -> None:
+        """Measure images one by one, and store none but the last.
+
+        In the first one, markers with a `faint` share of the typical contrast are detected, too.
+        """
         for image in images:
             if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
                 self.unreadable += 1
@@ -56,9 +62,13 @@ class ImageSeries:
             self.repeated += self.last is not None and np.array_equal(image, self.last)
             self.last = image
             self.exposures.append(measure_exposure(image))
-            self.light.append(float(np.median(image[image >= np.median(image)])))
+            self.light.append(float(np.quantile(image, 1.0 - faint)))
             try:
-                self.detector = self.detector or prepare_detector(image, self.detect)
+                if self.detector is None:
+                    sharp = prepare_detector(image, self.detect)
+                    self.detector = replace(sharp, edge_px=sharp.measure_edge(image))
+                    wide = self.detect.model_copy(update={"evenness": faint})
+                    self.faint = measure_image(image, replace(self.detector, spec=wide, drop_strays=False))
                 found = measure_image(image, self.detector)
                 if 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
                     raise PalpateError("Half of the markers are missing.", code="markers-not-found")
@@ -70,11 +80,6 @@ class ImageSeries:
     def dark(self) -> bool:
         """Whether the markers are darker than the skin."""
         return self.detector is not None and self.detector.dark
-
-    @property
-    def edge_px(self) -> float:
-        """Blur of the markers' edges in the first image, px."""
-        return self.detector.edge_px if self.detector else np.nan
 
     @property
     def size_px(self) -> FloatArray:
@@ -102,18 +107,20 @@ class ImageSeries:
         return np.array(places)[:, kept], np.maximum(np.array(lights)[:, kept], 1.0)
 
     @cached_property
-    def motion(self) -> tuple[FloatArray, FloatArray]:
+    def motion(self) -> tuple[FloatArray, float]:
         """Motion (k, 4) of all markers, px: shift (2,), and rms by rotation and by scale; noise of a coordinate."""
         z = self._matched[0] @ [1.0, 1j]
-        centre = z.mean(axis=1, keepdims=True)
-        own, start = z - centre, (z - centre).mean(axis=0)
-        size = float(np.sqrt((abs(start) ** 2).mean()))
-        factor = own @ start.conj() / (abs(start) ** 2).sum()
-        left = own - factor[:, None] * start
-        left = left - left.mean(axis=0)
+        kept = np.ones(z.shape[1], bool)
+        for _ in range(2):
+            centre = z[:, kept].mean(axis=1, keepdims=True)
+            start = (z - centre).mean(axis=0)
+            size = float(np.sqrt((abs(start[kept]) ** 2).mean()))
+            factor = (z - centre)[:, kept] @ start[kept].conj() / (abs(start[kept]) ** 2).sum()
+            left = z - centre - factor[:, None] * start
+            spread = (abs(left - left.mean(axis=0)) ** 2).sum(axis=0)
+            kept = spread <= _OUTLIER * np.median(spread)
         shift = centre[:, 0] - centre.mean()
-        free = max(len(z) - 1, 1)
-        noise = np.sqrt(np.median((abs(left) ** 2).sum(axis=0)) / free / 2.0)
+        noise = float(np.sqrt(np.median(spread) / max(len(z) - 1, 1) / 2.0))
         return np.stack([shift.real, shift.imag, size * factor.imag, size * (factor.real - 1.0)], axis=1), noise
 
     @cached_property
@@ -122,6 +129,10 @@ class ImageSeries:
         light = self._matched[1]
         return np.asarray(np.median(light / light.mean(axis=0), axis=1))
 
+    def light_at(self, image: ImageFigures) -> FloatArray:
+        """Grey value (n,) of the brighter of skin and marker at each blob of an image."""
+        return np.maximum(image.light.mean(axis=1) + (0.0 if self.dark else image.blobs.contrast), 1.0)
+
     def light_ratio(self, image: ImageFigures) -> FloatArray:
         """Light (n, c) at the blobs of another image over that of the nearest markers of the series."""
         places, lights = self._matched
@@ -129,17 +140,17 @@ class ImageSeries:
         return np.asarray(np.maximum(image.light, 1.0) / lights.mean(axis=0)[nearest])
 
     @cached_property
-    def blur_px(self) -> FloatArray:
+    def edge_px(self) -> FloatArray:
         """Blur (k,) of the markers' edges in each image, px."""
-        return np.array([np.sqrt(max(float(np.median(one.variance)), 0.0)) for one in self.figures])
+        return np.array([one.edge_px for one in self.figures])
 
     def motion_blur(self, rest: ImageSeries | None = None) -> float:
         """Length of the motion during an exposure, px: that of all markers alike, or from the centre of the field.
 
         The latter is of images of presses, and beyond that at `rest`, since lenses may blur radially.
         """
-        means = [(abs(one.harmonic.mean()) ** 2, one.harmonic.var() / len(one.blobs)) for one in self.figures]
-        common = np.sqrt(max(float(np.mean([square - noise for square, noise in means])), 0.0))
+        means = [_robust_mean(one.harmonic) for one in self.figures]
+        common = np.sqrt(max(float(np.mean([abs(mean) ** 2 - noise for mean, noise in means])), 0.0))
         radial = self._radial - rest._radial if rest is not None else 0.0
         return float(np.sqrt(max(common, radial) / MOTION_VARIANCE))
 
@@ -148,6 +159,13 @@ class ImageSeries:
         """Second harmonic of the blur along the direction from the centre of the field, px²."""
         parts = []
         for one in self.figures:
-            z = (one.blobs.positions_px - one.blobs.positions_px.mean(axis=0)) @ [1.0, 1j]
-            parts.append(float((one.harmonic * (z.conj() / np.maximum(abs(z), 1.0)) ** 2).real.mean()))
+            z = (one.blobs.positions_px - np.median(one.blobs.positions_px, axis=0)) @ [1.0, 1j]
+            parts.append(_robust_mean(one.harmonic * (z.conj() / np.maximum(abs(z), 1.0)) ** 2)[0].real)
         return float(np.mean(parts))
+
+
+def _robust_mean(values: NDArray[np.complex128]) -> tuple[complex, float]:
+    """Return the mean of values (n,) without outliers, such as blobs of a rim, and its variance."""
+    distance = abs(values - (np.median(values.real) + 1j * np.median(values.imag)))
+    kept = values[distance <= 2.0 * np.median(distance)]
+    return complex(kept.mean()), float(kept.var() / len(kept))

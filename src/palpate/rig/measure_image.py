@@ -28,14 +28,17 @@ class ImageFigures(NamedTuple):
         Share of the pixels of the field at the maximum grey value.
     light
         (n, c) grey value of the skin at each blob, by colour.
-    variance, harmonic
-        (n,) mean of s² over the azimuth, and its second harmonic, complex, px².
+    edge_px
+        Median blur (standard deviation) of the blobs' edges.
+    harmonic
+        (n,) second harmonic of s² over the azimuth, complex, px²; scaled by `edge_px`² over the median of s², since
+        rays are too short for all of a blur.
     """
 
     blobs: Blobs
     saturated: float
     light: FloatArray
-    variance: FloatArray
+    edge_px: float
     harmonic: NDArray[np.complex128]
 
 
@@ -68,11 +71,14 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
     share = (profiles.mean(axis=0) - outside.mean(axis=1)[:, None, None]) / np.where(abs(height) < 1.0, 1.0, height)
     first = np.trapezoid(share, along[:, None], axis=-1)
     variance = 2.0 * np.trapezoid(along[:, None] * share, along[:, None], axis=-1) - first**2
+    edge, mean = detector.measure_edge(image), variance.mean(axis=1)
     full = np.asarray(layers.max(axis=2) >= measure_exposure(image).top)
     return ImageFigures(
         blobs,
         float(full[... if detector.mask is None else detector.mask].mean()),
         outside,
-        variance.mean(axis=1),
-        2.0 * (variance * np.exp(2j * azimuth)).mean(axis=1),
+        edge,
+        2.0
+        * (variance * np.exp(2j * azimuth)).mean(axis=1)
+        * (edge**2 / max(float(np.median(mean)), np.finfo(float).eps)),
     )
