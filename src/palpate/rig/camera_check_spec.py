@@ -62,7 +62,7 @@ class CameraCheckSpec(ImageCheckSpec):
         ge=0,
         le=10,
     )
-    noise: float = parameter(
+    noise_px: float = parameter(
         0.05,
         unit="px",
         meaning="standard deviation of a marker coordinate between images",
@@ -70,7 +70,7 @@ class CameraCheckSpec(ImageCheckSpec):
         ge=0,
         le=10,
     )
-    motion_blur: float = parameter(
+    motion_blur_px: float = parameter(
         1.5,
         unit="px",
         meaning="motion of markers during an exposure",
@@ -78,10 +78,10 @@ class CameraCheckSpec(ImageCheckSpec):
         ge=0,
         le=100,
     )
-    vibration: float = parameter(
+    vibration_px: float = parameter(
         0.1, unit="px", meaning="standard deviation of the shift between images at rest", source=_RANGE, ge=0, le=100
     )
-    drift: float = parameter(
+    drift_px: float = parameter(
         0.15,
         unit="px",
         meaning="trend of shift and rotation of all markers at rest, rms",
@@ -89,7 +89,7 @@ class CameraCheckSpec(ImageCheckSpec):
         ge=0,
         le=100,
     )
-    magnification: float = parameter(
+    magnification_px: float = parameter(
         0.1, unit="px", meaning="motion of markers by a change of the magnification, rms", source=_RANGE, ge=0, le=100
     )
     sharpness: float = parameter(

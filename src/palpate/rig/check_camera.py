@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, PalpateError, parameters
+from palpate.core import FloatArray, PalpateError, flag_name, parameters
 from palpate.rig.camera_check_spec import CameraCheckSpec
 from palpate.rig.image_series import MOTION_VARIANCE, ImageSeries
 from palpate.vision import DetectSpec
@@ -24,17 +24,17 @@ _REMEDIES = {
     "frozen": "Connect the camera again, and close other programs that use it.",
     "saturated": "Shorten the exposure or dim the light.",
     "dark": "Increase the light or the exposure time, and only then the gain.",
-    "markers": "Check light, focus and field of view: `palpate sensor detect`.",
+    "markers": "Check light, focus and view; give --polarity and --diameter if the markers are clear.",
     "cut_off": "Centre the camera or move it back until every marker is wholly visible.",
     "contrast": "Print markers of another colour, or keep other light off the skin.",
     "evenness": "Move or diffuse the lights, or add one on the dark side.",
     "focus": "Turn the lens until the edges of markers are sharp, and lock it.",
-    "noise": "Increase the light and lower the gain.",
-    "motion_blur": "Shorten the exposure, stop vibrations, or press more slowly.",
-    "vibration": "Tighten camera and skin, and keep motors and fans off the rig.",
-    "magnification": "Switch off the autofocus and lock the focus ring.",
+    "noise_px": "Increase the light and lower the gain.",
+    "motion_blur_px": "Shorten the exposure, stop vibrations, or press more slowly.",
+    "vibration_px": "Tighten camera and skin, and keep motors and fans off the rig.",
+    "magnification_px": "Switch off the autofocus and lock the focus ring.",
     "sharpness": "Switch off the autofocus and lock the focus ring.",
-    "drift": "Let the camera warm up before the rest images, and tighten its mount.",
+    "drift_px": "Let the camera warm up before the rest images, and tighten its mount.",
     "brightness": "Switch off automatic exposure and gain, and supply the lights with direct current.",
     "auto_exposure": "Switch off automatic exposure and gain.",
     "white_balance": "Switch off the automatic white balance.",
@@ -46,14 +46,16 @@ _MINIMA = {"blank", "dark", "markers", "contrast", "evenness"}
 """Figures that have a minimum."""
 _EFFECTS = {
     "blank": {"dark", "markers"},
-    "saturated": {"markers", "contrast", "noise", "focus", "auto_exposure"},
-    "dark": {"markers", "noise"},
-    "contrast": {"noise"},
-    "evenness": {"noise", "magnification", "sharpness"},
-    "focus": {"noise", "contrast", "motion_blur"},
-    "magnification": {"drift"},
-    "vibration": {"drift"},
-    "sharpness": {"brightness", "magnification"},
+    "saturated": {"markers", "contrast", "noise_px", "focus", "auto_exposure"},
+    "dark": {"markers", "noise_px", "brightness"},
+    "contrast": {"noise_px", "motion_blur_px"},
+    "noise_px": {"motion_blur_px", "brightness", "auto_exposure", "white_balance"},
+    "evenness": {"noise_px", "magnification_px", "sharpness"},
+    "focus": {"noise_px", "contrast", "motion_blur_px"},
+    "magnification_px": {"drift_px"},
+    "vibration_px": {"drift_px"},
+    "sharpness": {"brightness", "magnification_px"},
+    "brightness": {"auto_exposure"},
     "irregular": {"dropped"},
 }
 """Fault → faults that it causes, which are left out."""
@@ -72,11 +74,16 @@ class CameraFigure:
     remedy: str
 
     @property
+    def limit_text(self) -> str:
+        """Limit with its sign."""
+        return f"{'≥' if self.code in _MINIMA else '≤'} {self.limit:g}"
+
+    @property
     def sentence(self) -> str:
         """Sentence with value, limit and remedy."""
         unit = f" {self.unit}" if self.unit != "1" else ""
-        limit = f"{'minimum' if self.code in _MINIMA else 'maximum'} {self.limit:g}{unit}"
-        return f"{self.meaning[:1].upper()}{self.meaning[1:]}: {self.value:.3g}{unit} ({limit}). {self.remedy}"
+        meaning = f"{self.meaning[:1].upper()}{self.meaning[1:]}"
+        return f"{self.code}: {meaning}: {self.value:.3g}{unit} (limit {self.limit_text}{unit}). {self.remedy}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +152,7 @@ def check_camera(
         values |= _measure_markers(unloaded) | _measure_motion(unloaded, spec.significant)
         values |= _measure_colours(unloaded, pressed)
         if pressed.figures:
-            values["motion_blur"] = max(values["motion_blur"], pressed.motion_blur(unloaded))
+            values["motion_blur_px"] = max(values["motion_blur_px"], pressed.motion_blur(unloaded))
     return CameraCheck(tuple(_compare(values, spec)), unloaded, pressed)
 
 
@@ -175,7 +182,7 @@ def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraF
     caused = set().union(*(_EFFECTS.get(name, set()) for name in failed))
     return [
         CameraFigure(
-            name,
+            flag_name(CameraCheckSpec, name),
             described[name].meaning,
             values[name],
             limits[name],
@@ -221,7 +228,7 @@ def _measure_markers(rest: ImageSeries) -> dict[str, float]:
         "evenness": _measure_evenness(rest),
         "cut_off": np.median(cut),
         "focus": np.sqrt(max(np.median(rest.edge_px) ** 2 - MOTION_VARIANCE * motion**2, 0.0)) / np.median(radius),
-        "motion_blur": motion,
+        "motion_blur_px": motion,
     }
     return {name: float(np.asarray(value)) for name, value in values.items()}
 
@@ -231,17 +238,21 @@ def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
     motion, noise = rest.motion
     count = len(motion)
     if count == 1:
-        return {"noise": float(np.median(rest.figures[0].blobs.sigma_px))}
-    values = {"noise": noise, "magnification": np.ptp(_smooth(motion[:, 3])), "sharpness": _change(rest.edge_px)}
+        return {"noise_px": float(np.median(rest.figures[0].blobs.sigma_px))}
+    values = {
+        "noise_px": noise,
+        "magnification_px": np.ptp(_smooth(motion[:, 3])),
+        "sharpness": _change(rest.edge_px),
+    }
     steps = np.diff(motion[:, :2], axis=0)
-    values["vibration"] = np.sqrt(0.5 * (steps**2).mean())
+    values["vibration_px"] = np.sqrt(0.5 * (steps**2).mean())
     if count > 2:
         time = np.linspace(-0.5, 0.5, count)
         trend = time @ motion[:, :3] / (time @ time)
         left = motion[:, :3] - motion[:, :3].mean(axis=0) - time[:, None] * trend
         error = np.sqrt((left**2).sum() / (count - 2) / (time @ time))
         size = float(np.linalg.norm(trend))
-        values["drift"] = size if size > significant * error else 0.0
+        values["drift_px"] = size if size > significant * error else 0.0
     return {name: float(value) for name, value in values.items()}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -50,11 +51,8 @@ class ImageSeries:
     last: NDArray[Any] | None = None
     faint: ImageFigures | None = None
 
-    def read(self, images: Iterable[NDArray[Any] | PalpateError], faint: float = 0.05) -> None:
-        """Measure images one by one, and store none but the last.
-
-        In the first one, markers with a `faint` share of the typical contrast are detected, too.
-        """
+    def read(self, images: Iterable[NDArray[Any] | PalpateError], bright: float = 0.95) -> None:
+        """Measure images one by one, and store none but the last; their light is the quantile `bright`."""
         for image in images:
             if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
                 self.unreadable += 1
@@ -62,19 +60,35 @@ class ImageSeries:
             self.repeated += self.last is not None and np.array_equal(image, self.last)
             self.last = image
             self.exposures.append(measure_exposure(image))
-            self.light.append(float(np.quantile(image, 1.0 - faint)))
-            try:
-                if self.detector is None:
-                    sharp = prepare_detector(image, self.detect)
-                    self.detector = replace(sharp, edge_px=sharp.measure_edge(image))
-                    wide = self.detect.model_copy(update={"evenness": faint})
-                    self.faint = measure_image(image, replace(self.detector, spec=wide, drop_strays=False))
-                found = measure_image(image, self.detector)
-                if 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
-                    raise PalpateError("Half of the markers are missing.", code="markers-not-found")
-                self.figures.append(found)
-            except PalpateError:
-                self.unreadable += self.detector is not None
+            self.light.append(float(np.quantile(image, bright)))
+            self._add(image)
+
+    def _add(self, image: NDArray[Any], attempts: int = 3) -> None:
+        """Add an image with half of the markers of the first one; the detector is prepared in some attempts."""
+        if self.detector is None and len(self.exposures) <= attempts:
+            with suppress(PalpateError):
+                self._prepare(image)
+        if self.detector is None:
+            return
+        try:
+            found = measure_image(image, self.detector)
+        except PalpateError:
+            found = None
+        if found is None or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
+            self.unreadable += 1
+        else:
+            self.figures.append(found)
+
+    def _prepare(self, image: NDArray[Any], faint: float = 0.05) -> None:
+        """Prepare the detector, and measure blobs of down to a `faint` share of the typical contrast."""
+        low = self.detect.model_copy(update={"threshold": max(0.5 * self.detect.threshold, 2.0)})
+        try:
+            detector = prepare_detector(image, self.detect)
+        except PalpateError:
+            detector = prepare_detector(image, low)
+        self.detector = replace(detector, edge_px=detector.measure_edge(image))
+        wide = replace(self.detector, spec=low.model_copy(update={"evenness": faint}), drop_strays=False)
+        self.faint = measure_image(image, wide)
 
     @property
     def dark(self) -> bool:

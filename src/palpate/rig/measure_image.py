@@ -53,32 +53,32 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
     cv2, blobs = load_opencv(), detector.find(image)
     layers = image.reshape(*image.shape[:2], -1).astype(np.float32)
     radius, azimuth = 0.5 * blobs.diameter_px, np.linspace(0.0, 2.0 * np.pi, rays, endpoint=False)
-    half = np.clip(2.0 * detector.edge_px + 1.0, 2.0, np.maximum(radius, 2.0))[:, None]
-    along = half * np.linspace(0.0, 2.0, samples)
-    distance = (radius[:, None] - half + along)[:, None]
-    column = blobs.positions_px[:, :1, None] + distance * np.cos(azimuth)[:, None]
-    row = blobs.positions_px[:, 1:, None] + distance * np.sin(azimuth)[:, None]
-    points = [axis.reshape(-1, samples).astype(np.float32) for axis in (column, row)]
-    profiles = np.array(
-        [
-            cv2.remap(layer, *points, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(-1, rays, samples)
-            for layer in np.moveaxis(layers, 2, 0)
-        ],
-        float,
-    )
-    inside, outside = (np.median(profiles[..., end], axis=2).T for end in (0, -1))
-    height = (inside - outside).mean(axis=1)[:, None, None]
-    share = (profiles.mean(axis=0) - outside.mean(axis=1)[:, None, None]) / np.where(abs(height) < 1.0, 1.0, height)
-    first = np.trapezoid(share, along[:, None], axis=-1)
-    variance = 2.0 * np.trapezoid(along[:, None] * share, along[:, None], axis=-1) - first**2
-    edge, mean = detector.measure_edge(image), variance.mean(axis=1)
+    half = np.clip(2.0 * detector.edge_px + 1.0, 2.0, np.maximum(radius, 2.0))[:, None, None]
+    along, at = half * np.linspace(0.0, 2.0, samples), np.broadcast_to(radius[:, None, None], (len(blobs), rays, 1))
+    for _ in range(2):  # the second time about the edge of each ray, since markers are ellipses
+        distance = at - half + along
+        column = blobs.positions_px[:, :1, None] + distance * np.cos(azimuth)[:, None]
+        row = blobs.positions_px[:, 1:, None] + distance * np.sin(azimuth)[:, None]
+        points = [axis.reshape(-1, samples).astype(np.float32) for axis in (column, row)]
+        profiles = np.array(
+            [
+                cv2.remap(layer, *points, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(distance.shape)
+                for layer in np.moveaxis(layers, 2, 0)
+            ],
+            float,
+        )
+        inside, outside = (np.median(profiles[..., end], axis=2).T for end in (0, -1))
+        ground, height = (part.mean(axis=1)[:, None, None] for part in (outside, inside - outside))
+        share = (profiles.mean(axis=0) - ground) / np.where(abs(height) < 1.0, 1.0, height)
+        first = np.trapezoid(share, along, axis=-1)
+        at = at + np.clip(first[..., None] - half, -half, half)
+    variance = 2.0 * np.trapezoid(along * share, along, axis=-1) - first**2
+    edge, median = detector.measure_edge(image), float(np.median(variance.mean(axis=1)))
     full = np.asarray(layers.max(axis=2) >= measure_exposure(image).top)
     return ImageFigures(
         blobs,
         float(full[... if detector.mask is None else detector.mask].mean()),
         outside,
         edge,
-        2.0
-        * (variance * np.exp(2j * azimuth)).mean(axis=1)
-        * (edge**2 / max(float(np.median(mean)), np.finfo(float).eps)),
+        2.0 * (variance * np.exp(2j * azimuth)).mean(axis=1) * (edge**2 / max(median, 0.5 * edge**2)),
     )
