@@ -156,104 +156,80 @@ def check_camera(
     return CameraCheck(tuple(_compare(values, spec)), unloaded, pressed)
 
 
-def _measure_evenness(rest: ImageSeries, tail: float = 0.05, alike: float = 1.5) -> float:
-    """Light at a percentile `tail` of the markers over that at 1 - `tail`, in the first image.
-
-    A marker in dim light has the relative contrast and the size of the median marker, up to a factor `alike`.
-    """
-    faint, first = rest.faint or rest.figures[0], rest.figures[0]
-    light, own = rest.light_at(faint), rest.light_at(first)
-    pairs = (
-        (faint.blobs.contrast / light, first.blobs.contrast / own),
-        (faint.blobs.diameter_px, first.blobs.diameter_px),
-    )
-    same = np.all([abs(np.log(many / np.median(few))) < np.log(alike) for many, few in pairs], axis=0)
-    low, high = np.quantile(light[same] if same.any() else own, [tail, 1.0 - tail])
-    return float(low / high)
-
-
 def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraFigure]:
     """Compare figures with their limits; a fault that another one causes is left out."""
-    described = {one.name: one for one in parameters(CameraCheckSpec)}
     limits = spec.model_dump()
-    failed = {
-        name for name, value in values.items() if (value < limits[name] if name in _MINIMA else value > limits[name])
-    }
-    caused = set().union(*(_EFFECTS.get(name, set()) for name in failed))
-    return [
-        CameraFigure(
-            flag_name(CameraCheckSpec, name),
-            described[name].meaning,
-            values[name],
-            limits[name],
-            described[name].unit,
-            name not in failed,
-            remedy,
-        )
-        for name, remedy in _REMEDIES.items()
-        if name in values and name not in failed & caused
-    ]
+    failed = {name for name in values if (values[name] - limits[name]) * (-1.0 if name in _MINIMA else 1.0) > 0.0}
+    caused = {effect for name in failed for effect in _EFFECTS.get(name, ())}
+    described = {one.name: one for one in parameters(CameraCheckSpec)}
+    figures = []
+    for name, remedy in _REMEDIES.items():
+        if name in values and name not in failed & caused:
+            code, one, within = flag_name(CameraCheckSpec, name), described[name], name not in failed
+            figures.append(CameraFigure(code, one.meaning, values[name], limits[name], one.unit, within, remedy))
+    return figures
 
 
 def _measure_images(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
     """Figures of whole images, whether or not they show markers."""
-    count = len(rest.exposures)
+    count, (_, saturated, spread) = len(rest.exposures), np.median(rest.exposures, axis=0).tolist()
     values = {
         "unreadable": float(rest.unreadable + press.unreadable),
-        "blank": float(np.median([one.spread for one in rest.exposures])),
-        "saturated": float(np.median([one.saturated for one in rest.exposures])),
+        "saturated": saturated,
         "dark": float(np.median(rest.light)) / rest.top,
         "markers": float(np.median([len(one.blobs) for one in rest.figures] or [0])),
     }
-    if rest.figures:
-        del values["blank"]
+    values |= {} if rest.figures else {"blank": spread}
     return values | ({"frozen": rest.repeated / (count - 1)} if count > 1 else {})
 
 
 def _measure_markers(rest: ImageSeries) -> dict[str, float]:
     """Light and sharpness at the markers, and the number of cut ones."""
-    light, contrast, cut, radius = (list[float]() for _ in range(4))
+    motion, parts = rest.motion_blur(), []
     for one in rest.figures:
         blobs = one.blobs
-        light.append(np.median(rest.light_at(one)))
-        contrast.append(np.median(blobs.contrast) / light[-1])
         border = np.minimum(blobs.positions_px, rest.size_px - 1.0 - blobs.positions_px).min(axis=1)
-        cut.append((blobs.at_border | (border < 0.5 * blobs.diameter_px)).sum())
-        radius.append(0.5 * np.median(blobs.diameter_px))
-    motion = rest.motion_blur()
-    values = {
-        "saturated": np.median([one.saturated for one in rest.figures]),
-        "dark": np.median(light) / rest.top,
-        "contrast": np.median(contrast),
-        "evenness": _measure_evenness(rest),
-        "cut_off": np.median(cut),
-        "focus": np.sqrt(max(np.median(rest.edge_px) ** 2 - MOTION_VARIANCE * motion**2, 0.0)) / np.median(radius),
-        "motion_blur_px": motion,
-    }
-    return {name: float(np.asarray(value)) for name, value in values.items()}
+        cut = blobs.at_border | (border < 0.5 * blobs.diameter_px)
+        light, (contrast, diameter) = np.median(rest.light_at(one)), np.median(rest.looks(one), axis=1)
+        blur = np.sqrt(max(one.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0))
+        parts.append((one.saturated, light / rest.top, contrast, cut.sum(), 2.0 * blur / diameter))
+    names = ("saturated", "dark", "contrast", "cut_off", "focus")
+    values = dict(zip(names, np.median(parts, axis=0).tolist(), strict=True))
+    return values | {"evenness": _measure_evenness(rest), "motion_blur_px": motion}
+
+
+def _measure_evenness(rest: ImageSeries, tail: float = 0.05, alike: float = 1.5) -> float:
+    """Light at a percentile `tail` of the markers over that at 1 - `tail`, in the first image.
+
+    A marker in dim light has the relative contrast and the size of the median marker, up to a factor `alike`.
+    """
+    many, few = rest.faint or rest.figures[0], rest.figures[0]
+    same = [
+        abs(np.log(found / np.median(usual))) < np.log(alike)
+        for found, usual in zip(rest.looks(many), rest.looks(few), strict=True)
+    ]
+    light = rest.light_at(many)[np.all(same, axis=0)]
+    low, high = np.quantile(light if len(light) else rest.light_at(few), [tail, 1.0 - tail])
+    return float(low / high)
 
 
 def _measure_motion(rest: ImageSeries, significant: float) -> dict[str, float]:
-    """Noise and motion of the markers at rest, px, and the change of sharpness; empty for a single image."""
+    """Noise and motion of the markers at rest, px, and the change of sharpness."""
     motion, noise = rest.motion
-    count = len(motion)
-    if count == 1:
+    count, time = len(motion), np.linspace(-0.5, 0.5, len(motion))
+    if count < 2:
         return {"noise_px": float(np.median(rest.figures[0].blobs.sigma_px))}
-    values = {
+    trend = time @ motion[:, :3] / (time @ time)
+    left = motion[:, :3] - motion[:, :3].mean(axis=0) - time[:, None] * trend
+    error = np.sqrt((left**2).sum() / max(count - 2, 1) / (time @ time))
+    size = float(np.linalg.norm(trend))
+    return {
         "noise_px": noise,
-        "magnification_px": np.ptp(_smooth(motion[:, 3])),
-        "sharpness": _change(rest.edge_px),
+        "vibration_px": float(np.sqrt(0.5 * (np.diff(motion[:, :2], axis=0) ** 2).mean())),
+        "drift_px": size if size > significant * error else 0.0,
+        "magnification_px": float(np.ptp(_smooth(motion[:, 3]))),
+        "sharpness": float(np.ptp(_smooth(rest.edge_px)) / rest.edge_px.mean()),
     }
-    steps = np.diff(motion[:, :2], axis=0)
-    values["vibration_px"] = np.sqrt(0.5 * (steps**2).mean())
-    if count > 2:
-        time = np.linspace(-0.5, 0.5, count)
-        trend = time @ motion[:, :3] / (time @ time)
-        left = motion[:, :3] - motion[:, :3].mean(axis=0) - time[:, None] * trend
-        error = np.sqrt((left**2).sum() / (count - 2) / (time @ time))
-        size = float(np.linalg.norm(trend))
-        values["drift_px"] = size if size > significant * error else 0.0
-    return {name: float(value) for name, value in values.items()}
 
 
 def _measure_colours(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
@@ -271,12 +247,12 @@ def _measure_colours(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
 def _measure_rate(times: FloatArray) -> dict[str, float]:
     """Missing images and irregular intervals, by times (n,) s; empty for fewer than 3 times."""
     intervals = np.diff(times)
-    if len(intervals) < 2:
+    if len(intervals) < 2 or not np.median(intervals) > 0.0:
         return {}
-    typical = max(float(np.median(intervals)), np.finfo(float).tiny)
-    missing = np.maximum(np.rint(intervals / typical) - 1.0, 0.0)
-    uneven = intervals / typical - np.rint(intervals / typical)
-    return {"dropped": float(missing.sum() / (missing.sum() + len(times))), "irregular": float(uneven.std())}
+    intervals = intervals / np.median(intervals)
+    missing = float(np.maximum(np.rint(intervals) - 1.0, 0.0).sum())
+    uneven = float((intervals - np.rint(intervals)).std())
+    return {"dropped": missing / (missing + len(times)), "irregular": uneven}
 
 
 def _common(ratio: FloatArray) -> float:
@@ -288,8 +264,3 @@ def _common(ratio: FloatArray) -> float:
 def _smooth(series: FloatArray, parts: int = 6) -> FloatArray:
     """Return the means of consecutive parts of a series (k,), which have less noise than its values."""
     return np.array([part.mean() for part in np.array_split(series, min(parts, len(series)))])
-
-
-def _change(series: FloatArray) -> float:
-    """Return the range of a smoothed series (k,) over its mean."""
-    return float(np.ptp(_smooth(series)) / max(series.mean(), np.finfo(float).tiny))

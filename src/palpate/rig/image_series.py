@@ -19,8 +19,6 @@ from palpate.vision import Detector, DetectSpec, prepare_detector
 
 MOTION_VARIANCE = 1.0 / 24.0
 """Mean over the azimuth, and second harmonic, of the variance by a uniform motion, over its squared length."""
-_OUTLIER = 10.0
-"""Variance of a marker over the median at which it does not count, such as one that comes and goes. By hand."""
 
 
 @dataclass(eq=False)
@@ -57,6 +55,7 @@ class ImageSeries:
             if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
                 self.unreadable += 1
                 continue
+            image = image[..., :3] if image.ndim > 2 else image
             self.repeated += self.last is not None and np.array_equal(image, self.last)
             self.last = image
             self.exposures.append(measure_exposure(image))
@@ -74,7 +73,7 @@ class ImageSeries:
             found = measure_image(image, self.detector)
         except PalpateError:
             found = None
-        if found is None or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
+        if found is None or len(found.blobs) < 2 or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
             self.unreadable += 1
         else:
             self.figures.append(found)
@@ -118,6 +117,7 @@ class ImageSeries:
             before = np.where(np.isfinite(distance)[:, None], one.blobs.positions_px[number], before)
             places.append(before)
             lights.append(one.light[number])
+        kept |= kept.sum() < 2
         return np.array(places)[:, kept], np.maximum(np.array(lights)[:, kept], 1.0)
 
     @cached_property
@@ -132,7 +132,7 @@ class ImageSeries:
             factor = (z - centre)[:, kept] @ start[kept].conj() / (abs(start[kept]) ** 2).sum()
             left = z - centre - factor[:, None] * start
             spread = (abs(left - left.mean(axis=0)) ** 2).sum(axis=0)
-            kept = spread <= _OUTLIER * np.median(spread)
+            kept = np.sqrt(spread) <= 2.0 * np.sqrt(np.median(spread))  # without markers that come and go
         shift = centre[:, 0] - centre.mean()
         noise = float(np.sqrt(np.median(spread) / max(len(z) - 1, 1) / 2.0))
         return np.stack([shift.real, shift.imag, size * factor.imag, size * (factor.real - 1.0)], axis=1), noise
@@ -147,13 +147,17 @@ class ImageSeries:
         """Grey value (n,) of the brighter of skin and marker at each blob of an image."""
         return np.maximum(image.light.mean(axis=1) + (0.0 if self.dark else image.blobs.contrast), 1.0)
 
+    def looks(self, image: ImageFigures) -> FloatArray:
+        """Contrast over the light, and diameter in px, (2, n) of the blobs of an image."""
+        return np.stack([image.blobs.contrast / self.light_at(image), image.blobs.diameter_px])
+
     def light_ratio(self, image: ImageFigures) -> FloatArray:
         """Light (n, c) at the blobs of another image over that of the nearest markers of the series."""
         places, lights = self._matched
         nearest = cKDTree(places.mean(axis=0)).query(image.blobs.positions_px)[1]
         return np.asarray(np.maximum(image.light, 1.0) / lights.mean(axis=0)[nearest])
 
-    @cached_property
+    @property
     def edge_px(self) -> FloatArray:
         """Blur (k,) of the markers' edges in each image, px."""
         return np.array([one.edge_px for one in self.figures])

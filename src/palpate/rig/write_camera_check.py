@@ -58,7 +58,7 @@ def draw_camera_check(check: CameraCheck) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 6.0), layout="constrained")
-    axes = figure.subplot_mosaic([["image", "light"], ["image", "blur"], ["image", "motion"]])
+    axes = figure.subplot_mosaic([["image", "light / mean"], ["image", "blur, px"], ["image", "motion, px"]])
     rest = check.rest
     if rest.last is not None:
         grey = rest.last if rest.last.ndim == 2 else rest.last.mean(axis=2)
@@ -66,11 +66,10 @@ def draw_camera_check(check: CameraCheck) -> Figure:
     axes["image"].set(title="last image at rest, with blobs", xticks=[], yticks=[])
     if rest.figures:
         axes["image"].plot(*rest.figures[-1].blobs.positions_px.T, "+", color="#d1622b", ms=4)
-        axes["light"].plot(rest.brightness, ".-")
-        axes["blur"].plot(rest.edge_px, ".-")
-        for series, label in zip(rest.motion[0].T, ("column", "row", "rotation", "scale"), strict=True):
-            axes["motion"].plot(series, ".-", label=label)
-        axes["motion"].legend(fontsize=8)
-    for name, label in (("light", "light / mean"), ("blur", "blur, px"), ("motion", "motion, px")):
-        axes[name].set(ylabel=label, xlabel="image at rest" if name == "motion" else "")
+        axes["light / mean"].plot(rest.brightness, ".-")
+        axes["blur, px"].plot(rest.edge_px, ".-")
+        axes["motion, px"].plot(rest.motion[0], ".-", label=("column", "row", "rotation", "scale"))
+        axes["motion, px"].legend(fontsize=8)
+    for name, axis in axes.items():
+        axis.set_ylabel("" if name == "image" else name)
     return figure
