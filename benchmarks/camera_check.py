@@ -40,7 +40,7 @@ FAULTS = {
     "frozen": ("share of repeated images", 0.65, 1.0),
     "saturated": ("share of the field at the maximum grey value", 0.05, 0.6),
     "dark": ("grey level of the skin over 255", 0.2, 0.08),
-    "cut_off": ("markers cut by the border", 1.0, 10.0),
+    "at_border": ("markers cut by the border", 1.0, 10.0),
     "contrast": ("contrast over the light", 0.16, 0.08),
     "evenness": ("light at the darkest markers over that at the brightest", 0.38, 0.12),
     "focus": ("blur over the radius of markers", 0.65, 1.1),
@@ -244,7 +244,7 @@ def fault(kind: str, strength: float, rng: np.random.Generator, seed: int) -> Dr
             draw.bright, draw.clipped = False, value
         case "dark":
             draw.level = 255.0 * value
-        case "cut_off":
+        case "at_border":
             draw.rim, draw.offset = False, cutting_offset(draw.design, round(value), rng)
         case "contrast":
             draw.contrast = value

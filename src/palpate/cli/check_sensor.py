@@ -11,7 +11,6 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from cyclopts import Parameter
 
 from palpate.camera import Source, open_source
@@ -35,13 +34,13 @@ _SOURCE = (
     "Images of the unloaded skin: number of a camera or /dev/video0, a video, a folder, or the table of a recording "
     "(.csv) with its images of presses."
 )
-_PRESS = "Images while the skin is pressed: a folder or a video, or the same camera as --source."
+_PRESS = "Images while the skin is pressed: a folder or a video, or --source again for its images after rest."
 _OUT = "Folder for the report: check.md, check.json and images.png."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class PressFlags:
+class CameraCheckFlags:
     """Images of presses, and folder of the report."""
 
     press: Annotated[str | None, Parameter(help=_PRESS)] = None
@@ -51,7 +50,7 @@ class PressFlags:
 def check(
     source: Annotated[str, Parameter(help=_SOURCE)],
     *,
-    more: PressFlags = PressFlags(),
+    more: CameraCheckFlags = CameraCheckFlags(),
     spec: Annotated[CameraCheckSpec, flags_of(CameraCheckSpec, group="Images and limits")] = CameraCheckSpec(),
     detect: Annotated[DetectSpec, flags_of(DetectSpec, only="polarity diameter_px", group="Markers")] = DetectSpec(),
     output: Output = Output(),
@@ -67,6 +66,7 @@ def check(
     controls: list[CameraFigure] = []
     times: list[float] = []
     with ExitStack() as opened:
+        rest: Iterable[ImageOrError]
         press: Iterable[ImageOrError] = ()
         if Path(source).suffix.lower() == ".csv":
             known = read_ground_truth(Path(source)).locate(Path(source).parent)
@@ -74,11 +74,15 @@ def check(
             press = read_images(known.images[: spec.press_images])
         else:
             camera = opened.enter_context(open_source(source))
-            rest, controls = _take(camera, spec.rest_images, spec.interval_s, times), find_automatic_controls(camera)
-            if more.press == source and camera.live:
-                press = _announced(_take(camera, spec.press_images))
+            images, controls = camera.images(), find_automatic_controls(camera)
+            rest = _take(camera, images, spec.rest_images, spec.interval_s, times)
+            if more.press == source:
+                if camera.live:
+                    print("Now press the skin slowly, and release it.", file=sys.stderr, flush=True)
+                press = _take(camera, images, spec.press_images)
         if more.press not in (None, source):
-            press = _take(opened.enter_context(open_source(more.press or "")), spec.press_images)
+            pressed = opened.enter_context(open_source(more.press or ""))
+            press = _take(pressed, pressed.images(), spec.press_images)
         found = check_camera(rest, press, () if spec.interval_s else times, spec, detect)
     found = replace(found, figures=(*found.figures, *controls))
     if more.out is not None:
@@ -88,25 +92,35 @@ def check(
     return OUTSIDE if found.findings else 0
 
 
-def _announced(images: Iterator[ImageOrError]) -> Iterator[ImageOrError]:
-    print("Now press the skin slowly, and release it.", file=sys.stderr, flush=True)
-    yield from images
-
-
 def _take(
-    source: Source, count: int, interval_s: float = 0.0, times: list[float] | None = None
-) -> Iterator[ImageOrError]:
-    """Yield images of a source; those of a live camera follow its buffered ones. Their times are added to `times`."""
-    images, taken, due = source.images(), list[float](), -np.inf
-    if source.live:
-        next(islice(images, TakeSpec().buffered - 1, None), None)
-    for image in islice(images, None if source.live else count):
+    source: Source,
+    images: Iterator[ImageOrError],
+    count: int,
+    interval_s: float = 0.0,
+    times: list[float] | None = None,
+) -> Iterable[ImageOrError]:
+    """Return the next images of a source, and add their times to `times`, those of a recording while it is read.
+
+    Images of a live camera are taken at once after those that it buffered, so that the check delays none.
+    """
+    if not source.live:
+        return _note(source, islice(images, count), [] if times is None else times)
+    next(islice(images, TakeSpec().buffered - 1, None), None)
+    taken: list[ImageOrError] = []
+    due = 0.0
+    for image in images:
         now = time.monotonic()
-        if source.live and now < due:
-            continue
-        taken, due = [*taken, now], max(due, now) + interval_s
-        yield image
+        if now >= due:
+            due = now + interval_s
+            taken.append(image)
+            if times is not None:
+                times.append(now)
         if len(taken) == count:
             break
-    if times is not None:
-        times += taken if source.live else source.times[: len(taken)]
+    return taken
+
+
+def _note(source: Source, images: Iterator[ImageOrError], times: list[float]) -> Iterator[ImageOrError]:
+    for image in images:
+        times += source.times[len(times) : len(times) + 1]
+        yield image

@@ -26,7 +26,7 @@ class CameraCheckSpec(ImageCheckSpec):
         0.25, unit="1", meaning="light of skin or markers, the brighter", source="Below, two bits are lost", ge=0
     )
     markers: int = parameter(7, unit="1", meaning="number of markers found", ge=0)
-    cut_off: int = parameter(0, unit="1", meaning="number of markers cut by the image's border", ge=0)
+    at_border: int = parameter(0, unit="1", meaning="number of markers cut by the image's border", ge=0)
     contrast: float = parameter(
         0.2, unit="1", meaning="contrast of markers over the light", source="Noise is inverse to it", ge=0
     )

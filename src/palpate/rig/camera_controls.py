@@ -1,4 +1,4 @@
-"""Automatic controls of a camera that are still on, by V4L2 or OpenCV, and the commands that switch them off."""
+"""Automatic controls of a camera, by V4L2 or OpenCV, and the commands that switch them off."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MANUAL = {
     "gain_automatic": 0,
     "autogain": 0,
 }
-"""V4L2 control → value at which it is off, as in the Linux kernel; with the names before Linux 5.19."""
+"""V4L2 control, by its new and old name → value of its manual mode, as in the Linux kernel."""
 _CONTROL = re.compile(r"^\s*(\w+) (?:0x[0-9a-f]+ )?\(\w+\)\s*:.*\bvalue=(-?\d+)", re.MULTILINE)
 """A line of ``v4l2-ctl --list-ctrls``."""
 

@@ -25,7 +25,7 @@ _REMEDIES = {
     "saturated": "Shorten the exposure or dim the light.",
     "dark": "Increase the light or the exposure time, and only then the gain.",
     "markers": "Check light, focus and view; give --polarity and --diameter if the markers are clear.",
-    "cut_off": "Centre the camera or move it back until every marker is wholly visible.",
+    "at_border": "Centre the camera or move it back until every marker is wholly visible.",
     "contrast": "Print markers of another colour, or keep other light off the skin.",
     "evenness": "Move or diffuse the lights, or add one on the dark side.",
     "focus": "Turn the lens until the edges of markers are sharp, and lock it.",
@@ -51,7 +51,7 @@ _EFFECTS = {
     "contrast": {"noise_px", "motion_blur_px"},
     "noise_px": {"motion_blur_px", "brightness", "auto_exposure", "white_balance"},
     "evenness": {"noise_px", "magnification_px", "sharpness"},
-    "focus": {"noise_px", "contrast", "motion_blur_px"},
+    "focus": {"noise_px", "contrast", "motion_blur_px", "magnification_px"},
     "magnification_px": {"drift_px"},
     "vibration_px": {"drift_px"},
     "sharpness": {"brightness", "magnification_px"},
@@ -193,7 +193,7 @@ def _measure_markers(rest: ImageSeries) -> dict[str, float]:
         light, (contrast, diameter) = np.median(rest.light_at(one)), np.median(rest.looks(one), axis=1)
         blur = np.sqrt(max(one.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0))
         parts.append((one.saturated, light / rest.top, contrast, cut.sum(), 2.0 * blur / diameter))
-    names = ("saturated", "dark", "contrast", "cut_off", "focus")
+    names = ("saturated", "dark", "contrast", "at_border", "focus")
     values = dict(zip(names, np.median(parts, axis=0).tolist(), strict=True))
     return values | {"evenness": _measure_evenness(rest), "motion_blur_px": motion}
 

@@ -1,4 +1,4 @@
-"""Figures of a series of images of one sensor: light, sharpness, and the motion of all markers at rest."""
+"""Figures of a series of images of one sensor: light, sharpness, and common motion of the markers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from palpate.rig.measure_image import ImageFigures, measure_image
 from palpate.vision import Detector, DetectSpec, prepare_detector
 
 MOTION_VARIANCE = 1.0 / 24.0
-"""Mean over the azimuth, and second harmonic, of the variance by a uniform motion, over its squared length."""
+"""Mean and second harmonic over the azimuth of the variance by a motion, over its squared length."""
 
 
 @dataclass(eq=False)
@@ -122,7 +122,7 @@ class ImageSeries:
 
     @cached_property
     def motion(self) -> tuple[FloatArray, float]:
-        """Motion (k, 4) of all markers, px: shift (2,), and rms by rotation and by scale; noise of a coordinate."""
+        """Shift and rms motion by rotation and scale (k, 4), px; noise of a marker coordinate, px."""
         z = self._matched[0] @ [1.0, 1j]
         kept = np.ones(z.shape[1], bool)
         for _ in range(2):
@@ -163,9 +163,9 @@ class ImageSeries:
         return np.array([one.edge_px for one in self.figures])
 
     def motion_blur(self, rest: ImageSeries | None = None) -> float:
-        """Length of the motion during an exposure, px: that of all markers alike, or from the centre of the field.
+        """Length of the motion during an exposure, px, common or, beyond that at `rest`, radial.
 
-        The latter is of images of presses, and beyond that at `rest`, since lenses may blur radially.
+        A press moves markers from the centre of the field; lenses may blur radially, too.
         """
         means = [_robust_mean(one.harmonic) for one in self.figures]
         common = np.sqrt(max(float(np.mean([abs(mean) ** 2 - noise for mean, noise in means])), 0.0))

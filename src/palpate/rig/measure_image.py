@@ -43,7 +43,7 @@ class ImageFigures(NamedTuple):
 
 
 def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, samples: int = 25) -> ImageFigures:
-    """Measure an image (h, w) or (h, w, 3) of integers, on `rays` from each centre with a number of samples.
+    """Measure an image (h, w) or (h, w, 3) of integers, on `rays` of some samples from each centre.
 
     Raises
     ------

@@ -3,7 +3,8 @@
 import json
 import os
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ import pytest
 from scipy.special import ndtr
 
 from errors import refused
-from palpate.camera import open_source
-from palpate.cli import main
+from palpate.camera import Source, open_source
+from palpate.cli import check_sensor, main
 from palpate.core import PalpateError
 from palpate.rig import CameraCheckSpec, check_camera, find_automatic_controls
 
@@ -73,7 +74,7 @@ FAULTS: dict[str, Callable[[float], dict[str, Any]]] = {
     "blank": lambda part: {"level": 12.0, "contrast": 0.0},
     "saturated": lambda part: {"level": 265.0},
     "dark": lambda part: {"level": 45.0},
-    "cut-off": lambda part: {"shift": (28.5, 0.0)},
+    "at-border": lambda part: {"shift": (28.5, 0.0)},
     "contrast": lambda part: {"contrast": 0.14, "noise": 1.0},
     "evenness": lambda part: {"shade": 0.97},
     "focus": lambda part: {"edge": 0.75 * RADIUS},
@@ -166,11 +167,46 @@ def test_the_command_writes_a_report_and_answers_with_its_exit_code(
     assert json.loads(capsys.readouterr().out)["passed"]
 
 
+class LiveCamera(Source):
+    """A camera that buffers four blank images and takes one every 20 ms; the later images show a press."""
+
+    live = True
+    name = "a camera"
+
+    def images(self) -> Iterator[Image]:
+        for number in range(200):
+            time.sleep(0.02)
+            yield np.zeros(SHAPE, np.uint8) if number < 4 else draw(number, zoom=1.0 if number < 14 else 1.02)
+
+
+def test_a_live_camera_is_read_at_once_and_its_buffered_images_are_left_out(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(check_sensor, "open_source", lambda text: LiveCamera())
+    words = ["sensor", "check", "7", "--press", "7", "--rest-images", "10", "--press-images", "4", "--json"]
+    with pytest.raises(SystemExit) as ended:
+        main([*words, "--irregular", "1", "--dropped", "1"])
+    shown = json.loads(capsys.readouterr().out)
+    assert (ended.value.code, shown["rest_images"], shown["press_images"]) == (0, 10, 4)
+    assert {"dropped", "irregular"} <= {one["code"] for one in shown["figures"]}
+    with pytest.raises(SystemExit):
+        main([*words[:3], "--rest-images", "4", "--interval", "0.1", "--json"])
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["rest_images"] == 4
+    assert not {"dropped", "irregular"} & {one["code"] for one in shown["figures"]}
+
+
 def test_a_recording_has_images_at_rest_and_of_presses(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main(["sensor", "check", str(DATA / "recording" / "poses.csv"), "--press-images", "5", "--json"])
     shown = json.loads(capsys.readouterr().out)
     assert (ended.value.code, shown["rest_images"], shown["press_images"]) == (0, 3, 5)
+
+
+def test_a_camera_is_named_by_its_number_or_its_device() -> None:
+    for text in ("99", "/dev/video99"):
+        with refused("source-not-opened", "camera 99"):
+            open_source(text)
 
 
 LISTED = """
