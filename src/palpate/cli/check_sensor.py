@@ -99,9 +99,10 @@ def _take(
     interval_s: float = 0.0,
     times: list[float] | None = None,
 ) -> Iterable[ImageOrError]:
-    """Return the next images of a source, and add their times to `times`, those of a recording while it is read.
+    """Return the next images of a source, and add their times to `times`.
 
-    Images of a live camera are taken at once after those that it buffered, so that the check delays none.
+    A recording is read while they are used. Images of a live camera are taken at once, after those that it buffered,
+    so that the check delays none.
     """
     if not source.live:
         return _note(source, islice(images, count), [] if times is None else times)

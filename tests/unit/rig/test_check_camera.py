@@ -168,7 +168,7 @@ def test_the_command_writes_a_report_and_answers_with_its_exit_code(
 
 
 class LiveCamera(Source):
-    """A camera that buffers four blank images and takes one every 20 ms; the later images show a press."""
+    """A camera that buffers five blank images and takes one every 20 ms; the later images show a press."""
 
     live = True
     name = "a camera"
@@ -176,7 +176,7 @@ class LiveCamera(Source):
     def images(self) -> Iterator[Image]:
         for number in range(200):
             time.sleep(0.02)
-            yield np.zeros(SHAPE, np.uint8) if number < 4 else draw(number, zoom=1.0 if number < 14 else 1.02)
+            yield np.zeros(SHAPE, np.uint8) if number < 5 else draw(number, zoom=1.0 if number < 15 else 1.02)
 
 
 def test_a_live_camera_is_read_at_once_and_its_buffered_images_are_left_out(
