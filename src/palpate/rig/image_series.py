@@ -73,7 +73,7 @@ class ImageSeries:
             found = measure_image(image, self.detector)
         except PalpateError:
             found = None
-        if found is None or len(found.blobs) < 2 or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
+        if found is None or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
             self.unreadable += 1
         else:
             self.figures.append(found)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, load_opencv
+from palpate.core import FloatArray, PalpateError, load_opencv
 from palpate.rig.check_image import measure_exposure
 from palpate.vision import Blobs, Detector
 
@@ -48,9 +48,11 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
     Raises
     ------
     PalpateError
-        If its size differs from that of the detector.
+        If its size differs from that of the detector, or it has fewer than two blobs.
     """
     cv2, blobs = load_opencv(), detector.find(image)
+    if len(blobs) < 2:
+        raise PalpateError(f"The image has {len(blobs)} blobs.", "Check light and focus.", code="markers-not-found")
     layers = image.reshape(*image.shape[:2], -1).astype(np.float32)
     radius, azimuth = 0.5 * blobs.diameter_px, np.linspace(0.0, 2.0 * np.pi, rays, endpoint=False)
     half = np.clip(2.0 * detector.edge_px + 1.0, 2.0, np.maximum(radius, 2.0))[:, None, None]
@@ -59,7 +61,7 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
         distance = at - half + along
         column = blobs.positions_px[:, :1, None] + distance * np.cos(azimuth)[:, None]
         row = blobs.positions_px[:, 1:, None] + distance * np.sin(azimuth)[:, None]
-        points = [axis.reshape(-1, samples).astype(np.float32) for axis in (column, row)]
+        points = [axis.reshape(len(blobs), -1).astype(np.float32) for axis in (column, row)]
         profiles = np.array(
             [
                 cv2.remap(layer, *points, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(distance.shape)

@@ -33,13 +33,7 @@ def camera_check_page(check: CameraCheck, title: str) -> list[str | Report]:
     """Return the report: verdict, a sentence for each finding, and all figures with their limits."""
     verdict = f"findings: {', '.join(one.code for one in check.findings)}" if check.findings else "no finding"
     rows = [
-        (
-            one.code,
-            f"{one.value:.3g}",
-            one.limit_text,
-            "" if one.unit == "1" else one.unit,
-            "ok" if one.passed else "beyond",
-        )
+        (one.code, f"{one.value:.3g}", one.limit_text, one.unit.strip("1"), "ok" if one.passed else "beyond")
         for one in check.figures
     ]
     return [

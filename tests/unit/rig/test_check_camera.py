@@ -145,6 +145,8 @@ def test_limits_are_settings() -> None:
 def test_unreadable_images_are_counted_and_no_image_is_refused() -> None:
     error = PalpateError("The file is damaged.", "Record it again.", code="image-unreadable")
     assert found([*series(), error]) == ["unreadable"]
+    covered, larger = draw(9, level=12.0, contrast=0.0), np.pad(draw(9), 8)
+    assert found([*series(), covered, larger]) == ["unreadable"]
     with refused("rest-image-missing"):
         check_camera([error])
 
