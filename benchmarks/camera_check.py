@@ -15,7 +15,7 @@ import csv
 import sys
 from collections import Counter
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import cv2
@@ -100,7 +100,7 @@ def scene(design: int, offset: tuple[float, float] = (0.0, 0.0)) -> tuple[Camera
     return build_camera(spec), flat_marker_outlines(points, skin.normal(points), diameter)
 
 
-@cache
+@lru_cache(maxsize=32)
 def covers(design: int, offset: tuple[float, float], depth: float, rim: bool) -> tuple[np.ndarray, np.ndarray]:
     """Share (h, w) of each pixel that markers cover under a flat wall, and grey levels of clutter outside (or -1)."""
     camera, edges = scene(design, offset)
