@@ -163,12 +163,14 @@ def make(draw: Draw) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     across = 0.5 + ((x - centre[0]) * np.cos(way) + (y - centre[1]) * np.sin(way)) / (4.0 * size)
     away = ((x - centre[0]) ** 2 + (y - centre[1]) ** 2) / (2.0 * size) ** 2
     shade = across if share < 0.5 else away
-    at_dots = cv2.remap(shade.astype(np.float32), *scene_centres(draw).T[..., None], cv2.INTER_LINEAR)
+    column, row = scene_centres(draw).T[..., None]
+    at_dots = cv2.remap(shade.astype(np.float32), column, row, cv2.INTER_LINEAR)
     shade = np.clip((shade - at_dots.min()) / np.ptp(at_dots), 0.0, 1.2)
     lamps = 1.0 - (1.0 - draw.dimmest) * shade
     tint = rng.uniform(0.75, 1.0, 3) if draw.colour else np.ones(1)
     touched = rng.uniform(-0.2, 0.2)
-    rest, press = [], []
+    rest: list[np.ndarray] = []
+    press: list[np.ndarray] = []
     for number in range(REST + (PRESS if draw.press else 0)):
         at, depth = min(number, REST - 1), max(number - REST + 1, 0) * 0.4
         cover, clutter = covers(draw.design, draw.offset, depth, draw.rim)

@@ -121,7 +121,7 @@ class CameraCheck:
 def check_camera(
     rest: Iterable[NDArray[Any] | PalpateError],
     press: Iterable[NDArray[Any] | PalpateError] = (),
-    times: Sequence[float] = (),
+    times: Sequence[float] | FloatArray = (),
     spec: CameraCheckSpec | None = None,
     detect: DetectSpec | None = None,
 ) -> CameraCheck:
@@ -132,7 +132,7 @@ def check_camera(
     rest, press
         Images (h, w) or (h, w, 3) of integers in their order; an error stands for an unreadable image.
     times
-        Times of the images at rest, s, if known; read after the images.
+        (n,) times of the images at rest, s; empty if unknown; read after the images.
     spec, detect
         Limits, and known properties of the markers.
 
