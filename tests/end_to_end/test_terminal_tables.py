@@ -32,6 +32,7 @@ CHEAP = {
     "claims": "claims small",
     "calibrate": f"calibration camera {DATA}/board --board chessboard:9x6:25",
     "find": "sensor detect images",
+    "check": f"sensor check {DATA}/recording/poses.csv --rest-images 2 --press-images 2",
     "fit": f"material fit --uniaxial {DATA}/rubber/uniaxial.csv --model yeoh --alone "
     f"--relaxation {DATA}/rubber/relaxation.csv",
     "verify": "verify --only cook",
@@ -47,6 +48,7 @@ DEAR = {
     "--depth 1 --step 0.5 --cells 4",
     "convergence": "design convergence --meshes 4 6 8 --depth 2 --step 1",
     "find": "sensor detect short",
+    "check": "sensor check short/poses.csv --rest-images 2 --press-images 2",
     "stability": "design stability --height 20 --thickness 1 --tilts 0 --cells 6 --depth 4 --step 1",
     "status": "study status {data}/small.yaml --out small",
     "limit": "design bound {data}/small.yaml --out small",
@@ -66,7 +68,7 @@ DEAR = {
 GROUPS = {
     "study": ("run", "status", "limit", "grid", "twin", "live", "identify", "accept", "bench", "align", "claims"),
     "press": ("press", "stability", "convergence", "design", "fit", "material", "profile", "verify", "doctor"),
-    "images": ("calibrate", "find", "inspect", "learn", "benchmark"),
+    "images": ("calibrate", "find", "check", "inspect", "learn", "benchmark"),
 }
 """Part of the slow test → first words of the names of its verbs: later ones read the results of earlier ones."""
 NOT_RUN = {

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -62,6 +62,16 @@ class Source(ABC):
         """Function that returns the time in s of the last image; `None` for recordings."""
         return time.monotonic if self.live else None
 
+    @property
+    def device(self) -> str:
+        """File of a live camera, such as ``/dev/video0``; empty for other sources."""
+        return ""
+
+    @property
+    def controls(self) -> Mapping[str, float]:
+        """Controls of a live camera by their names in V4L2; empty if they are unknown."""
+        return {}
+
     @abstractmethod
     def images(self) -> Iterator[ImageOrError]:
         """Yield images, (h, w) or (h, w, 3) blue, green, red; an error in place of one that cannot be read."""
@@ -99,8 +109,8 @@ def open_source(text: str) -> Source:
     Parameters
     ----------
     text
-        Number of a camera, path of a folder of images, a video or an AEDAT4 recording, or a text that a source of
-        another package accepts. A source's name and a colon before the text select this source.
+        Number of a camera or /dev/video0, path of a folder of images, a video or an AEDAT4 recording, or a text that
+        a source of another package accepts. A source's name and a colon before the text select this source.
 
     Raises
     ------

@@ -110,7 +110,7 @@ def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[Floa
 
     check_model(model, unit, TILT_SPACE)
     sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
-    found = list(run_sensor(sensor, _images(known.images)))
+    found = list(run_sensor(sensor, read_images(known.images)))
     poses = np.array([reading.pose for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
@@ -126,12 +126,13 @@ def _read_recorded(known: GroundTruth, model: RecordedModel) -> tuple[FloatArray
             "Train a model of all three: palpate recording train --targets.",
             code="model-outputs-missing",
         )
-    found = list(run_sensor(model, _images(known.images)))
+    found = list(run_sensor(model, read_images(known.images)))
     poses = np.array([[reading[name] for name in TILT_SPACE.names] for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 
-def _images(names: tuple[str, ...]) -> Iterator[NDArray[Any] | PalpateError]:
+def read_images(names: tuple[str, ...]) -> Iterator[NDArray[Any] | PalpateError]:
+    """Yield the images of files; an error stands for one that cannot be read."""
     for name in names:
         try:
             yield read_image(Path(name))

@@ -95,6 +95,7 @@ _GROUPS = {
             "live": ("sensor:live", "Read poses from the images of a sensor."),
             "serve": ("serve:serve", "Send the readings of a sensor to other programs by WebSocket."),
             "detect": ("sensor:find", "Detect the markers in images."),
+            "check": ("check_sensor:check", "Check whether the camera of a sensor is set up to measure."),
         },
     ),
     "recording": (

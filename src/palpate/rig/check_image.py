@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Source
 from palpate.core import PalpateError
-from palpate.rig.take_spec import TakeSpec
+from palpate.rig.take_spec import ImageCheckSpec, TakeSpec
 
 _TOPS = (1023, 4095, 16383)
 """Maximum grey values of cameras of 10, 12 and 14 bits, whose images are stored in 16."""
@@ -20,7 +20,24 @@ NextImage = Callable[[], NDArray[Any] | PalpateError]
 """Return an image taken after the call, or an error if none could be taken."""
 
 
-def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: TakeSpec) -> str:
+class Exposure(NamedTuple):
+    """Maximum grey value, share of pixels at it, and standard deviation of means of blocks over it."""
+
+    top: float
+    saturated: float
+    spread: float
+
+
+def measure_exposure(image: NDArray[Any]) -> Exposure:
+    """Measure the exposure of an image (h, w) or (h, w, 3) of integers of 8 to 16 bits."""
+    most = np.iinfo(image.dtype).max
+    top = float(next((top for top in _TOPS if image.max() <= top < most), most))
+    rows, columns = (side - side % _BLOCK for side in image.shape[:2])
+    blocks = image[:rows, :columns].reshape(rows // _BLOCK, _BLOCK, columns // _BLOCK, -1)
+    return Exposure(top, float((image >= top).mean()), float(blocks.mean(axis=(1, 3)).std()) / top)
+
+
+def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: ImageCheckSpec) -> str:
     """Return the fault of an image (h, w) or (h, w, 3), the end of a sentence, or an empty text.
 
     `before` is the image of another pose, which a frozen camera repeats.
@@ -32,15 +49,11 @@ def find_image_fault(image: NDArray[Any], before: NDArray[Any] | None, spec: Tak
     """
     if not np.issubdtype(image.dtype, np.integer):
         return f"has values of type {image.dtype}, not integers"
-    most = np.iinfo(image.dtype).max
-    top = float(next((top for top in _TOPS if image.max() <= top < most), most))
-    rows, columns = (side - side % _BLOCK for side in image.shape[:2])
-    blocks = image[:rows, :columns].reshape(rows // _BLOCK, _BLOCK, columns // _BLOCK, -1)
-    share, spread = float((image >= top).mean()), float(blocks.mean(axis=(1, 3)).std())
+    top, share, spread = measure_exposure(image)
     if share > spec.saturated:
         return f"is saturated at {share:.0%} of its pixels"
-    if spread < spec.blank * top:
-        return f"is blank: its standard deviation is {spread:.2g} of {top:g}"
+    if spread < spec.blank:
+        return f"is blank: its standard deviation is {spread * top:.2g} of {top:g}"
     if before is not None and np.array_equal(image, before):
         return "equals that of another pose: the camera is frozen"
     return ""

@@ -14,7 +14,23 @@ PlannedPress = tuple[float, float]
 """Tilt and azimuth of a press, degrees."""
 
 
-class TakeSpec(Spec):
+class ImageCheckSpec(Spec):
+    """Limits of a usable image."""
+
+    blank: float = parameter(
+        0.01,
+        unit="1",
+        meaning="standard deviation of means of 4 × 4 px, as a share of the range, below which an image is blank",
+        source="By hand: a covered lens gives the noise of the image sensor, 0.01 or less; rendered images give 0.1",
+        ge=0,
+        le=1,
+    )
+    saturated: float = parameter(
+        0.5, unit="1", meaning="share of pixels at the maximum above which an image is saturated", ge=0, le=1
+    )
+
+
+class TakeSpec(ImageCheckSpec):
     """Presses, rest images and timing of a recording."""
 
     tilts: int = parameter(5, unit="1", meaning="number of tilts, at even distances up to the maximum", ge=1, le=100)
@@ -38,17 +54,6 @@ class TakeSpec(Spec):
         0.0, unit="mm", meaning="distance from the flange to the middle of the skin's base", ge=0, le=1000
     )
 
-    blank: float = parameter(
-        0.01,
-        unit="1",
-        meaning="standard deviation of means of 4 × 4 px, as a share of the range, below which an image is blank",
-        source="By hand: a covered lens gives the noise of the image sensor, 0.01 or less; rendered images give 0.1",
-        ge=0,
-        le=1,
-    )
-    saturated: float = parameter(
-        0.5, unit="1", meaning="share of pixels at the maximum above which an image is saturated", ge=0, le=1
-    )
     buffered: int = parameter(
         5, unit="1", meaning="number of images that a camera buffers, and that are discarded", ge=0, le=1000
     )

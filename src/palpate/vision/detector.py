@@ -85,6 +85,10 @@ class Detector:
         blobs = self._by_opencv(grey) if self.spec.method == "opencv" else self._fit(grey, _ROUNDS)[0]
         return blobs.take(~find_strays(blobs.positions_px, blobs.diameter_px)) if self.drop_strays else blobs
 
+    def measure_edge(self, image: NDArray[Any]) -> float:
+        """Return the median blur of the edges of blobs in an image (h, w) or (h, w, 3), px."""
+        return self._fit(to_grey(image, self.spec.largest_mpx), _ROUNDS_TO_MEASURE)[1]
+
     @cached_property
     def _window(self) -> tuple[slice, slice]:
         """Rows and columns of the mask's bounding box, to which the search is limited."""

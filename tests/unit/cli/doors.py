@@ -155,6 +155,9 @@ ROWS = {
         ("--board x", "--lens x"),
     ),
     "sensor detect": Row("--folder {images}", ("--folder",), (), ("--polarity x", "--method x")),
+    "sensor check": Row(
+        "--source {images}", ("--source", "--press"), ("--out",), ("--polarity x", "--rest-images 0", "--focus -1")
+    ),
     "sensor live": Row(
         f"--model {{model}} --source {{images}} {BUILT}",
         ("--model", "--source", "--layout", "--lens", "--unit", "--press-image"),

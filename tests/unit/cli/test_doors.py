@@ -207,6 +207,7 @@ def ending_of(name: str, flag: str) -> str:
     folders = (
         "calibration accept --out",
         "calibration identify --report",
+        "sensor check --out",
         "press --export",
         "design profile --out",
         "claims --figures",
