@@ -1,0 +1,273 @@
+"""Certificate of an acceptance test: figures, decisions, uncertainty of a reading, inputs, limits of validity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.calibration import UncertaintyBudget
+from palpate.core import wrap_write_errors
+from palpate.core.report import Report
+from palpate.design import wall_normal
+from palpate.sensor.accept import Acceptance, AcceptanceCheck
+from palpate.sensor.draw_certificate import Page, draw_errors, save_pages
+from palpate.sensor.gauge_study import ANGLES, GaugeStudy
+from palpate.sensor.report import provenance_line, write_report
+from palpate.sensor.score import PAPER_TABLE_3
+
+_SEATING = "seating, tilt"
+"""Line of the budget that a gauge study with remounting replaces."""
+_CHECKS = ("figure", "value", "U (k = 2)", "tolerance", "decision")
+_PAPER = "the paper's RMSE / MAE / max / SD"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Certificate of one unit.
+
+    Attributes
+    ----------
+    found
+        Acceptance test.
+    title
+        Name of the unit.
+    inputs
+        Description of each input → its name, with the SHA-256 hash of files.
+    budget
+        Uncertainty budget of the unit by its twin; `None` for another estimator.
+    study
+        Gauge repeatability and reproducibility study.
+    """
+
+    found: Acceptance
+    title: str
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    budget: UncertaintyBudget | None = None
+    study: GaugeStudy | None = None
+
+    @property
+    def verdict(self) -> str:
+        """``passed``, or the failed checks."""
+        failed = [f"{each.what} ({each.decision})" for each in self.found.checks if not each.passed]
+        return f"failed: {', '.join(failed)}" if failed else "passed"
+
+    def reading_budget(self) -> UncertaintyBudget:
+        """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
+
+        The recorded errors are a sample of the combined error. Only their excess over the other lines is added, so
+        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating.
+        """
+        errors, press = self.found.angle_errors()
+        budget = self.budget or UncertaintyBudget((), float(np.abs(errors[:, -1]).max()), self._recorded_radius())
+        if self.study is not None:
+            parts = [self.study.reproducibility(name) for name in ANGLES[:2]]
+            axes = np.array([part.variance for part in parts])
+            sd = np.sqrt(np.append(axes, axes.mean()))
+            line = "operator, day and mounting: gauge study"
+            budget = budget.with_line(line, sd, min(part.dof for part in parts), without=_SEATING)
+        excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
+        if excess.any():
+            name = "recorded errors" + (" beyond the other lines" if budget.components else "")
+            budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
+        return budget
+
+    def _recorded_radius(self) -> float:
+        """Return the 95 % quantile of the recorded angles between estimated and true normal, degrees."""
+        read = np.isfinite(self.found.estimates).all(axis=1)
+        true, estimated = (
+            np.array([wall_normal(*np.radians(pose[:2])) for pose in each[read]])
+            for each in (self.found.truth, self.found.estimates)
+        )
+        apart = np.degrees(np.linalg.norm(np.cross(true, estimated), axis=1))
+        return float(np.quantile(apart, 0.95))
+
+    def not_covered(self) -> list[str]:
+        """Return the conditions that the certificate does not cover."""
+        found, depth = self.found, self.found.truth[:, 2]
+        change = found.reference.temperature_change
+        lines = [
+            f"Total angles above {found.max_tilt_deg:.1f}°; depths outside {depth.min():.1f} to {depth.max():.1f} "
+            "mm; obstacles other than a flat, rigid wall.",
+            "Other images than those recorded, for the maximum errors: these are no bounds.",
+            "Forces and friction.",
+            "Ageing, wear, relaxation and contamination of the skin; no calibration interval is stated.",
+            "Motion of the contact during an exposure; other light; other settings of the camera.",
+            f"Temperatures that differ by more than {change:g} K from that of the rest image.",
+        ]
+        if not found.reference.reference:
+            lines.append("Traceability: no reference standard is stated, and its uncertainty is assumed.")
+        if found.reference.temperature_c is None:
+            lines.append("The temperature of the test, which is not stated.")
+        if self.study is None:
+            lines.append("Operators, days and remounting: there is no gauge study; seating has its tolerance only.")
+        elif self.study.absent:
+            lines.append(f"Components that the gauge study does not determine: {', '.join(self.study.absent)}.")
+        if self.budget is None:
+            lines.append("Type B evaluation of the unit: its estimator is not a twin.")
+        return lines
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        budget, repeated = self.reading_budget(), self.found.repeatability()
+        figures = zip(ANGLES, budget.combined_deg, budget.dof, budget.factor, budget.expanded_deg, strict=True)
+        names = ("combined_deg", "dof", "factor", "expanded_deg")
+        return {
+            "unit": self.title,
+            **self.found.as_dict(),
+            "inputs": dict(self.inputs),
+            "uncertainty": {
+                **{name: dict(zip(names, map(float, each), strict=True)) for name, *each in figures},
+                "normal_deg": budget.normal_deg,
+                "largest_standard_deg": budget.largest_deg,
+                "lines": [line.as_dict() for line in budget.components],
+            },
+            "repeatability": repeated.as_dict() if repeated else None,
+            "gauge_study": self.study.as_dict() if self.study else None,
+            "not_covered": self.not_covered(),
+        }
+
+    def page(self) -> list[str | Report]:
+        """Return the report: verdict, decisions, errors next to those of the paper's sensor, uncertainty."""
+        table = []
+        for score in self.found.scores:
+            errors, paper = score.errors, PAPER_TABLE_3.get(score.component)
+            figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
+            of_paper = (paper.rmse, paper.mae, paper.max, paper.sd) if paper else ()
+            values = [f"{value:.3f}" for value in figures]
+            table.append((f"{score.component} {score.unit}", *values, " / ".join(f"{each:.2f}" for each in of_paper)))
+        budget = self.reading_budget()
+        study: list[str | Report] = []
+        if self.study:
+            study = ["## Gauge study", self.study.report(self.found.spec.max_deg)]
+        return [
+            f"# Acceptance: {self.title}",
+            f"**{self.verdict}**",
+            Report.of("", _CHECKS, map(_row, self.found.checks)),
+            self._rule(),
+            Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
+            *self._basis(),
+            "## Uncertainty of a reading",
+            _expanded(budget),
+            self._quoted(budget),
+            budget.report(),
+            *study,
+            "## Not covered",
+            "\n".join(f"* {line}" for line in self.not_covered()),
+            "## Inputs",
+            "\n".join(f"* {name}: {text}" for name, text in self.inputs.items()) or "* not stated",
+            provenance_line(),
+        ]
+
+    def _rule(self) -> str:
+        guard = "The guard band is U" if self.found.spec.guard else "Simple acceptance: the guard band is 0"
+        return (
+            f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "
+            "that of the reference and, for an RMSE, of the sampled presses (bootstrap by press)."
+        )
+
+    def _basis(self) -> list[str]:
+        """Return sentences on the data and the reference."""
+        found = self.found
+        lines = [
+            f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep "
+            f"or more, up to {found.max_tilt_deg:.1f}°; {found.left_out} images left out; {found.flagged} of the "
+            "evaluated readings are flagged.",
+            f"Reference. {found.reference.describe(found.max_tilt_deg)}",
+        ]
+        if found.zero:
+            lines.append(
+                f"The depth zero is at {found.zero.offset:.3f} mm on the robot's scale, by {found.zero.images} "
+                "images of the first press, which is not evaluated."
+            )
+        if repeated := found.repeatability():
+            within, between = (
+                np.sqrt(max(repeated.component(ANGLES[-1], term).variance, 0.0)) for term in ("repeatability", "part")
+            )
+            lines.append(f"Errors of the total angle: SD {within:.3f}° within and {between:.3f}° between presses.")
+        return lines
+
+    def _quoted(self, budget: UncertaintyBudget) -> str:
+        u, k = float(budget.combined_deg[-1]), float(budget.factor[-1])
+        return (
+            f"Quoted for a reading in use: the total angle ± {k * u:.3f}°, with a coverage of 95.45 % over the range "
+            f"(worst pose ± {k * budget.largest_deg:.3f}°), because it is the misalignment of the wall. The direction "
+            f"of the wall normal is within {budget.normal_deg:.3f}° with the same coverage; 2 SD of a two-dimensional error "
+            f"contain only 86 %. This radius also holds for total angles below {3.0 * u:.2f}° (3 u), which are not "
+            "normally distributed (Rice)."
+        )
+
+    def write(self, folder: Path) -> None:
+        """Write ``accept.json``, ``accept.md`` and ``accept.pdf`` into a folder.
+
+        Raises
+        ------
+        PalpateError
+            If they cannot be written.
+        """
+        write_report(folder, "accept", self.as_dict(), self.page())
+        with wrap_write_errors(folder, "Choose another folder."):
+            save_pages(folder / "accept.pdf", self._draw())
+
+    def _draw(self) -> list[Page]:
+        """Draw two pages of A4."""
+        found, budget = self.found, self.reading_budget()
+        first = Page(f"Certificate of acceptance: {self.title}")
+        first.paragraph(f"Result: {self.verdict}", bold=True)
+        first.heading("Unit and inputs")
+        for name, text in self.inputs.items() or {"inputs": "not stated"}.items():
+            first.paragraph(f"{name}: {text}")
+        first.heading("Method, range and environment")
+        temperature = found.reference.temperature_c
+        stated = "not stated" if temperature is None else f"{temperature:g} °C"
+        first.paragraph(
+            "Images of presses on a flat wall at reference angles were read by the estimator named above. The error "
+            "is the reading minus the reference. The total angle is θ = √(rx² + ry²)."
+        )
+        for line in self._basis():
+            first.paragraph(line)
+        first.paragraph(
+            f"Temperature: {stated}; change since the rest image within ± {found.reference.temperature_change:g} K."
+        )
+        first.heading("Results and decisions")
+        first.table(Report.of("", _CHECKS, map(_row, found.checks)), (3, 2, 2, 2, 3))
+        first.paragraph(self._rule())
+        first.heading("Uncertainty of a reading in use (GUM, JCGM 100)")
+        first.table(_expanded(budget), (3, 2, 2, 2, 2))
+        first.paragraph(self._quoted(budget))
+        first.signatures(("Certificate number", "Date and place of the test", "Tested by", "Approved by"))
+        second = Page(f"Uncertainty budget: {self.title}")
+        second.table(budget.report(), (15, 2.2, 5, 4.5, 4.5, 4, 4, 4.5, 1.5))
+        second.paragraph(
+            "u(x): standard uncertainty of the quantity. c: RMS sensitivity of the total angle over the range, by "
+            "the twin. Lines without u(x) combine several quantities. ν: degrees of freedom."
+        )
+        if self.study:
+            second.heading(f"Gauge study of {self.study.readings} readings, against ± {found.spec.max_deg:g}°")
+            second.table(self.study.report(found.spec.max_deg), (3, 4, 4, 4))
+        second.heading("Not covered")
+        for line in self.not_covered():
+            second.paragraph(f"• {line}")
+        second.heading("Errors of the recorded images")
+        errors = found.estimates - found.truth
+        draw_errors(second, found.truth, errors[:, : 2 + np.isfinite(errors[:, 2]).any()])
+        return [first, second]
+
+
+def _expanded(budget: UncertaintyBudget) -> Report:
+    columns = zip(ANGLES, budget.combined_deg, budget.dof, budget.factor, budget.expanded_deg, strict=True)
+    rows = [
+        (name, f"{u:.3f}", f"{dof:.0f}" if np.isfinite(dof) else "∞", f"{k:.2f}", f"{expanded:.3f}")
+        for name, u, dof, k, expanded in columns
+    ]
+    rows.append(("angle between normals", "", "", "", f"{budget.normal_deg:.3f}"))
+    return Report.of("", ("reading of", "u_c °", "ν_eff", "k", "U °"), rows)
+
+
+def _row(check: AcceptanceCheck) -> tuple[str, str, str, str, str]:
+    unit = "" if check.unit == "1" else f" {check.unit}"
+    decision = check.decision if check.passed else check.decision.upper()
+    return check.what, f"{check.value:.3f}{unit}", f"{check.expanded:.3f}{unit}", f"{check.limit:g}{unit}", decision
