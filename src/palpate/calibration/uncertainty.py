@@ -9,8 +9,7 @@ information, σ the spread of a marker and K = (AᵀA/σ² + P)⁻¹ Aᵀ/σ², 
 
     δ = (I − K A) x − K w,    w: misprint of each marker,
 
-so that each tolerance has its own, uncorrelated line. The estimator assumes one σ for all markers; the budget takes w
-from the position of each. The parameters of an identified unit are correlated; they are
+so that each tolerance has its own, uncorrelated line. The parameters of an identified unit are correlated; they are
 one line. Lines are RMS values over the working range (`sample_working_range`).
 """
 
@@ -50,10 +49,10 @@ _COVERAGE = float(stats.chi2.cdf(2.0**2, 1))
 """Coverage probability of k = 2 for a normal distribution, 0.9545."""
 _MEASURANDS = ("rx", "ry", "total angle")
 _THERMAL = ("change_k", "focal_per_k", "holder_per_k", "skin_per_k", "modulus_per_k")
-_STEP_MM = 0.01
-"""Step of derivatives by the position of a marker, mm."""
 _NORMAL, _UNIFORM = "normal", "uniform"
 _NOISE, _TWIN = "marker noise, of the image and at rest", "error of the twin"
+_TEMPERATURE, _STIFFNESS = "temperature", "stiffness of the skin"
+_WALL = "lateral motion and curvature of the wall"
 
 
 class UncertaintyComponent(NamedTuple):
@@ -142,7 +141,7 @@ class UncertaintyBudget:
     def of_design(
         cls, twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: AccuracySpec
     ) -> UncertaintyBudget:
-        """Predict the budget of built units of a design after their rest image; arguments as `predict_accuracy`."""
+        """Predict the budget of built units of a design; arguments as for `predict_accuracy`."""
         rest = camera.project(layout.positions)
         belief = infer_from_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
         belief = replace(belief, mean=State.zeros(UNIT_PARAMETERS))
@@ -175,68 +174,55 @@ class UncertaintyBudget:
             Presses by which the error of the twin is measured (`measure_twin_error`); `twin_sd` without any. It is
             along the tilt, since a press is symmetric to the plane of its tilt.
         """
-        thermal, tolerance = thermal or State.zeros(_THERMAL), model.tolerance
-        known = mounting or prior_mounting(model.posterior, tolerance)
+        thermal, tolerance, twin = thermal or State.zeros(_THERMAL), model.tolerance, model.marker_twin.twin
+        known, change = mounting or prior_mounting(model.posterior, tolerance), thermal["change_k"] / np.sqrt(3.0)
         spread = np.asarray(np.linalg.cholesky(known.covariance + 1e-15 * np.eye(len(known.covariance))), float)
-        identified = {"unit and mounting, identified": _Input(spread, "A, B", _NORMAL, "", None)}
-        inputs = _remaining(model, spec.noise_px) if mounting is None else identified
-        described = {name: each[1:] for name, each in inputs.items()}
-        described[_NOISE] = ("B", _NORMAL, "px", spec.noise_px)
-        described["temperature"] = ("B", _UNIFORM, "K", thermal["change_k"] / np.sqrt(3.0))
-        assumed = twin_sd(model.marker_twin.twin.skin)[TILT_SPACE.names]
+        softer = float(np.hypot(tolerance.modulus / np.sqrt(3.0), thermal["modulus_per_k"] * change))
+        inputs = {"unit and mounting, identified": _Input("A, B", _NORMAL, "", None, spread)}
+        inputs = inputs if mounting else _remaining(model, spec.noise_px)
+        inputs[_STIFFNESS] = _Input("B", _UNIFORM, "1", softer, np.zeros((len(spread), 1)))
+        assumed = twin_sd(twin.skin)[TILT_SPACE.names]
         measured = measure_twin_error(model, validation_presses, 0, spec.min_depth) if validation_presses else None
+        distance = thermal["holder_per_k"] * model.posterior.nominal.distance
+        warmer = model.posterior.camera(focal=thermal["focal_per_k"], distance=distance)
         squares: dict[str, list[FloatArray]] = {}
-        places = sample_working_range(
-            model.marker_twin.twin, spec, tolerance, generator(spec.seed, "budget", "poses")
-        )
-        for pose, slip in places:
+        places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "budget", "poses"))
+        for pose, friction in places:
             along, off = pose[:2] / np.linalg.norm(pose[:2]), assumed if measured is None else measured.at(pose)
-            gain = pose_gain(model, known, spread, pose, slip, spec.noise_px)
+            gain = pose_gain(model, known, spread, pose, friction, spec.noise_px)
             by_unit = np.linalg.solve(spread.T, gain.unit_gain.T).T[:2]
             noise = spec.noise_px**2 * gain.marker_gain[:2] @ gain.marker_gain[:2].T
-            warm = gain.marker_gain[:2] @ _warmed(model, thermal, pose, slip)
+            moved = model.marker_twin.evaluate(pose, friction, model.posterior.mean["thickness"], None).positions
+            shift = warmer.project(moved * (1.0 + thermal["skin_per_k"])) - model.camera.project(moved)
+            warm = change * gain.marker_gain[:2] @ shift[model.visible].reshape(-1)
             parts = {name: by_unit @ each.root @ each.root.T @ by_unit.T for name, each in inputs.items()}
-            parts |= {_NOISE: 2.0 * noise, _TWIN: np.outer(along, along) * (off[:2] @ off[:2])}
-            parts["lateral motion and curvature of the wall"] = (
-                gain.image_covariance[:2, :2] - noise - np.diag(assumed[:2] ** 2)
-            )
-            parts["temperature"] = np.outer(warm, warm) * thermal["change_k"] ** 2 / 3.0
+            parts |= {_NOISE: 2.0 * noise, _TEMPERATURE: np.outer(warm, warm)}
+            parts |= {_TWIN: np.outer(along, along) * (off[:2] @ off[:2])}
+            if tolerance.lateral or tolerance.twist_deg or tolerance.curvature:
+                parts[_WALL] = gain.image_covariance[:2, :2] - noise - np.diag(assumed[:2] ** 2)
             for name, part in parts.items():
                 squares.setdefault(name, []).append(part)
-        poses, whole = (
-            np.array([pose for pose, _ in places]),
-            np.sum([np.array(each) for each in squares.values()], 0),
-        )
+        described = {name: each[:-1] for name, each in inputs.items()}
+        described |= {_NOISE: ("B", _NORMAL, "px", spec.noise_px), _TEMPERATURE: ("B", _UNIFORM, "K", change)}
+        unknown, poses = ("B", _NORMAL, "", None), np.array([pose for pose, _ in places])
         lines = [
-            UncertaintyComponent(
-                name, *described.get(name, ("B", _NORMAL, "", None)), _project(np.array(each), poses)
-            )
+            UncertaintyComponent(name, *described.get(name, unknown), _project(np.array(each), poses))
             for name, each in squares.items()
         ]
-        lines = [line for line in lines if line.contribution_deg.max() > 1e-6]
-        softer = np.hypot(tolerance.modulus, thermal["modulus_per_k"] * thermal["change_k"]) / np.sqrt(3.0)
-        lines.append(
-            UncertaintyComponent(
-                "stiffness of the skin", "B", _UNIFORM, "1", float(softer), np.zeros(len(_MEASURANDS))
-            )
-        )
-        return cls(
-            tuple(sorted(lines, key=lambda line: -line.contribution_deg[-1])),
-            float(np.sqrt(_along(whole, poses).max())),
-            _radius(whole, spec),
-        )
+        whole = np.sum([np.array(each) for each in squares.values()], axis=0)
+        return cls(_sorted(lines), float(np.sqrt(_along(whole, poses).max())), _radius(whole, spec))
 
     def with_line(
         self, name: str, contribution_deg: FloatArray, dof: float, *, without: str = ""
     ) -> UncertaintyBudget:
-        """Return the budget with a line of type A, which increases the other figures in proportion.
+        """Return the budget with a line of type A, which increases all figures in proportion.
 
         `without` is the name of a line that it replaces.
         """
         kept = [line for line in self.components if line.name != without]
         sd = float(contribution_deg[-1])
         kept.append(UncertaintyComponent(name, "A", _NORMAL, "°", sd or None, contribution_deg, dof))
-        found = replace(self, components=tuple(sorted(kept, key=lambda line: -line.contribution_deg[-1])))
+        found = replace(self, components=_sorted(kept))
         ratio = float(found.combined_deg[-1] / self.combined_deg[-1]) if self.components else 1.0
         return replace(found, largest_deg=ratio * self.largest_deg, normal_deg=ratio * self.normal_deg)
 
@@ -255,13 +241,17 @@ class UncertaintyBudget:
 
 
 class _Input(NamedTuple):
-    """Independent inputs of one line: root (15, n) of their covariance, type, distribution, unit and SD."""
+    """Independent inputs of one line: type, distribution, unit, SD, and root (15, n) of their covariance."""
 
-    root: FloatArray
     kind: str
     distribution: str
     unit: str
     standard: float | None
+    root: FloatArray
+
+
+def _sorted(lines: Sequence[UncertaintyComponent]) -> tuple[UncertaintyComponent, ...]:
+    return tuple(sorted(lines, key=lambda line: -line.contribution_deg[-1]))
 
 
 def _remaining(model: UnitModel, noise_px: float) -> dict[str, _Input]:
@@ -288,34 +278,13 @@ def _remaining(model: UnitModel, noise_px: float) -> dict[str, _Input]:
         columns = [names.index(part) for part in item.parts if part in names]
         size = float(getattr(tolerance, item.name))
         if columns and size:
-            found[item.label] = _Input(roots[:, columns], "B", _UNIFORM, item.unit, size / np.sqrt(3.0))
+            found[item.label] = _Input("B", _UNIFORM, item.unit, size / np.sqrt(3.0), roots[:, columns])
     printed = next(item for item in IMPERFECTIONS if item.name == "marker_position")
     sd_mm = tolerance.marker_position / np.sqrt(3.0)
     misprint = np.zeros((len(roots), answer.shape[1]))
-    misprint[:camera] = sd_mm * np.einsum("cmu,mut->cmt", answer.reshape(camera, -1, 2), _by_misprint(model)).reshape(
-        camera, -1
-    )
-    found[printed.label] = _Input(misprint, "B", _UNIFORM, printed.unit, sd_mm)
+    misprint[:camera] = spread * answer
+    found[printed.label] = _Input("B", _UNIFORM, printed.unit, sd_mm, misprint)
     return found
-
-
-def _by_misprint(model: UnitModel) -> FloatArray:
-    """Return the derivatives (m, 2, 2) px/mm of the visible markers at rest along two tangents of the skin."""
-    places, skin = model.layout.positions[model.visible], model.marker_twin.twin.skin
-    shifts = [
-        model.camera.project(places + _STEP_MM * tangent) - model.camera.project(places - _STEP_MM * tangent)
-        for tangent in skin.tangents(places)[1:]
-    ]
-    return np.stack(shifts, axis=-1) / (2.0 * _STEP_MM)
-
-
-def _warmed(model: UnitModel, thermal: State, pose: FloatArray, slip: float) -> FloatArray:
-    """Return the shift (2 n,) px of the visible markers by one kelvin, with the rest image unchanged."""
-    moved = model.marker_twin.evaluate(pose, slip, model.posterior.mean["thickness"], None).positions
-    distance = thermal["holder_per_k"] * model.posterior.nominal.distance
-    warm = model.posterior.camera(focal=thermal["focal_per_k"], distance=distance)
-    shift = warm.project(moved * (1.0 + thermal["skin_per_k"])) - model.camera.project(moved)
-    return np.asarray(shift[model.visible].reshape(-1), float)
 
 
 def _along(squares: FloatArray, poses: FloatArray) -> FloatArray:

@@ -24,10 +24,8 @@ from palpate.sensor import AcceptanceSpec, ReferenceSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.calibration import UncertaintyBudget
     from palpate.learn import Predictor, RecordedModel
     from palpate.sensor import GroundTruth, Sensor, Unit
-    from palpate.sensor.accept import Acceptance
     from palpate.surrogate import Twin
 
 
@@ -105,8 +103,11 @@ def accept(
             unit = built.unit()
             estimates, flagged, sensor = _read(known, open_model(model, unit.design.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted, report.reference)
-    inputs = {"design": "of the estimator" if sensor is None else _describe_design(sensor.unit)} | _hash(files)
-    certificate = Certificate(found, report.name, inputs, _budget(sensor, found) if sensor else None, study)
+    inputs = _hash(files)
+    if sensor is not None:
+        inputs["design"] = f"{sensor.unit.design.skin.name}, {len(sensor.unit.design.layout)} markers"
+    fitter = sensor.estimator.twin_fit if sensor else None
+    certificate = Certificate(found, report.name, inputs, found.budget(fitter) if fitter else None, study)
     if report.out is not None:
         certificate.write(report.out)
         print(f"Certificate: {report.out / 'accept.pdf'}", file=sys.stderr)
@@ -114,12 +115,8 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _describe_design(unit: Unit) -> str:
-    return f"{unit.design.skin.name}, {len(unit.design.layout)} markers"
-
-
 def _hash(files: dict[str, list[Path | None]]) -> dict[str, str]:
-    """Describe files by name and the SHA-256 hash of their contents, one after the other."""
+    """Describe files by name and the SHA-256 hash of their concatenated contents."""
     import hashlib
 
     found = {}
@@ -131,22 +128,6 @@ def _hash(files: dict[str, list[Path | None]]) -> dict[str, str]:
             label = given[0].name if len(given) == 1 else f"{len(given)} files"
             found[name] = f"{label}, SHA-256 {digest.hexdigest()}" if given[0].is_file() else f"{label}, a folder"
     return found
-
-
-def _budget(sensor: Sensor, found: Acceptance) -> UncertaintyBudget | None:
-    """Compute the budget of a sensor with a twin, over the range of its test."""
-    from palpate.calibration import AccuracySpec, UncertaintyBudget
-
-    fitter = sensor.estimator.twin_fit
-    if fitter is None:
-        return None
-    spec = AccuracySpec(
-        min_depth=found.spec.min_depth,
-        max_tilt_deg=found.max_tilt_deg,
-        noise_px=fitter.noise_px,
-        seed=found.spec.seed,
-    )
-    return UncertaintyBudget.of_unit(fitter.model, fitter.mounting, spec, found.reference.thermal)
 
 
 def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray, Sensor]:

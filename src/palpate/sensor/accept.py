@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.calibration import AccuracySpec, PoseFitter, UncertaintyBudget
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, provenance
 from palpate.sensor.depth_zero import DepthZero, find_depth_zero
 from palpate.sensor.gauge_study import ANGLES, GaugeStudy, study_repeatability
@@ -16,7 +17,7 @@ from palpate.sensor.score import Score, score_errors, score_readings
 from palpate.sensor.spec import AcceptanceSpec
 
 PROVEN, OPEN, REFUTED = "conformity proven", "not decided", "non-conformity proven"
-"""Decisions after ISO 14253-1: the figure is in, about or beyond its tolerance by its expanded uncertainty."""
+"""Decisions after ISO 14253-1, with the expanded uncertainty of a figure as guard band on both sides."""
 _DOUBT = 0.05
 """Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count.
 By hand."""
@@ -91,6 +92,16 @@ class Acceptance:
         """Return errors (n, 3) of rx, ry, total angle (degrees) and presses (n,), of images with a pose."""
         read = np.isfinite(self.estimates).all(axis=1)
         return _angle_errors(self.truth[read], self.estimates[read]), self.press[read]
+
+    def budget(self, fitter: PoseFitter) -> UncertaintyBudget:
+        """Compute the uncertainty budget of a unit that is read by its twin, over the range of the test."""
+        spec = AccuracySpec(
+            min_depth=self.spec.min_depth,
+            max_tilt_deg=self.max_tilt_deg,
+            noise_px=fitter.noise_px,
+            seed=self.spec.seed,
+        )
+        return UncertaintyBudget.of_unit(fitter.model, fitter.mounting, spec, self.reference.thermal)
 
     def repeatability(self) -> GaugeStudy | None:
         """Return the variances of the errors within and between presses; `None` without repeated images."""
@@ -198,7 +209,7 @@ def _angle_errors(truth: FloatArray, read: FloatArray) -> FloatArray:
 def _check(
     scores: tuple[Score, ...], spec: AcceptanceSpec, reference: tuple[float, ...], without: float
 ) -> list[AcceptanceCheck]:
-    """Compare figures with tolerances; `reference` are the standard uncertainties of rx or ry, total, and depth."""
+    """Compare figures with tolerances; `reference`: standard uncertainties of axis, total angle, depth."""
     checks = []
 
     def add(

@@ -1,9 +1,10 @@
-"""Certificate of an acceptance test: figures, decisions, uncertainty of a reading, inputs, limits of validity."""
+"""Certificate of an acceptance test: decisions, uncertainty of a reading, inputs, limits of validity."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from palpate.core import wrap_write_errors
 from palpate.core.report import Report
 from palpate.design import wall_normal
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
-from palpate.sensor.draw_certificate import Page, draw_errors, save_pages
+from palpate.sensor.draw_certificate import write_pages
 from palpate.sensor.gauge_study import ANGLES, GaugeStudy
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3
@@ -22,6 +23,11 @@ from palpate.sensor.score import PAPER_TABLE_3
 _SEATING = "seating, tilt"
 """Line of the budget that a gauge study with remounting replaces."""
 _CHECKS = ("figure", "value", "U (k = 2)", "tolerance", "decision")
+_FIELDS = (
+    "Certificate number, date and place of the test",
+    "Tested by (name, signature)",
+    "Approved by (name, signature)",
+)
 _PAPER = "the paper's RMSE / MAE / max / SD"
 
 
@@ -58,7 +64,7 @@ class Certificate:
     def reading_budget(self) -> UncertaintyBudget:
         """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
 
-        The recorded errors are a sample of the combined error. Only their excess over the other lines is added, so
+        The recorded errors are a sample of the combined error. Only their excess over these lines is added, so
         that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating.
         """
         errors, press = self.found.angle_errors()
@@ -71,7 +77,7 @@ class Certificate:
             budget = budget.with_line(line, sd, min(part.dof for part in parts), without=_SEATING)
         excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
         if excess.any():
-            name = "recorded errors" + (" beyond the other lines" if budget.components else "")
+            name = "recorded errors" + (" beyond these lines" if budget.components else "")
             budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
         return budget
 
@@ -106,21 +112,23 @@ class Certificate:
             lines.append("Operators, days and remounting: there is no gauge study; seating has its tolerance only.")
         elif self.study.absent:
             lines.append(f"Components that the gauge study does not determine: {', '.join(self.study.absent)}.")
-        if self.budget is None:
-            lines.append("Type B evaluation of the unit: its estimator is not a twin.")
+        lines.append(
+            "Type B evaluation of the unit: its estimator is not a twin."
+            if self.budget is None
+            else "Errors of the twin other than those of simulated units, unless the recorded errors show them."
+        )
         return lines
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
         budget, repeated = self.reading_budget(), self.found.repeatability()
-        figures = zip(ANGLES, budget.combined_deg, budget.dof, budget.factor, budget.expanded_deg, strict=True)
-        names = ("combined_deg", "dof", "factor", "expanded_deg")
+        stated = {name: getattr(budget, name) for name in ("combined_deg", "dof", "factor", "expanded_deg")}
         return {
             "unit": self.title,
             **self.found.as_dict(),
             "inputs": dict(self.inputs),
             "uncertainty": {
-                **{name: dict(zip(names, map(float, each), strict=True)) for name, *each in figures},
+                **{name: dict(zip(ANGLES, each.tolist(), strict=True)) for name, each in stated.items()},
                 "normal_deg": budget.normal_deg,
                 "largest_standard_deg": budget.largest_deg,
                 "lines": [line.as_dict() for line in budget.components],
@@ -130,53 +138,59 @@ class Certificate:
             "not_covered": self.not_covered(),
         }
 
-    def page(self) -> list[str | Report]:
-        """Return the report: verdict, decisions, errors next to those of the paper's sensor, uncertainty."""
+    def page(self, *signatures: str) -> list[str | Report]:
+        """Return the report: result, inputs, method, uncertainty of a reading, signatures, budget and limits."""
+        found, budget = self.found, self.reading_budget()
         table = []
-        for score in self.found.scores:
+        for score in found.scores:
             errors, paper = score.errors, PAPER_TABLE_3.get(score.component)
             figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
             of_paper = (paper.rmse, paper.mae, paper.max, paper.sd) if paper else ()
             values = [f"{value:.3f}" for value in figures]
             table.append((f"{score.component} {score.unit}", *values, " / ".join(f"{each:.2f}" for each in of_paper)))
-        budget = self.reading_budget()
+        guard = "U is the guard band" if found.spec.guard else "Simple acceptance: the guard band is 0"
         study: list[str | Report] = []
         if self.study:
-            study = ["## Gauge study", self.study.report(self.found.spec.max_deg)]
+            title = f"## Gauge study of {self.study.readings} readings, against ± {found.spec.max_deg:g}°"
+            study = [title, self.study.report(found.spec.max_deg)]
         return [
             f"# Acceptance: {self.title}",
             f"**{self.verdict}**",
-            Report.of("", _CHECKS, map(_row, self.found.checks)),
-            self._rule(),
+            Report.of("", _CHECKS, map(_row, found.checks)),
+            f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "
+            "that of the reference and, for an RMSE, of the sampled presses (bootstrap by press).",
             Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
-            *self._basis(),
-            "## Uncertainty of a reading",
-            _expanded(budget),
-            self._quoted(budget),
-            budget.report(),
-            *study,
-            "## Not covered",
-            "\n".join(f"* {line}" for line in self.not_covered()),
             "## Inputs",
             "\n".join(f"* {name}: {text}" for name, text in self.inputs.items()) or "* not stated",
             provenance_line(),
+            "## Method, reference and environment",
+            *self._basis(),
+            "## Uncertainty of a reading in use (GUM, JCGM 100)",
+            _expanded(budget),
+            self._quoted(budget),
+            *signatures,
+            "## Uncertainty budget",
+            budget.report(),
+            "u(x) is the standard uncertainty of the quantity; c is the RMS sensitivity of the total angle over the "
+            "range, by the twin. A line without u(x) combines several quantities.",
+            *study,
+            "## Not covered",
+            "\n".join(f"* {line}" for line in self.not_covered()),
         ]
 
-    def _rule(self) -> str:
-        guard = "The guard band is U" if self.found.spec.guard else "Simple acceptance: the guard band is 0"
-        return (
-            f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "
-            "that of the reference and, for an RMSE, of the sampled presses (bootstrap by press)."
-        )
-
     def _basis(self) -> list[str]:
-        """Return sentences on the data and the reference."""
-        found = self.found
+        """Return sentences on method, reference and data."""
+        found, stated = self.found, self.found.reference.temperature_c
+        temperature = "not stated" if stated is None else f"{stated:g} °C"
         lines = [
+            "Images of presses on a flat wall at reference angles were read by the estimator among the inputs. The "
+            "error is the reading minus the reference; the total angle is √(rx² + ry²).",
             f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep "
             f"or more, up to {found.max_tilt_deg:.1f}°; {found.left_out} images left out; {found.flagged} of the "
             "evaluated readings are flagged.",
-            f"Reference. {found.reference.describe(found.max_tilt_deg)}",
+            f"Reference: {found.reference.describe(found.max_tilt_deg)}",
+            f"Temperature: {temperature}; its change since the rest image is within ± "
+            f"{found.reference.temperature_change:g} K.",
         ]
         if found.zero:
             lines.append(
@@ -193,11 +207,11 @@ class Certificate:
     def _quoted(self, budget: UncertaintyBudget) -> str:
         u, k = float(budget.combined_deg[-1]), float(budget.factor[-1])
         return (
-            f"Quoted for a reading in use: the total angle ± {k * u:.3f}°, with a coverage of 95.45 % over the range "
-            f"(worst pose ± {k * budget.largest_deg:.3f}°), because it is the misalignment of the wall. The direction "
-            f"of the wall normal is within {budget.normal_deg:.3f}° with the same coverage; 2 SD of a two-dimensional error "
-            f"contain only 86 %. This radius also holds for total angles below {3.0 * u:.2f}° (3 u), which are not "
-            "normally distributed (Rice)."
+            f"Quoted for a reading in use: the total angle ± {k * u:.3f}° (worst pose ± {k * budget.largest_deg:.3f}"
+            "°), with a coverage of 95.45 % over the range, because it is the misalignment of the wall. The "
+            f"direction of the wall normal is within {budget.normal_deg:.3f}° with the same coverage; 2 SD of a "
+            f"two-dimensional error contain only 86 %. This radius also holds for total angles below {3.0 * u:.2f}° "
+            "(3 u), which are not normally distributed (Rice)."
         )
 
     def write(self, folder: Path) -> None:
@@ -209,52 +223,14 @@ class Certificate:
             If they cannot be written.
         """
         write_report(folder, "accept", self.as_dict(), self.page())
+        errors = self.found.estimates - self.found.truth
+        known = errors[:, : 2 + np.isfinite(errors[:, 2]).any()]
+        signed = [
+            f"## Signatures; issued {datetime.now(UTC):%Y-%m-%d} (UTC)",
+            *(f"{each}: {'_' * len(_FIELDS[0])}" for each in _FIELDS),
+        ]
         with wrap_write_errors(folder, "Choose another folder."):
-            save_pages(folder / "accept.pdf", self._draw())
-
-    def _draw(self) -> list[Page]:
-        """Draw two pages of A4."""
-        found, budget = self.found, self.reading_budget()
-        first = Page(f"Certificate of acceptance: {self.title}")
-        first.paragraph(f"Result: {self.verdict}", bold=True)
-        first.heading("Unit and inputs")
-        for name, text in self.inputs.items() or {"inputs": "not stated"}.items():
-            first.paragraph(f"{name}: {text}")
-        first.heading("Method, range and environment")
-        temperature = found.reference.temperature_c
-        stated = "not stated" if temperature is None else f"{temperature:g} °C"
-        first.paragraph(
-            "Images of presses on a flat wall at reference angles were read by the estimator named above. The error "
-            "is the reading minus the reference. The total angle is θ = √(rx² + ry²)."
-        )
-        for line in self._basis():
-            first.paragraph(line)
-        first.paragraph(
-            f"Temperature: {stated}; change since the rest image within ± {found.reference.temperature_change:g} K."
-        )
-        first.heading("Results and decisions")
-        first.table(Report.of("", _CHECKS, map(_row, found.checks)), (3, 2, 2, 2, 3))
-        first.paragraph(self._rule())
-        first.heading("Uncertainty of a reading in use (GUM, JCGM 100)")
-        first.table(_expanded(budget), (3, 2, 2, 2, 2))
-        first.paragraph(self._quoted(budget))
-        first.signatures(("Certificate number", "Date and place of the test", "Tested by", "Approved by"))
-        second = Page(f"Uncertainty budget: {self.title}")
-        second.table(budget.report(), (15, 2.2, 5, 4.5, 4.5, 4, 4, 4.5, 1.5))
-        second.paragraph(
-            "u(x): standard uncertainty of the quantity. c: RMS sensitivity of the total angle over the range, by "
-            "the twin. Lines without u(x) combine several quantities. ν: degrees of freedom."
-        )
-        if self.study:
-            second.heading(f"Gauge study of {self.study.readings} readings, against ± {found.spec.max_deg:g}°")
-            second.table(self.study.report(found.spec.max_deg), (3, 4, 4, 4))
-        second.heading("Not covered")
-        for line in self.not_covered():
-            second.paragraph(f"• {line}")
-        second.heading("Errors of the recorded images")
-        errors = found.estimates - found.truth
-        draw_errors(second, found.truth, errors[:, : 2 + np.isfinite(errors[:, 2]).any()])
-        return [first, second]
+            write_pages(folder / "accept.pdf", self.page(*signed), self.found.truth, known)
 
 
 def _expanded(budget: UncertaintyBudget) -> Report:

@@ -118,7 +118,7 @@ class GaugeStudy:
         return VarianceComponent("reproducibility", total, 0.0, 0.0, total**2 / rest if rest else np.inf)
 
     def report(self, tolerance_deg: float) -> Report:
-        """Return a table of SDs with intervals, and of 6 SD over the width of a tolerance ± `tolerance_deg`."""
+        """Return a table of SDs, and of 6 SD over the width of a tolerance ± `tolerance_deg`."""
         rows = []
         for at, each in enumerate(next(iter(self.components.values()))):
             cells = []
@@ -128,10 +128,11 @@ class GaugeStudy:
                 cells.append(f"{sd:.3f} ({low:.3f} to {high:.3f}){share}")
             rows.append((each.term, *cells))
         note = (
-            "The effect of operator, day and mounting on the total angle depends on the direction of the slope; it is "
-            "then in the interaction and in the repeatability of the total angle."
+            "SD in degrees, its 95 % interval, and 6 SD over the width of the tolerance. The effect of operator, day "
+            "and mounting on the total angle depends on the direction of the slope. It is thus in the interaction "
+            "and in the repeatability of the total angle."
         )
-        return Report.of("", ("SD ° (95 % interval); 6 SD over tolerance", *self.components), rows, note)
+        return Report.of("", ("component", *self.components), rows, note)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""

@@ -1,4 +1,4 @@
-"""Reference standard of the angles in an acceptance test: a sine plate, with its uncertainty, and the environment.
+"""Reference standard of the angles in an acceptance test, its uncertainty, and the environment.
 
 A sine plate with rollers at a distance L on a stack of gauge blocks of height h has the angle sin α = h / L, hence
 
@@ -95,7 +95,7 @@ class ReferenceSpec(Spec):
         return State.from_mapping({"change_k": self.temperature_change} | values)
 
     def tilt_sd_deg(self, tilt_deg: float) -> FloatArray:
-        """Return the standard uncertainties (2,) degrees at a tilt (degrees): of rx or ry, and of the total angle."""
+        """Return the standard uncertainties (2,) degrees of one axis and of the total angle, at a tilt."""
         tilt, length = np.radians(tilt_deg), self.roller_distance
         height = np.hypot(self.block_limit, np.sqrt(2.0) * self.flatness_limit) / (length * np.cos(tilt))
         parts = np.degrees([height, np.tan(tilt) * self.roller_limit / length]).tolist()
