@@ -184,7 +184,7 @@ def study_repeatability(
     dof = np.array([each.shape[1] for each in bases] + [count - found.shape[1]], float)
     if dof[-1] < 1:
         raise PalpateError(
-            "No reading is repeated under the same conditions.",
+            f"None of the {count} readings is repeated under the same conditions.",
             "Read each part at least twice by the same operator, on the same day and mounting.",
             code="gauge-no-repetition",
         )
