@@ -10,7 +10,7 @@ import numpy as np
 from palpate.calibration import AccuracySpec, PoseFitter, UncertaintyBudget
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, provenance
 from palpate.sensor.depth_zero import DepthZero, find_depth_zero
-from palpate.sensor.gauge_study import ANGLES, GaugeStudy, study_repeatability
+from palpate.sensor.gauge_study import ANGLES
 from palpate.sensor.recording import GroundTruth
 from palpate.sensor.reference_standard import ReferenceSpec
 from palpate.sensor.score import Score, score_errors, score_readings
@@ -103,12 +103,21 @@ class Acceptance:
         )
         return UncertaintyBudget.of_unit(fitter.model, fitter.mounting, spec, self.reference.thermal)
 
-    def repeatability(self) -> GaugeStudy | None:
-        """Return the variances of the errors within and between presses; `None` without repeated images."""
+    def repeatability_deg(self) -> tuple[float, float] | None:
+        """Return SDs of the error of the total angle within and between presses; `None` without repetition.
+
+        They are those of the one-way random-effects model (Searle, Casella & McCulloch, *Variance Components*, 1992).
+        """
         errors, press = self.angle_errors()
-        if len(errors) == len(np.unique(press)):
+        _, which, counts = np.unique(press, return_inverse=True, return_counts=True)
+        error, images, presses = errors[:, -1], len(errors), len(counts)
+        if not 1 < presses < images:
             return None
-        return study_repeatability(dict(zip(ANGLES, errors.T, strict=True)), {"part": press})
+        means = np.bincount(which, error) / counts
+        within = float(np.sum((error - means[which]) ** 2)) / (images - presses)
+        squares = float(counts @ (means - error.mean()) ** 2) / (presses - 1)
+        each = (images - counts @ counts / images) / (presses - 1)
+        return float(np.sqrt(within)), float(np.sqrt(max((squares - within) / float(each), 0.0)))
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""

@@ -72,9 +72,9 @@ class Certificate:
         if self.study is not None:
             parts = [self.study.reproducibility(name) for name in ANGLES[:2]]
             axes = np.array([part.variance for part in parts])
-            sd = np.sqrt(np.append(axes, axes.mean()))
-            line = "operator, day and mounting: gauge study"
-            budget = budget.with_line(line, sd, min(part.dof for part in parts), without=_SEATING)
+            line, sd = "operator, day and mounting: gauge study", np.sqrt(np.append(axes, axes.mean()))
+            replaced = "" if "mounting" in self.study.absent else _SEATING
+            budget = budget.with_line(line, sd, min(part.dof for part in parts), without=replaced)
         excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")
@@ -82,22 +82,22 @@ class Certificate:
         return budget
 
     def _recorded_radius(self) -> float:
-        """Return the 95 % quantile of the recorded angles between estimated and true normal, degrees."""
+        """Return the 95.45 % quantile of the recorded angles between estimated and true normal, degrees."""
         read = np.isfinite(self.found.estimates).all(axis=1)
         true, estimated = (
             np.array([wall_normal(*np.radians(pose[:2])) for pose in each[read]])
             for each in (self.found.truth, self.found.estimates)
         )
         apart = np.degrees(np.linalg.norm(np.cross(true, estimated), axis=1))
-        return float(np.quantile(apart, 0.95))
+        return float(np.quantile(apart, 0.9545))
 
     def not_covered(self) -> list[str]:
         """Return the conditions that the certificate does not cover."""
-        found, depth = self.found, self.found.truth[:, 2]
-        change = found.reference.temperature_change
+        found, change = self.found, self.found.reference.temperature_change
+        low, high = np.nanmin(found.truth[:, 2]), np.nanmax(found.truth[:, 2])
         lines = [
-            f"Total angles above {found.max_tilt_deg:.1f}°; depths outside {depth.min():.1f} to {depth.max():.1f} "
-            "mm; obstacles other than a flat, rigid wall.",
+            f"Total angles above {found.max_tilt_deg:.1f}°; depths outside {low:.1f} to {high:.1f} mm; obstacles "
+            "other than a flat, rigid wall.",
             "Other images than those recorded, for the maximum errors: these are no bounds.",
             "Forces and friction.",
             "Ageing, wear, relaxation and contamination of the skin; no calibration interval is stated.",
@@ -121,7 +121,7 @@ class Certificate:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
-        budget, repeated = self.reading_budget(), self.found.repeatability()
+        budget = self.reading_budget()
         stated = {name: getattr(budget, name) for name in ("combined_deg", "dof", "factor", "expanded_deg")}
         return {
             "unit": self.title,
@@ -133,7 +133,7 @@ class Certificate:
                 "largest_standard_deg": budget.largest_deg,
                 "lines": [line.as_dict() for line in budget.components],
             },
-            "repeatability": repeated.as_dict() if repeated else None,
+            "repeatability_deg": self.found.repeatability_deg(),
             "gauge_study": self.study.as_dict() if self.study else None,
             "not_covered": self.not_covered(),
         }
@@ -197,10 +197,8 @@ class Certificate:
                 f"The depth zero is at {found.zero.offset:.3f} mm on the robot's scale, by {found.zero.images} "
                 "images of the first press, which is not evaluated."
             )
-        if repeated := found.repeatability():
-            within, between = (
-                np.sqrt(max(repeated.component(ANGLES[-1], term).variance, 0.0)) for term in ("repeatability", "part")
-            )
+        if repeated := found.repeatability_deg():
+            within, between = repeated
             lines.append(f"Errors of the total angle: SD {within:.3f}° within and {between:.3f}° between presses.")
         return lines
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,6 +55,16 @@ def test_the_total_angle_is_tested_with_rx_and_ry():
     assert {"total angle RMSE", "total angle maximum error"} <= {check.what for check in found.checks}
 
 
+def test_repeatability_within_and_between_presses_is_that_of_the_general_study():
+    found = accepted(error=0.3)
+    errors, press = found.angle_errors()
+    kept = np.arange(len(press)) % 7 > 0  # presses of different numbers of images
+    found = replace(found, press=press[kept], truth=found.truth[kept], estimates=found.estimates[kept])
+    study = study_repeatability({"total angle": errors[kept, 2]}, {"part": press[kept]})
+    variances = [study.component("total angle", term).variance for term in ("repeatability", "part")]
+    assert found.repeatability_deg() == pytest.approx(np.sqrt(np.maximum(variances, 0.0)))
+
+
 def test_a_sine_plate_has_the_uncertainty_of_drawn_plates():
     """The closed formula against 20 000 plates with uniform errors of all lengths."""
     spec, tilt, rng = ReferenceSpec(seat_limit_deg=0.0, direction_limit_deg=0.5), 25.0, np.random.default_rng(0)
@@ -92,6 +103,9 @@ def test_a_gauge_study_replaces_the_tolerance_of_the_seating():
     )
     found = Certificate(accepted(error=0.02), "u", budget=budget(), study=study).reading_budget()
     assert [line.name.split(":")[0] for line in found.components] == ["operator, day and mounting"]
+    fixed = study_repeatability(values, {"part": part})
+    seated = Certificate(accepted(error=0.02), "u", budget=budget(), study=fixed).reading_budget()
+    assert "seating, tilt" in [line.name for line in seated.components]
     assert found.combined_deg == pytest.approx(np.full(3, np.sqrt(np.mean(shifts.var(axis=0, ddof=1)))), rel=0.15)
 
 
