@@ -119,12 +119,13 @@ class UncertaintyBudget:
     @property
     def combined_deg(self) -> FloatArray:
         """(3,) combined standard uncertainties of rx, ry and total angle, degrees."""
-        return np.sqrt(sum(line.contribution_deg**2 for line in self.components))
+        squares = (line.contribution_deg**2 for line in self.components)
+        return np.asarray(np.sqrt(sum(squares, np.zeros(len(_MEASURANDS)))), float)
 
     @property
     def dof(self) -> FloatArray:
         """(3,) effective degrees of freedom by Welch and Satterthwaite (GUM, eq. G.2b)."""
-        rest = sum(line.contribution_deg**4 / line.dof for line in self.components)
+        rest = sum((line.contribution_deg**4 / line.dof for line in self.components), np.zeros(len(_MEASURANDS)))
         return np.divide(self.combined_deg**4, rest, out=np.full(len(_MEASURANDS), np.inf), where=rest > 0)
 
     @property
@@ -213,17 +214,18 @@ class UncertaintyBudget:
         return cls(_sorted(lines), float(np.sqrt(_along(whole, poses).max())), _radius(whole, spec))
 
     def with_line(
-        self, name: str, contribution_deg: FloatArray, dof: float, *, without: str = ""
+        self, name: str, contribution_deg: FloatArray, dof: float = np.inf, *, kind: str = "A", without: str = ""
     ) -> UncertaintyBudget:
-        """Return the budget with a line of type A, which increases all figures in proportion.
+        """Return the budget with a line (3,) of a type, which increases all figures in proportion.
 
         `without` is the name of a line that it replaces.
         """
         kept = [line for line in self.components if line.name != without]
         sd = float(contribution_deg[-1])
-        kept.append(UncertaintyComponent(name, "A", _NORMAL, "°", sd or None, contribution_deg, dof))
+        kept.append(UncertaintyComponent(name, kind, _NORMAL, "°", sd or None, contribution_deg, dof))
         found = replace(self, components=_sorted(kept))
-        ratio = float(found.combined_deg[-1] / self.combined_deg[-1]) if self.components else 1.0
+        before = float(self.combined_deg[-1])
+        ratio = float(found.combined_deg[-1]) / before if before else 1.0
         return replace(found, largest_deg=ratio * self.largest_deg, normal_deg=ratio * self.normal_deg)
 
     def report(self) -> Report:

@@ -65,7 +65,8 @@ class Certificate:
         """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
 
         The recorded errors are a sample of the combined error. Only their excess over these lines is added, so
-        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating.
+        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating. Without a
+        twin, the recorded errors and the reference are the only lines.
         """
         errors, press = self.found.angle_errors()
         budget = self.budget or UncertaintyBudget((), float(np.abs(errors[:, -1]).max()), self._recorded_radius())
@@ -79,6 +80,9 @@ class Certificate:
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")
             budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
+        if self.budget is None:
+            axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
+            budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
         return budget
 
     def _recorded_radius(self) -> float:
@@ -126,7 +130,7 @@ class Certificate:
         return {
             "unit": self.title,
             **self.found.as_dict(),
-            "inputs": dict(self.inputs),
+            "files": dict(self.inputs),
             "uncertainty": {
                 **{name: dict(zip(ANGLES, each.tolist(), strict=True)) for name, each in stated.items()},
                 "normal_deg": budget.normal_deg,

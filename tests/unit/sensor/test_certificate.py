@@ -88,7 +88,10 @@ def test_recorded_errors_count_once():
     assert large.combined_deg == pytest.approx(np.sqrt(np.mean(errors**2, axis=0)))
     assert (large.factor > 2.0).all()
     alone = Certificate(found, "u").reading_budget()
-    assert [line.kind for line in alone.components] == ["A"]
+    assert [line.name for line in alone.components] == ["recorded errors", "reference standard"]
+    exact = accepted(error=0.0)
+    axis, total = exact.reference.tilt_sd_deg(exact.max_tilt_deg)
+    assert Certificate(exact, "u").reading_budget().combined_deg == pytest.approx([axis, axis, total])
 
 
 def test_a_gauge_study_replaces_the_tolerance_of_the_seating():
@@ -114,7 +117,7 @@ def test_the_certificate_lists_its_inputs_and_limits(tmp_path):
     Certificate(accepted(reference=plate), "unit 7", {"estimator": "a.h5"}, budget()).write(tmp_path)
     data = json.loads((tmp_path / "accept.json").read_text())
     assert data["reference"]["reference"] == "plate 7"
-    assert data["inputs"] == {"estimator": "a.h5"}
+    assert data["files"] == {"estimator": "a.h5"}
     assert set(data["uncertainty"]["expanded_deg"]) == {"rx", "ry", "total angle"}
     bare = Certificate(accepted(), "unit 7").not_covered()
     assert len(bare) == len(data["not_covered"]) + 2
