@@ -56,24 +56,10 @@ _WALL = "lateral motion and curvature of the wall"
 
 
 class UncertaintyComponent(NamedTuple):
-    """One line of a budget.
+    """One line of a budget: a quantity, and the type of its evaluation (``A`` or ``B``).
 
-    Attributes
-    ----------
-    name
-        Quantity.
-    kind
-        Evaluation, ``A`` or ``B``.
-    distribution
-        Assumed distribution.
-    unit
-        Unit of `standard`.
-    standard
-        Standard uncertainty of the quantity; `None` for several quantities of different units.
-    contribution_deg
-        (3,) standard uncertainties of rx, ry and total angle by it, degrees.
-    dof
-        Degrees of freedom.
+    `standard` is the standard uncertainty of the quantity in its `unit`; `None` for several quantities of different
+    units. `contribution_deg` (3,) are the standard uncertainties of rx, ry and total angle by it.
     """
 
     name: str

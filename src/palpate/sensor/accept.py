@@ -94,10 +94,13 @@ class Acceptance:
         return _angle_errors(self.truth[read], self.estimates[read]), self.press[read]
 
     def budget(self, fitter: PoseFitter) -> UncertaintyBudget:
-        """Compute the uncertainty budget of a unit that is read by its twin, over the range of the test."""
+        """Compute the uncertainty budget of a unit that is read by its twin, over the range of the test.
+
+        The range is at least 1°, because a total angle of zero has no direction.
+        """
         spec = AccuracySpec(
             min_depth=self.spec.min_depth,
-            max_tilt_deg=self.max_tilt_deg,
+            max_tilt_deg=max(self.max_tilt_deg, 1.0),
             noise_px=fitter.noise_px,
             seed=self.spec.seed,
         )

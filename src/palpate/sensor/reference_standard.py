@@ -17,6 +17,9 @@ from palpate.core import FloatArray, Spec, parameter
 from palpate.core.state import State
 
 _ASSUMED = "assumed; give the value of its certificate"
+_BARREL = "assumed for a plastic barrel; drift of such cameras: Elias et al. 2020, doi 10.3390/s20030643"
+_PDMS = "PDMS 247e-6: doi 10.1016/j.polymertesting.2020.106670"
+_ENTROPY = "entropic elasticity, modulus proportional to temperature: 1/293 K"
 _SD = 3.0**-0.5
 """Standard deviation of a uniform distribution over its half-width."""
 
@@ -28,27 +31,15 @@ class ReferenceSpec(Spec):
     roller_distance: float = parameter(
         100.0, unit="mm", meaning="distance of the sine plate's rollers", gt=0, le=1000
     )
-    roller_limit: float = parameter(
-        0.003, unit="mm", meaning="limit of its error", source=_ASSUMED, flag="roller-limit", ge=0, le=1
-    )
-    block_limit: float = parameter(
-        0.001, unit="mm", meaning="limit of the error of the stack of gauge blocks", source=_ASSUMED, ge=0, le=1
-    )
-    flatness_limit: float = parameter(
-        0.002, unit="mm", meaning="limit of the flatness error of either plate", source=_ASSUMED, ge=0, le=1
-    )
-    seat_limit_deg: float = parameter(
-        0.01, unit="deg", meaning="limit of the tilt of the sensor's base at zero", source=_ASSUMED, ge=0, le=5
-    )
+    roller_limit: float = parameter(0.003, unit="mm", meaning="limit of its error", source=_ASSUMED, ge=0, le=1)
+    block_limit: float = parameter(0.001, unit="mm", meaning="error of the gauge blocks", source=_ASSUMED, ge=0, le=1)
+    flatness_limit: float = parameter(0.002, unit="mm", meaning="flatness of a plate", source=_ASSUMED, ge=0, le=1)
+    seat_limit_deg: float = parameter(0.01, unit="deg", meaning="tilt of the base", source=_ASSUMED, ge=0, le=5)
     direction_limit_deg: float = parameter(
-        0.1, unit="deg", meaning="limit of the error of the slope's direction", source=_ASSUMED, ge=0, le=30
+        0.1, unit="deg", meaning="error of the slope's direction", source=_ASSUMED, ge=0, le=30
     )
     reference_tilt_deg: float = parameter(
-        0.0,
-        unit="deg",
-        meaning="standard uncertainty of the angle of another reference, such as a robot; 0: sine plate",
-        ge=0,
-        le=5,
+        0.0, unit="deg", meaning="standard uncertainty of another reference, such as a robot; 0: plate", ge=0, le=5
     )
     reference_depth: float = parameter(
         0.02, unit="mm", meaning="standard uncertainty of the reference's depth", source=_ASSUMED, ge=0, le=5
@@ -60,31 +51,14 @@ class ReferenceSpec(Spec):
         2.0, unit="K", meaning="half-width of the temperature's change since the rest image", ge=0, le=50
     )
     focal_per_k: float = parameter(
-        1e-4,
-        unit="1/K",
-        meaning="relative change of the camera's image distance",
-        source="assumed for a plastic barrel; drift of such cameras: Elias et al. 2020, doi 10.3390/s20030643",
-        ge=0,
-        le=0.01,
+        1e-4, unit="1/K", meaning="change of the camera's image distance", source=_BARREL, ge=0, le=0.01
     )
     holder_per_k: float = parameter(
         7e-5, unit="1/K", meaning="expansion of the camera's holder", source="PLA: data sheets 68e-6", ge=0, le=0.01
     )
-    skin_per_k: float = parameter(
-        2.5e-4,
-        unit="1/K",
-        meaning="linear expansion of the skin, as if it were free",
-        source="PDMS 247e-6: doi 10.1016/j.polymertesting.2020.106670",
-        ge=0,
-        le=0.01,
-    )
+    skin_per_k: float = parameter(2.5e-4, unit="1/K", meaning="expansion of the skin", source=_PDMS, ge=0, le=0.01)
     modulus_per_k: float = parameter(
-        0.0034,
-        unit="1/K",
-        meaning="relative change of the skin's modulus; no effect on angles",
-        source="entropic elasticity, modulus proportional to temperature: 1/293 K",
-        ge=0,
-        le=0.1,
+        0.0034, unit="1/K", meaning="change of the skin's modulus; no effect on angles", source=_ENTROPY, ge=0, le=0.1
     )
 
     @property
