@@ -108,6 +108,10 @@ class Certificate:
             "Motion of the contact during an exposure; other light; other settings of the camera.",
             f"Temperatures that differ by more than {change:g} K from that of the rest image.",
         ]
+        if len(np.unique(found.press)) == 1:
+            lines.append(
+                "The sample of presses: the test has a single press, so U of an RMSE is that of the reference."
+            )
         if not found.reference.reference:
             lines.append("Traceability: no reference standard is stated, and its uncertainty is assumed.")
         if found.reference.temperature_c is None:
