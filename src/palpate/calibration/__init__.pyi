@@ -20,10 +20,10 @@ from palpate.calibration.next_press import rank_next_presses
 from palpate.calibration.noise import NOISE_PX
 from palpate.calibration.pose_fit import CONTACT_STATE, FitState, PoseFit
 from palpate.calibration.predict_accuracy import AccuracySpec, PredictedAccuracy, predict_accuracy
-from palpate.calibration.predict_budget import predict_budget
 from palpate.calibration.ring_information import RingInformation, compute_ring_information
 from palpate.calibration.tolerance import ToleranceSpec
 from palpate.calibration.twin_error import ValidationPresses
+from palpate.calibration.uncertainty import UncertaintyBudget
 from palpate.calibration.unit_file import IdentifiedUnit, read_unit, write_unit
 from palpate.calibration.unit_model import UNIT_PARAMETERS, UnitModel, build_unit_model, infer_from_rest
 
@@ -49,6 +49,7 @@ __all__ = [
     "RobotUncertainty",
     "ScalarEstimate",
     "ToleranceSpec",
+    "UncertaintyBudget",
     "UnitModel",
     "ValidationPresses",
     "build_unit_model",
@@ -57,7 +58,6 @@ __all__ = [
     "identify",
     "infer_from_rest",
     "predict_accuracy",
-    "predict_budget",
     "predict_force",
     "prior_stiffness_scale",
     "rank_next_presses",

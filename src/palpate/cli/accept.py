@@ -19,13 +19,13 @@ from palpate.cli.unit import ModelFlags, UnitFlags, open_printing_scale
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.core.report import plain_page
 from palpate.design import TILT_SPACE
-from palpate.sensor import AcceptanceSpec
+from palpate.sensor import AcceptanceSpec, ReferenceSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from palpate.learn import Predictor, RecordedModel
-    from palpate.sensor import GroundTruth, Unit
+    from palpate.sensor import GroundTruth, Sensor, Unit
     from palpate.surrogate import Twin
 
 
@@ -34,7 +34,11 @@ _TRUTH = (
     "Images of the unloaded skin have the press 'rest'."
 )
 _READINGS = "Readings of these images by `palpate sensor live --out`; the images are then not evaluated again."
-_OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
+_OUT = "Folder for the certificate: accept.pdf, accept.md, accept.json."
+_STUDY = (
+    "Table of repeated readings for a gauge repeatability and reproducibility study: columns part, operator, day, "
+    "mounting, rx_deg, ry_deg. Only part and angles are required."
+)
 _NAME = "Name of the unit in the report."
 
 
@@ -51,9 +55,11 @@ class EstimatorFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ReportFlags:
-    """Name and folder of the report."""
+    """Name and folder of the certificate, reference standard and gauge study."""
 
     name: Annotated[str, Parameter(help=_NAME)] = "unit"
+    gauge_study: Annotated[Path | None, Parameter(help=_STUDY)] = None
+    reference: Annotated[ReferenceSpec, flags_of(ReferenceSpec, group="Reference and environment")] = ReferenceSpec()
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
 
 
@@ -68,14 +74,7 @@ def accept(
 ) -> int:
     """Test a unit's pose errors on presses of known angles against the tolerances."""
     from palpate.learn import is_recorded_model, read_model
-    from palpate.sensor import (
-        accept_unit,
-        acceptance_page,
-        open_model,
-        read_ground_truth,
-        read_readings,
-        write_acceptance,
-    )
+    from palpate.sensor import Certificate, GaugeStudy, accept_unit, open_model, read_ground_truth, read_readings
 
     if estimator.reads.model is not None and estimator.readings is not None:
         raise PalpateError(
@@ -84,26 +83,54 @@ def accept(
             code="options-exclusive",
         )
     check_folder(report.out)
-    known = read_ground_truth(truth, estimator.columns.mapping())
+    study = GaugeStudy.read(report.gauge_study) if report.gauge_study else None
+    files: dict[str, list[Path | None]] = {
+        "recording": [truth],
+        "gauge study": [report.gauge_study],
+        "lens": [built.lens],
+        "unit": [built.unit_file],
+    }
+    known, sensor = read_ground_truth(truth, estimator.columns.mapping()), None
     if estimator.readings is not None:
+        files["readings"] = [estimator.readings]
         estimates, flagged = read_readings(estimator.readings, known)
     else:
         known, model = known.locate(truth.parent), estimator.reads.find(built)
+        files |= {"estimator": [model], "images": [Path(name) for name in (*known.rest, *known.images)]}
         if is_recorded_model(model):
             estimates, flagged = _read_recorded(known, read_model(model))
         else:
             unit = built.unit()
-            estimates, flagged = _read(known, open_model(model, unit.design.skin), unit)
-    found = accept_unit(known, estimates, flagged, wanted)
+            estimates, flagged, sensor = _read(known, open_model(model, unit.design.skin), unit)
+    found = accept_unit(known, estimates, flagged, wanted, report.reference)
+    inputs = _hash(files)
+    if sensor is not None:
+        inputs["design"] = f"{sensor.unit.design.skin.name}, {len(sensor.unit.design.layout)} markers"
+    fitter = sensor.estimator.twin_fit if sensor else None
+    certificate = Certificate(found, report.name, inputs, found.budget(fitter) if fitter else None, study)
     if report.out is not None:
-        write_acceptance(report.out, found, report.name)
-        print(f"Report: {report.out / 'accept.pdf'}", file=sys.stderr)
-    page = acceptance_page(found, report.name)
-    output.show({"unit": report.name, **found.as_dict()}, *plain_page(page))
+        certificate.write(report.out)
+        print(f"Certificate: {report.out / 'accept.pdf'}", file=sys.stderr)
+    output.show(certificate.as_dict(), *plain_page(certificate.page()))
     return 0 if found.passed else OUTSIDE
 
 
-def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
+def _hash(files: dict[str, list[Path | None]]) -> dict[str, str]:
+    """Describe files by name and the SHA-256 hash of their concatenated contents."""
+    import hashlib
+
+    found = {}
+    for name, paths in files.items():
+        digest, given = hashlib.sha256(), [path for path in paths if path is not None]
+        for path in given:
+            digest.update(path.read_bytes() if path.is_file() else b"")
+        if given:
+            label = given[0].name if len(given) == 1 else f"{len(given)} files"
+            found[name] = f"{label}, SHA-256 {digest.hexdigest()}" if given[0].is_file() else f"{label}, a folder"
+    return found
+
+
+def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray, Sensor]:
     import numpy as np
 
     from palpate.sensor import check_model, run_sensor
@@ -112,7 +139,7 @@ def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[Floa
     sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, read_images(known.images)))
     poses = np.array([reading.pose for reading in found])
-    return poses, np.array([bool(reading.flags) for reading in found])
+    return poses, np.array([bool(reading.flags) for reading in found]), sensor
 
 
 def _read_recorded(known: GroundTruth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:

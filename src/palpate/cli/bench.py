@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,13 +31,6 @@ _OUT = "Folder for tables and presses. The same command resumes an interrupted r
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
 _BUDGET = (
     "Error of each deviation alone, instead of sampled units; computed without simulation if the model is a twin."
-)
-_PREDICTED = (
-    Column("imperfection", prose=True),
-    Column("tolerance"),
-    Column("unit"),
-    Column("alone_deg", "angle RMSE alone", meaning="RMSE of rx and ry by this imperfection alone"),
-    Column("saved_deg", "saved by its absence", meaning="decrease of the total RMSE, in squares"),
 )
 _SIMULATED = (
     Column("label", "imperfection", prose=True),
@@ -142,25 +135,18 @@ def _units(trials: VirtualBench, out: Path, output: Output) -> None:
 
 def _predicted(trials: VirtualBench, twin: Twin, out: Path, output: Output) -> None:
     """Write and print the error budget of units with a twin as estimator, computed without simulation."""
-    from palpate.calibration import IMPERFECTIONS, AccuracySpec, predict_budget
+    from palpate.calibration import AccuracySpec, UncertaintyBudget
 
-    spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
-    costs = predict_budget(twin, trials.design.layout, trials.design.camera, trials.spec.tolerance, spec)
-    units = {"all": "", "noise": "px", **{item.name: item.unit for item in IMPERFECTIONS}}
-    rows = [
-        (
-            cost.words,
-            f"{cost.tolerance:g}",
-            units[cost.name],
-            f"{cost.alone_deg:.4f}",
-            f"{cost.saved_deg:.4f}",
-        )
-        for cost in costs
-    ]
+    spec, design = (
+        AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed),
+        trials.design,
+    )
+    budget = UncertaintyBudget.of_design(twin, design.layout, design.camera, trials.spec.tolerance, spec)
+    found = budget.report()
     out.mkdir(parents=True, exist_ok=True)
-    write_csv(out / "budget.csv", rows, [column.name for column in _PREDICTED])
-    table = Report.of("error budget, predicted", _PREDICTED, rows, f"Table: {out / 'budget.csv'}")
-    output.show({"lines": [cost._asdict() for cost in costs]}, table)
+    write_csv(out / "budget.csv", [list(row.values()) for row in found.rows], [each.title for each in found.columns])
+    table = replace(found, title="error budget, predicted", notes=(f"Table: {out / 'budget.csv'}",))
+    output.show({"lines": [line.as_dict() for line in budget.components]}, table)
 
 
 def _budget(trials: VirtualBench, out: Path, output: Output) -> None:

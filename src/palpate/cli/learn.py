@@ -154,7 +154,7 @@ def _accept(out: Path, result: RecordingResult) -> None:
     import numpy as np
 
     from palpate.design import TILT_SPACE
-    from palpate.sensor import AcceptanceSpec, GroundTruth, accept_unit, write_acceptance
+    from palpate.sensor import AcceptanceSpec, Certificate, GroundTruth, accept_unit
 
     names = result.model.space.names
     if any(name not in names for name in TILT_SPACE.names):
@@ -169,7 +169,7 @@ def _accept(out: Path, result: RecordingResult) -> None:
     poses = seen.targets[judged][:, columns]
     truth = GroundTruth((), images, press, poses, np.full(len(poses), np.nan))
     accepted = accept_unit(truth, result.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
-    write_acceptance(out, accepted, f"{seen.recording.name}, test presses")
+    Certificate(accepted, f"{seen.recording.name}, test presses").write(out)
 
 
 def _print_line(text: str) -> None:

@@ -6,14 +6,15 @@ from palpate.sensor.alignment import (
     TOUCH_COLUMNS,
     Alignment,
     AlignmentOutcome,
-    Touch,
     describe_alignment,
     list_touches,
 )
 from palpate.sensor.broadcast import Broadcast
+from palpate.sensor.certificate import Certificate
 from palpate.sensor.depth_zero import DepthZero, find_depth_zero
 from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
+from palpate.sensor.gauge_study import GaugeStudy
 from palpate.sensor.identify_unit import identify_unit
 from palpate.sensor.inspect_unit import Inspection, inspect_unit
 from palpate.sensor.open_from_parameters import SensorLaunchSpec, open_from_parameters, parse_launch_spec
@@ -23,6 +24,7 @@ from palpate.sensor.read_source import SourceReader
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import GroundTruth, read_ground_truth, read_readings
 from palpate.sensor.reference_press import ReferencePress
+from palpate.sensor.reference_standard import ReferenceSpec
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.robot import Robot
 from palpate.sensor.robot_spec import AlignSpec
@@ -36,7 +38,6 @@ from palpate.sensor.spec import AcceptanceSpec, InspectionSpec, SensorSpec
 from palpate.sensor.tool import Tool
 from palpate.sensor.tool_offset import find_tool_offset
 from palpate.sensor.unit import Unit
-from palpate.sensor.write_acceptance import acceptance_page, write_acceptance
 from palpate.sensor.write_identification import write_identification
 from palpate.sensor.write_readings import describe_reading, write_readings
 
@@ -50,9 +51,11 @@ __all__ = [
     "Alignment",
     "AlignmentOutcome",
     "Broadcast",
+    "Certificate",
     "DepthZero",
     "Device",
     "Flag",
+    "GaugeStudy",
     "GroundTruth",
     "Inspection",
     "InspectionSpec",
@@ -61,6 +64,7 @@ __all__ = [
     "Placement",
     "Reading",
     "ReferencePress",
+    "ReferenceSpec",
     "Robot",
     "RosSensor",
     "RosSpec",
@@ -70,10 +74,8 @@ __all__ = [
     "SensorSpec",
     "SourceReader",
     "Tool",
-    "Touch",
     "Unit",
     "accept_unit",
-    "acceptance_page",
     "build_message",
     "camera_info",
     "check_model",
@@ -103,7 +105,6 @@ __all__ = [
     "score_readings",
     "tilt_from_normal",
     "wrench_stamped",
-    "write_acceptance",
     "write_identification",
     "write_readings",
     "write_report",

@@ -7,12 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from palpate.calibration import AccuracySpec, PoseFitter, UncertaintyBudget
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, provenance
 from palpate.sensor.depth_zero import DepthZero, find_depth_zero
+from palpate.sensor.gauge_study import ANGLES
 from palpate.sensor.recording import GroundTruth
-from palpate.sensor.score import COMPONENTS, Score, score_readings
+from palpate.sensor.reference_standard import ReferenceSpec
+from palpate.sensor.score import Score, score_errors, score_readings
 from palpate.sensor.spec import AcceptanceSpec
 
+PROVEN, OPEN, REFUTED = "conformity proven", "not decided", "non-conformity proven"
+"""Decisions after ISO 14253-1, with the expanded uncertainty of a figure as guard band on both sides."""
 _DOUBT = 0.05
 """Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count.
 By hand."""
@@ -22,7 +27,9 @@ By hand."""
 class AcceptanceCheck:
     """Comparison of one figure, such as ``roll RMSE``, with its tolerance (`limit`).
 
-    The `interval` is `None` for a figure without one; `passed` is whether the figure is within its tolerance.
+    The `interval` is `None` for a figure without one. `expanded` is the expanded uncertainty U (k = 2) of the figure
+    by the test: the reference standard and, for an RMSE, the sample of presses. `passed` is whether figure + U (or,
+    by simple acceptance, the figure) is within its tolerance.
     """
 
     what: str
@@ -30,7 +37,15 @@ class AcceptanceCheck:
     value: float
     limit: float
     interval: tuple[float, float] | None
+    expanded: float
     passed: bool
+
+    @property
+    def decision(self) -> str:
+        """Decision with U as a guard band on both sides of the tolerance."""
+        if self.value + self.expanded <= self.limit:
+            return PROVEN
+        return REFUTED if self.value - self.expanded > self.limit else OPEN
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +54,10 @@ class Acceptance:
 
     Attributes
     ----------
-    spec, checks
-        Tolerances and settings, and every figure with its tolerance.
+    spec, reference, checks
+        Tolerances and settings, reference standard, and every figure with its tolerance.
     scores
-        Roll, pitch and, if it is known, depth.
+        Roll, pitch, depth if it is known, and total angle.
     press, truth, estimates
         (n,), (n, 3), (n, 3) of the evaluated images, depth on the robot's scale.
     zero
@@ -53,6 +68,7 @@ class Acceptance:
     """
 
     spec: AcceptanceSpec
+    reference: ReferenceSpec
     checks: tuple[AcceptanceCheck, ...]
     scores: tuple[Score, ...]
     press: IntArray
@@ -67,12 +83,52 @@ class Acceptance:
         """Whether every figure is within its tolerance."""
         return all(check.passed for check in self.checks)
 
+    @property
+    def max_tilt_deg(self) -> float:
+        """Maximum total angle of the evaluated images, degrees."""
+        return float(np.linalg.norm(self.truth[:, :2], axis=1).max())
+
+    def angle_errors(self) -> tuple[FloatArray, IntArray]:
+        """Return errors (n, 3) of rx, ry, total angle (degrees) and presses (n,), of images with a pose."""
+        read = np.isfinite(self.estimates).all(axis=1)
+        return _angle_errors(self.truth[read], self.estimates[read]), self.press[read]
+
+    def budget(self, fitter: PoseFitter) -> UncertaintyBudget:
+        """Compute the uncertainty budget of a unit that is read by its twin, over the range of the test.
+
+        The range is at least 1°, because a total angle of zero has no direction.
+        """
+        spec = AccuracySpec(
+            min_depth=self.spec.min_depth,
+            max_tilt_deg=max(self.max_tilt_deg, 1.0),
+            noise_px=fitter.noise_px,
+            seed=self.spec.seed,
+        )
+        return UncertaintyBudget.of_unit(fitter.model, fitter.mounting, spec, self.reference.thermal)
+
+    def repeatability_deg(self) -> tuple[float, float] | None:
+        """Return SDs of the error of the total angle within and between presses; `None` without repetition.
+
+        They are those of the one-way random-effects model (Searle, Casella & McCulloch, *Variance Components*, 1992).
+        """
+        errors, press = self.angle_errors()
+        _, which, counts = np.unique(press, return_inverse=True, return_counts=True)
+        error, images, presses = errors[:, -1], len(errors), len(counts)
+        if not 1 < presses < images:
+            return None
+        means = np.bincount(which, error) / counts
+        within = float(np.sum((error - means[which]) ** 2)) / (images - presses)
+        squares = float(counts @ (means - error.mean()) ** 2) / (presses - 1)
+        each = (images - counts @ counts / images) / (presses - 1)
+        return float(np.sqrt(within)), float(np.sqrt(max((squares - within) / float(each), 0.0)))
+
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
         return {
             "passed": self.passed,
             "spec": self.spec.model_dump(mode="json"),
-            "checks": [vars(check) for check in self.checks],
+            "reference": self.reference.model_dump(mode="json"),
+            "checks": [{**vars(check), "decision": check.decision} for check in self.checks],
             "scores": [score.as_dict() for score in self.scores],
             "images": len(self.truth),
             "presses": len(np.unique(self.press)),
@@ -84,7 +140,11 @@ class Acceptance:
 
 
 def accept_unit(
-    truth: GroundTruth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptanceSpec | None = None
+    truth: GroundTruth,
+    estimates: FloatArray,
+    flagged: BoolArray | None = None,
+    spec: AcceptanceSpec | None = None,
+    reference: ReferenceSpec | None = None,
 ) -> Acceptance:
     """Compare the readings of a unit with known poses.
 
@@ -98,15 +158,15 @@ def accept_unit(
         (n, 3) rx, ry (degrees) and depth (mm) of the same images; NaN without a pose.
     flagged
         (n,) whether a reading is flagged.
-    spec
-        Tolerances.
+    spec, reference
+        Tolerances, and reference standard of the known poses.
 
     Raises
     ------
     PalpateError
         If no image can be evaluated, or the first press does not give the zero.
     """
-    spec = spec or AcceptanceSpec()
+    spec, reference = spec or AcceptanceSpec(), reference or ReferenceSpec()
     flagged = np.zeros(len(estimates), bool) if flagged is None else flagged
     known = bool(np.isfinite(truth.poses[:, 2]).all())
     zero, counts = None, np.ones(len(estimates), bool)
@@ -134,9 +194,14 @@ def accept_unit(
     read = estimates[counts] + np.array([0.0, 0.0, offset])
     wanted = truth.poses[counts] if known else np.column_stack([truth.poses[counts, :2], read[:, 2]])
     scores = score_readings(wanted, read, truth.press[counts], spec.seed)[: 3 if known else 2]
+    posed = np.isfinite(read).all(axis=1)
+    total = _angle_errors(wanted[posed], read[posed])[:, -1]
+    scores += (score_errors(ANGLES[-1], "deg", total, truth.press[counts][posed], spec.seed),)
+    tilt = reference.tilt_sd_deg(float(np.linalg.norm(wanted[:, :2], axis=1).max()))
     return Acceptance(
         spec=spec,
-        checks=tuple(_check(scores, spec, float((~np.isfinite(read).all(axis=1)).mean()))),
+        reference=reference,
+        checks=tuple(_check(scores, spec, (*tilt, reference.reference_depth), float((~posed).mean()))),
         scores=scores,
         press=truth.press[counts],
         truth=wanted,
@@ -147,20 +212,31 @@ def accept_unit(
     )
 
 
-def _check(scores: tuple[Score, ...], spec: AcceptanceSpec, without: float) -> list[AcceptanceCheck]:
-    limits = (spec.rmse_deg, spec.rmse_deg, spec.depth_rmse)
+def _angle_errors(truth: FloatArray, read: FloatArray) -> FloatArray:
+    """Return errors (n, 3) of rx, ry and the total angle, degrees."""
+    total = np.linalg.norm(read[:, :2], axis=1) - np.linalg.norm(truth[:, :2], axis=1)
+    return np.column_stack([(read - truth)[:, :2], total])
+
+
+def _check(
+    scores: tuple[Score, ...], spec: AcceptanceSpec, reference: tuple[float, ...], without: float
+) -> list[AcceptanceCheck]:
+    """Compare figures with tolerances; `reference`: standard uncertainties of axis, total angle, depth."""
     checks = []
-    for score, limit, (name, unit) in zip(scores, limits, COMPONENTS, strict=False):
-        judged = score.rmse_interval[1] if spec.guard else score.errors.rmse
-        checks.append(
-            AcceptanceCheck(f"{name} RMSE", unit, score.errors.rmse, limit, score.rmse_interval, judged <= limit)
-        )
-        if unit == "deg":
-            most = score.errors.max
-            checks.append(
-                AcceptanceCheck(f"{name} maximum error", unit, most, spec.max_deg, None, most <= spec.max_deg)
-            )
-    checks.append(
-        AcceptanceCheck("images without a pose", "1", without, spec.without_pose, None, without <= spec.without_pose)
-    )
+
+    def add(
+        what: str, unit: str, value: float, limit: float, expanded: float, interval: tuple[float, float] | None = None
+    ) -> None:
+        passed = bool(value + spec.guard * expanded <= limit)
+        checks.append(AcceptanceCheck(what, unit, value, limit, interval, float(expanded), passed))
+
+    for score in scores:
+        angle, sampled = score.unit == "deg", score.rmse_interval[1] - score.errors.rmse
+        expanded = 2.0 * reference[2 if not angle else 1 if score.component == ANGLES[-1] else 0]
+        limit = spec.rmse_deg if angle else spec.depth_rmse
+        both = float(np.hypot(expanded, sampled))
+        add(f"{score.component} RMSE", score.unit, score.errors.rmse, limit, both, score.rmse_interval)
+        if angle:
+            add(f"{score.component} maximum error", score.unit, score.errors.max, spec.max_deg, expanded)
+    add("images without a pose", "1", without, spec.without_pose, 0.0)
     return checks

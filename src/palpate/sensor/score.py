@@ -20,8 +20,8 @@ COMPONENTS = tuple((item.label, item.unit) for item in TILT_SPACE.components)
 """Names and units of rx, ry and depth in the paper."""
 LEVEL = 0.95
 """Coverage of the intervals. By hand."""
-_DRAWS = 2000
-"""Bootstrap samples of the presses. By hand."""
+DRAWS = 2000
+"""Samples of an interval by simulation. By hand."""
 
 PAPER_TABLE_3 = {
     "roll": ErrorSummary(rmse=0.58, mae=0.49, max=1.62, sd=0.54, bias=float("nan")),
@@ -80,15 +80,14 @@ def score_readings(truth: FloatArray, estimates: FloatArray, press: IntArray, se
     """
     read = np.isfinite(estimates).all(axis=1)
     errors, press = (estimates - truth)[read], press[read]
-    count = len(np.unique(press))
-    scores = []
-    for column, (name, unit) in enumerate(COMPONENTS):
-        error = errors[:, column]
-        summary = ErrorSummary.of(error)
-        drawn = _bootstrap(error, press, seed)
-        ends = [tuple(float(v) for v in np.quantile(row, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2])) for row in drawn]
-        scores.append(Score(name, unit, len(error), count, summary, *ends))  # type: ignore[arg-type]
-    return tuple(scores)
+    return tuple(score_errors(*pair, errors[:, k], press, seed) for k, pair in enumerate(COMPONENTS))
+
+
+def score_errors(component: str, unit: str, error: FloatArray, press: IntArray, seed: int = 0) -> Score:
+    """Compute the figures of the errors (n,) of one component, of presses (n,)."""
+    summary, drawn = ErrorSummary.of(error), _bootstrap(error, press, seed)
+    ends = [tuple(float(v) for v in np.quantile(row, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2])) for row in drawn]
+    return Score(component, unit, len(error), len(np.unique(press)), summary, *ends)  # type: ignore[arg-type]
 
 
 def _bootstrap(error: FloatArray, press: IntArray, seed: int) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -97,7 +96,7 @@ def _bootstrap(error: FloatArray, press: IntArray, seed: int) -> tuple[FloatArra
     sums = np.stack(
         [np.bincount(which, weights) for weights in (np.ones(len(error)), error, np.abs(error), error**2)]
     )
-    drawn = generator(seed, "bootstrap").integers(0, sums.shape[1], (_DRAWS, sums.shape[1]))
+    drawn = generator(seed, "bootstrap").integers(0, sums.shape[1], (DRAWS, sums.shape[1]))
     images, total, absolute, square = sums[:, drawn].sum(axis=-1)
     variance = np.maximum(square / images - (total / images) ** 2, 0.0)
     return np.sqrt(square / images), absolute / images, np.sqrt(variance)

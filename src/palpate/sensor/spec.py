@@ -48,16 +48,26 @@ class SensorSpec(Spec):
 class AcceptanceSpec(Spec):
     """Tolerances of the acceptance test, and settings of its evaluation."""
 
-    rmse_deg: float = parameter(0.58, unit="deg", meaning="maximum RMSE of roll and of pitch", source=TABLE_3, gt=0)
+    rmse_deg: float = parameter(
+        0.58, unit="deg", meaning="maximum RMSE of roll, pitch and total angle", source=TABLE_3, gt=0
+    )
     max_deg: float = parameter(
-        1.64, unit="deg", meaning="maximum error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
+        1.64,
+        unit="deg",
+        meaning="maximum error of roll, pitch and total angle",
+        source=TABLE_3,
+        flag="max-error",
+        gt=0,
     )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="maximum RMSE of the depth", gt=0)
     min_depth: float = parameter(2.4, unit="mm", meaning="minimum depth of the evaluated images", ge=0)
     without_pose: float = parameter(0.0, unit="1", meaning="maximum share of images without a pose", ge=0, le=1)
     zero: bool = parameter(True, unit="", meaning="whether the zero of the depth is determined from the first press")
     guard: bool = parameter(
-        False, unit="", meaning="whether the upper ends of the intervals must be within the tolerances as well"
+        True,
+        unit="",
+        meaning="whether the expanded uncertainty U of a figure is a guard band; otherwise simple acceptance",
+        source="ISO 14253-1: conformity is proven if figure + U ≤ tolerance",
     )
     seed: int = parameter(0, unit="1", meaning="seed of the bootstrap", ge=0)
 

@@ -24,7 +24,6 @@ from palpate.calibration import (
     identify,
     infer_from_rest,
     predict_accuracy,
-    predict_budget,
     prior_stiffness_scale,
     rank_next_presses,
     read_unit,
@@ -550,17 +549,6 @@ def test_a_wall_that_goes_on_as_before_is_read_in_fewer_steps(twin: Twin, units:
     spread = np.sqrt(np.diag(steady[-1].covariance)[:2])
     apart = [np.abs(one.pose - other.pose)[:2] for one, other in zip(steady, shuffled, strict=True)]
     assert np.max(apart / spread) < 0.5
-
-
-def test_the_budget_adds_up_to_what_is_foreseen(twin: Twin) -> None:
-    """Seating is told by no image, so it costs alone what its absence saves; camera and print only cost together."""
-    spec = AccuracySpec(units=60, poses=20, min_depth=2.0, max_tilt_deg=10.0, noise_px=NOISE)
-    costs = {cost.name: cost for cost in predict_budget(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec)}
-    assert costs["all"].alone_deg == predict_accuracy(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
-    assert costs["seating_tilt_deg"].alone_deg == pytest.approx(0.1 / np.sqrt(3), rel=0.15)
-    assert costs["seating_tilt_deg"].saved_deg == pytest.approx(costs["seating_tilt_deg"].alone_deg, rel=0.15)
-    assert costs["print_shift"].alone_deg < 0.01 < costs["print_shift"].saved_deg
-    assert "lateral" not in costs
 
 
 def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[Press], tmp_path, capsys) -> None:

@@ -278,9 +278,9 @@ ROWS = {
     ),
     "calibration accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --min-depth 0",
-        ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
+        ("--truth", "--model", "--readings", "--layout", "--lens", "--unit", "--gauge-study"),
         ("--out",),
-        ("--readings {truth}", "--markers 91"),
+        ("--readings {truth}", "--markers 91", "--gauge-study {truth}", "--roller-distance 0"),
     ),
     "verify": Row("--only cook", (), (), ("--only no-such-case",)),
     "doctor": Row(),

@@ -15,11 +15,11 @@ from palpate.cli import main
 from palpate.core import generator
 from palpate.sensor import (
     AcceptanceSpec,
+    Certificate,
     GroundTruth,
     accept_unit,
     read_ground_truth,
     read_readings,
-    write_acceptance,
 )
 from palpate.simulation.run_trial import solve_unit_presses
 from palpate.simulation.simulated_unit import SimulatedUnit
@@ -57,8 +57,10 @@ def test_a_good_unit_passes_and_a_bad_one_says_what_failed():
 def test_where_doubt_must_not_pass_the_interval_is_judged():
     truth, estimates = recorded(error=0.5)
     limit = AcceptanceSpec(max_deg=5.0)
-    assert accept_unit(truth, estimates, None, limit).passed
-    assert not accept_unit(truth, estimates, None, limit.model_copy(update={"guard": True})).passed
+    guarded = accept_unit(truth, estimates, None, limit)
+    assert not guarded.passed
+    assert {check.decision for check in guarded.checks if not check.passed} == {"not decided"}
+    assert accept_unit(truth, estimates, None, limit.model_copy(update={"guard": False})).passed
 
 
 def test_without_a_zero_the_robots_touch_point_is_in_the_depth():
@@ -79,7 +81,7 @@ def test_an_unknown_depth_is_not_judged():
     poses = truth.poses.copy()
     poses[:, 2] = np.nan
     found = accept_unit(replace(truth, poses=poses), estimates)
-    assert [score.component for score in found.scores] == ["roll", "pitch"]
+    assert [score.component for score in found.scores] == ["roll", "pitch", "total angle"]
     assert found.passed
     assert found.zero is None
 
@@ -99,7 +101,7 @@ def test_too_few_or_too_shallow_presses_are_refused():
 
 
 def test_the_report_can_be_printed(tmp_path):
-    write_acceptance(tmp_path / "a", accept_unit(*recorded()), "unit 7")
+    Certificate(accept_unit(*recorded()), "unit 7").write(tmp_path / "a")
     assert (tmp_path / "a" / "accept.pdf").read_bytes()[:5] == b"%PDF-"
     page = (tmp_path / "a" / "accept.md").read_text()
     assert "# Acceptance: unit 7" in page
@@ -183,7 +185,7 @@ def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
     assert shown["zero_mm"] == pytest.approx(1.0, abs=0.2)
     assert (tmp_path / "r" / "accept.pdf").exists()
     assert run(*words, "--rmse", "0.01") == 1
-    assert "OUTSIDE" in capsys.readouterr().out
+    assert "NON-CONFORMITY PROVEN" in capsys.readouterr().out
 
 
 def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, capsys):

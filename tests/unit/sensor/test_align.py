@@ -22,10 +22,10 @@ from palpate.sensor import (
     Placement,
     Robot,
     Tool,
-    Touch,
     find_tool_offset,
     tilt_from_normal,
 )
+from palpate.sensor.alignment import Touch
 from palpate.sensor.placement import rotation_from_vector
 from palpate.simulation import (
     AlignmentScenario,
