@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, flag_name, parameters
 from palpate.rig.camera_check_spec import CameraCheckSpec
@@ -183,13 +184,18 @@ def _measure_images(rest: ImageSeries, press: ImageSeries) -> dict[str, float]:
     return values | ({"frozen": rest.repeated / (count - 1)} if count > 1 else {})
 
 
-def _measure_markers(rest: ImageSeries) -> dict[str, float]:
-    """Light and sharpness at the markers, and the number of cut ones."""
+def _measure_markers(rest: ImageSeries, isolated: float = 1.4) -> dict[str, float]:
+    """Light and sharpness at the markers, and the number of cut ones.
+
+    A cut blob is dirt, not a marker, if it is `isolated` times as far from its neighbour as the median blob is.
+    """
     motion, parts = rest.motion_blur(), []
     for one in rest.figures:
         blobs = one.blobs
         border = np.minimum(blobs.positions_px, rest.size_px - 1.0 - blobs.positions_px).min(axis=1)
         cut = blobs.at_border | (border < 0.5 * blobs.diameter_px)
+        apart = cKDTree(blobs.positions_px).query(blobs.positions_px, k=[2])[0][:, 0]
+        cut &= apart < isolated * np.median(apart)
         light, (contrast, diameter) = np.median(rest.light_at(one)), np.median(rest.looks(one), axis=1)
         blur = np.sqrt(max(one.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0))
         parts.append((one.saturated, light / rest.top, contrast, cut.sum(), 2.0 * blur / diameter))

@@ -28,7 +28,7 @@ _FIELDS = (
     "Tested by (name, signature)",
     "Approved by (name, signature)",
 )
-_PAPER = "the paper's RMSE / MAE / max / SD"
+_PAPER = "Zaid et al. 2024, RMSE / MAE / max / SD"
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class Certificate:
             title = f"## Gauge study of {self.study.readings} readings, against ± {found.spec.max_deg:g}°"
             study = [title, self.study.report(found.spec.max_deg)]
         return [
-            f"# Acceptance: {self.title}",
+            f"# Certificate: {self.title}",
             f"**{self.verdict}**",
             Report.of("", _CHECKS, map(_row, found.checks)),
             f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "

@@ -74,7 +74,8 @@ def _wrap(text: str, share: float) -> list[str]:
 
 def _draw_errors(figure: Figure, top: float, truth: FloatArray, errors: FloatArray) -> None:
     rows = errors.shape[1]
-    below = figure.add_gridspec(rows, 2, left=1.5 * _LEFT, right=1 - _LEFT, bottom=_LEFT, top=top - _LINE, hspace=1)
+    places = {"left": 1.5 * _LEFT, "right": 1 - _LEFT, "bottom": _LEFT, "top": top - _LINE}
+    below = figure.add_gridspec(rows, 2, hspace=0.5, wspace=0.3, **places)
     for row, (name, unit) in enumerate(COMPONENTS[:rows]):
         for column, (place, label) in enumerate(((row, f"{name} ({unit})"), (2, "depth (mm)"))):
             axis = figure.add_subplot(below[row, column])

@@ -104,7 +104,7 @@ def test_the_report_can_be_printed(tmp_path):
     Certificate(accept_unit(*recorded()), "unit 7").write(tmp_path / "a")
     assert (tmp_path / "a" / "accept.pdf").read_bytes()[:5] == b"%PDF-"
     page = (tmp_path / "a" / "accept.md").read_text()
-    assert "# Acceptance: unit 7" in page
+    assert "# Certificate: unit 7" in page
     assert "**passed**" in page
     assert "0.58 / 0.49 / 1.62 / 0.54" in page
     assert json.loads((tmp_path / "a" / "accept.json").read_text())["passed"] is True
