@@ -45,35 +45,33 @@ class _Arm:
         self._receive = load_extra("rtde_receive", "ur").RTDEReceiveInterface(host, 1.0 / _PERIOD_S, _VALUES)
         self._command("setTcp", [0.0] * 6)
         time.sleep(2.0 * _PERIOD_S)
-        self._first, self._force = self.pose(), self._vector("getActualTCPForce")
+        self._first, self._force = self._vector("getActualTCPPose"), self._vector("getActualTCPForce")
         offset = self._control.getTCPOffset()
         if len(offset) != 6 or np.abs(offset).max() > _NEAR:
             raise _FaultError("the controller keeps a tool centre point that is not the flange")
+        self._check_force(np.zeros(6))
 
     def pose(self) -> FloatArray:
-        """Return the pose of the flange."""
+        """Return the pose of the flange, if the robot is within its limits."""
         self._check_stop()
-        return self._vector("getActualTCPPose")
+        here = self._vector("getActualTCPPose")
+        self._check_place(here, "the flange")
+        self._check_force(self._force)
+        return here
 
     def move(self, goal: FloatArray) -> None:
         """Move in a straight line, and return on arrival."""
         self._check_place(goal, "the commanded pose")
-        self._check_stop()
+        self.pose()
         self._command("setWatchdog", 1.0 / self._spec.stall_s)
         self._command("moveL", goal.tolist(), 1e-3 * self._spec.speed, 1e-3 * self._spec.acceleration, True)
         last, since, heard = self._first, time.monotonic(), 0.0
         while not self._arrived(goal):
-            self._check_stop()
-            here = self._vector("getActualTCPPose")
-            self._check_place(here, "the flange")
+            here = self.pose()
             if (here != last).any():
                 last, since = here, time.monotonic()
             elif time.monotonic() - since > self._spec.stall_s:
                 raise _FaultError("the robot stands still before the end of a move")
-            change = self._vector("getActualTCPForce") - self._force
-            force = float(np.linalg.norm(change[:3]))
-            if force > self._spec.force:
-                raise _FaultError(f"the force changed by {force:.0f} N, over {self._spec.force:g} N")
             if (sent := self._receive.getTimestamp()) != heard:
                 self._control.kickWatchdog()
                 heard = sent
@@ -105,6 +103,15 @@ class _Arm:
         away = 1e3 * float(np.linalg.norm(pose[:3] - self._first[:3]))
         if not away <= self._spec.workspace:
             raise _FaultError(f"{name} is {away:.0f} mm from the start, over {self._spec.workspace:g} mm")
+        first, axis = (Rotation.from_rotvec(each[3:]).as_matrix()[:, 2] for each in (self._first, pose))
+        tilt = float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, axis)), first @ axis)))
+        if not tilt <= self._spec.tilt:
+            raise _FaultError(f"{name} is tilted by {tilt:.0f} degrees from the start, over {self._spec.tilt:g}")
+
+    def _check_force(self, zero: FloatArray) -> None:
+        force = float(np.linalg.norm((self._vector("getActualTCPForce") - zero)[:3]))
+        if not force <= self._spec.force:
+            raise _FaultError(f"the force is {force:.0f} N, over {self._spec.force:g} N")
 
     def _check_stop(self) -> None:
         bits = int(self._receive.getSafetyStatusBits())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from typing import final
 from urllib.parse import parse_qsl
@@ -17,18 +18,25 @@ class UrSpec(Spec):
     """Limits and speed of a robot of Universal Robots."""
 
     force: float = parameter(
-        50.0, unit="N", meaning="change of the force since the start at which the robot is stopped", gt=0, le=500
+        50.0,
+        unit="N",
+        meaning="maximum force at the connection, and maximum change of the force since then",
+        gt=0,
+        le=500,
     )
     workspace: float = parameter(
-        150.0, unit="mm", meaning="distance of the flange from its pose at the start that is never exceeded", gt=0
+        150.0, unit="mm", meaning="maximum distance of the flange from its position at the connection", gt=0, le=1000
     )
-    speed: float = parameter(20.0, unit="mm/s", meaning="speed of the flange", gt=0, le=1000)
+    tilt: float = parameter(
+        45.0, unit="deg", meaning="maximum angle of the flange's axis from that at the connection", gt=0, le=180
+    )
+    speed: float = parameter(20.0, unit="mm/s", meaning="speed of the flange", ge=1, le=1000)
     acceleration: float = parameter(200.0, unit="mm/s²", meaning="acceleration of the flange", gt=0, le=10000)
     stall_s: float = parameter(
         0.5,
         unit="s",
         meaning="time without data after which the connection is lost; the controller stops a move after it, too",
-        gt=0,
+        ge=0.1,
         le=10,
     )
 
@@ -45,7 +53,7 @@ class UrRobot(TcpRobot):
     text
         Address, and fields of `UrSpec` if they differ from the defaults: ``192.168.0.10?force=30&speed=10``.
     timeout_s
-        Maximum time of a move, s.
+        Maximum time without an answer, s, beyond that of the longest move.
     apart
         Maximum distance of the reported from the commanded pose after a move, mm and degrees.
 
@@ -57,28 +65,33 @@ class UrRobot(TcpRobot):
 
     def __init__(self, text: str, timeout_s: float = 60.0, apart: float = 0.5) -> None:
         host, _, query = text.partition("?")
-        if not host:
+        settings = parse_qsl(query, keep_blank_values=True)
+        if not host or len(dict(settings)) < len(settings):
             raise PalpateError(
-                f"The address of the robot is '{text}'.", "Give --robot ur:HOST.", code="robot-address"
+                f"The address of the robot is '{text}'.",
+                "Give --robot ur:HOST, or ur:HOST?NAME=VALUE with each name once.",
+                code="robot-address",
             )
-        spec = UrSpec(**dict(parse_qsl(query, keep_blank_values=True)))
+        spec = UrSpec(**dict(settings))
         load_extra("rtde_control", "ur", "ur-rtde")
         with socket.create_server(("127.0.0.1", 0)) as listening:
-            listening.settimeout(timeout_s)
+            listening.settimeout(0.2)
             port = listening.getsockname()[1]
             command = [sys.executable, "-m", "palpate.rig.ur_bridge", str(port), host, spec.model_dump_json()]
             quiet = subprocess.DEVNULL
             self._process = subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet)
-            try:
-                connection, _ = listening.accept()
-            except TimeoutError:
-                self._process.kill()
-                raise PalpateError(
-                    f"The robot at {host} does not answer in {timeout_s:g} s.",
-                    "Check its address.",
-                    code="robot-lost",
-                ) from None
-        connection.settimeout(timeout_s)
+            connection, end = None, time.monotonic() + timeout_s
+            while connection is None:
+                with suppress(TimeoutError):
+                    connection, _ = listening.accept()
+                if connection is None and (self._process.poll() is not None or time.monotonic() > end):
+                    self._process.kill()
+                    raise PalpateError(
+                        f"The process of the robot at {host} did not start: exit code {self._process.poll()}.",
+                        'Install ur-rtde again: pip install -e ".[ur]"',
+                        code="robot-process-failed",
+                    )
+        connection.settimeout(timeout_s + 2.0 * spec.workspace / spec.speed)
         self._connect(connection, host, apart)
         self.flange_pose()
 

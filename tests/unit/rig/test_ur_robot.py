@@ -14,7 +14,7 @@ from needs import needs
 from palpate.design import DomeSpec, build_skin
 from palpate.rig import PressFrame, open_robot
 from palpate.rig.ur_robot import UrRobot
-from palpate.sensor import Placement
+from palpate.sensor import Placement, rotation_from_vector
 from ur_controller import START, UrController
 
 needs("rtde_control")
@@ -84,6 +84,24 @@ def test_no_move_leaves_the_workspace(controller: UrController) -> None:
     robot.close()
 
 
+def test_limits_hold_between_moves_and_at_the_connection(controller: UrController) -> None:
+    robot = opened(controller, f"{FAST}&tilt=20")
+    here = robot.flange_pose()
+    with refused("robot-lost", "30 degrees", "20"):
+        robot.move(Placement(here.rotation @ rotation_from_vector(np.array([30.0, 0.0, 0.0])), here.position))
+    assert not controller.commands
+    robot.close()
+    robot = opened(controller, FAST)
+    controller.force = np.array([0.0, 0.0, 80.0, 0.0, 0.0, 0.0])
+    time.sleep(0.1)  # until the controller has sent it
+    with refused("robot-lost", "80 N"):
+        robot.flange_pose()
+    robot.close()
+    with refused("robot-lost", "80 N"):
+        opened(controller, FAST)
+    assert not controller.commands
+
+
 def test_a_killed_process_stops_the_robot_by_the_watchdog_of_the_controller(controller: UrController) -> None:
     robot = opened(controller, "speed=10&acceleration=5000&stall_s=0.1")
     threading.Timer(0.3, robot._process.kill).start()
@@ -99,6 +117,8 @@ def test_a_killed_process_stops_the_robot_by_the_watchdog_of_the_controller(cont
     [
         ("", "robot-address", "''"),
         ("?force=30", "robot-address", "force=30"),
+        ("127.0.0.1?force=30&force=500", "robot-address", "force=500"),
+        ("127.0.0.1?speed=0.5", "greater_than_equal", "0.5"),
         ("127.0.0.1?force=0", "greater_than", "0"),
         ("127.0.0.1?power=3", "extra_forbidden", "power"),
         ("127.0.0.1?speed=fast", "float_parsing", "fast"),
