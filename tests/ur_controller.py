@@ -17,6 +17,7 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 START = np.array([0.4, -0.12, 0.3, 0.0, 3.1, 0.0])
 SAYS = {
@@ -192,12 +193,17 @@ class UrController:
     def travel(self, number: int, goal: np.ndarray, speed: float) -> None:
         """Move on a straight line, unless another command or a fault ends it."""
         start, fault, self.fault = self.pose.copy(), self.fault, ""
+        first = Rotation.from_rotvec(start[3:])
+        turn = (first.inv() * Rotation.from_rotvec(goal[3:])).as_rotvec()
         steps = max(int(np.linalg.norm(goal[:3] - start[:3]) / (speed * STEP_S)), 4)
         for step in range(1, steps + 1):
             time.sleep(STEP_S)
             if number != self.move_number or not self.running or self.safety != 1:
                 break
-            self.pose, self.speed = start + step / steps * (goal - start), (goal - start) / (steps * STEP_S)
+            place = start[:3] + step / steps * (goal[:3] - start[:3])
+            turned = first * Rotation.from_rotvec(step / steps * turn)
+            self.pose = np.concatenate([place, turned.as_rotvec()])
+            self.speed = np.concatenate([goal[:3] - start[:3], turn]) / (steps * STEP_S)
             self.places.append(self.pose)
             if step == steps // 2:
                 self.fail(fault)
