@@ -22,8 +22,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from palpate.core import FloatArray, IntArray, PalpateError, generator
+from palpate.core import FloatArray, PalpateError, generator
 from palpate.core.report import Report
 from palpate.datasets import read_table
 from palpate.sensor.score import DRAWS
@@ -84,26 +85,19 @@ class GaugeStudy:
             If it cannot be read, lacks a column, has a missing angle, or no repeated reading.
         """
         table = read_table(path)
-        missing = [name for name in ("part", *_COLUMNS) if name not in table.columns]
-        if missing:
+        if missing := [name for name in ("part", *_COLUMNS) if name not in table.columns]:
             raise PalpateError(
                 f"{path.name} has no column {missing[0]}.",
                 f"Give the columns {', '.join((*FACTORS, *_COLUMNS))}; operator, day and mounting may be missing.",
                 code="column-missing",
             )
-        if not all(
-            table.is_numeric(name) and np.isfinite(table.columns[name].astype(float)).all() for name in _COLUMNS
-        ):
+        angles = [table.columns[name] for name in _COLUMNS if table.is_numeric(name)]
+        if len(angles) < len(_COLUMNS) or not np.isfinite(angles).all():
             raise PalpateError(
                 f"{path.name}: an angle is missing.", "Give rx and ry of each row.", code="angle-missing"
             )
-        rx, ry = (table.columns[name].astype(float) for name in _COLUMNS)
-        levels = {
-            name: np.unique(table.columns[name].astype(str), return_inverse=True)[1].reshape(-1)
-            for name in FACTORS
-            if name in table.columns
-        }
-        return study_repeatability(dict(zip(ANGLES, (rx, ry, np.hypot(rx, ry)), strict=True)), levels)
+        levels = {name: table.columns[name].astype(str) for name in FACTORS if name in table.columns}
+        return study_repeatability(dict(zip(ANGLES, (*angles, np.hypot(*angles)), strict=True)), levels)
 
     def component(self, measurand: str, term: str) -> VarianceComponent:
         """Return a component; zero if the study does not determine it."""
@@ -141,7 +135,7 @@ class GaugeStudy:
 
 
 def study_repeatability(
-    values: Mapping[str, FloatArray], levels: Mapping[str, IntArray], seed: int = 0
+    values: Mapping[str, FloatArray], levels: Mapping[str, NDArray[Any]], seed: int = 0
 ) -> GaugeStudy:
     """Estimate the variance components of readings.
 
@@ -150,7 +144,7 @@ def study_repeatability(
     values
         Measurand → (n,) readings or their errors, degrees.
     levels
-        Factor → (n,) number of its level in each reading.
+        Factor → (n,) number or name of its level in each reading.
     seed
         Seed of the intervals.
 
@@ -169,7 +163,7 @@ def study_repeatability(
     count = len(next(iter(values.values())))
     known = {name: levels.get(name, np.zeros(count, int)) for name in FACTORS}
     found = np.full((count, 1), count**-0.5)
-    bases, designs, absent = [], {}, []
+    bases, designs = [], {}
     for term, factors in TERMS.items():
         labels = np.unique(np.column_stack([known[name] for name in factors]), axis=0, return_inverse=True)[1]
         design = np.eye(int(labels.max()) + 1)[labels.reshape(-1)]
@@ -179,8 +173,6 @@ def study_repeatability(
             bases.append(basis)
             designs[term] = design
             found = np.hstack([found, basis])
-        else:
-            absent.append(term)
     dof = np.array([each.shape[1] for each in bases] + [count - found.shape[1]], float)
     if dof[-1] < 1:
         raise PalpateError(
@@ -193,22 +185,14 @@ def study_repeatability(
     for row, basis in enumerate(bases):
         expected[row, :-1] = [np.sum((basis.T @ design) ** 2) for design in designs.values()]
     chances = generator(seed, "gauge").chisquare(dof, (DRAWS, len(dof))) / dof
-    components = {}
+    terms, components = (*designs, REPEATABILITY), {}
     for measurand, value in values.items():
         squares = np.array([np.sum((basis.T @ value) ** 2) for basis in bases])
         squares = np.append(squares, np.sum((value - found @ (found.T @ value)) ** 2))
-        components[measurand] = _solve((*designs, REPEATABILITY), expected, squares, squares / chances, dof)
-    return GaugeStudy(count, components, tuple(absent))
-
-
-def _solve(
-    terms: tuple[str, ...], expected: FloatArray, squares: FloatArray, drawn: FloatArray, dof: FloatArray
-) -> tuple[VarianceComponent, ...]:
-    """Solve the triangular system for the components and for each draw (d, k) of the sums of squares."""
-    variances, draws = np.linalg.solve(expected, squares), np.linalg.solve(expected, drawn.T)
-    rest = np.array([term != "part" for term in terms])
-    terms, dof = (*terms, RR), np.append(dof, np.nan)
-    variances, draws = np.append(variances, rest @ variances), np.vstack([draws, rest @ draws])
-    low, high = np.maximum(np.quantile(draws, [0.025, 0.975], axis=1), 0.0)
-    rows = zip(terms, variances, low, high, dof, strict=True)
-    return tuple(VarianceComponent(term, *map(float, row)) for term, *row in rows)
+        variances = np.linalg.solve(expected, np.vstack([squares, squares / chances]).T)
+        repeated = variances[[term != "part" for term in terms]].sum(axis=0)
+        variances = np.vstack([variances, repeated])
+        low, high = np.maximum(np.quantile(variances[:, 1:], [0.025, 0.975], axis=1), 0.0)
+        rows = zip((*terms, RR), variances[:, 0], low, high, (*dof, np.nan), strict=True)
+        components[measurand] = tuple(VarianceComponent(term, *map(float, row)) for term, *row in rows)
+    return GaugeStudy(count, components, tuple(term for term in TERMS if term not in designs))
