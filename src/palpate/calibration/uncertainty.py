@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import linalg, stats
 
 from palpate.calibration.deviation import IMPERFECTIONS
 from palpate.calibration.fit_pose import twin_sd
@@ -235,7 +235,7 @@ def _sorted(lines: Sequence[UncertaintyComponent]) -> tuple[UncertaintyComponent
 
 
 def _remaining(model: UnitModel, noise_px: float) -> list[tuple[UncertaintyComponent, FloatArray]]:
-    """Return a line for each tolerance, and a root (15, n) of the covariance that it leaves after the rest image."""
+    """Return a line for each tolerance, and a root (15, n) of its covariance after the rest image."""
     tolerance, camera = model.tolerance, len(CAMERA_PARAMETERS)
     by_rest, spread = rest_jacobian(
         model.marker_twin.twin, model.layout, model.posterior.camera(), tolerance, noise_px
@@ -250,11 +250,9 @@ def _remaining(model: UnitModel, noise_px: float) -> list[tuple[UncertaintyCompo
     answer = np.linalg.solve(slopes.T @ slopes / spread**2 + np.diag(sd**-2.0), slopes.T / spread**2)[:camera]
     left = np.eye(camera, len(sd)) - answer @ slopes
     names = (*CAMERA_PARAMETERS, *PRINT_SHIFT, *UNIT_PARAMETERS[camera:], *MOUNTING_PARAMETERS)
-    roots = np.zeros((len(UNIT_PARAMETERS) + len(MOUNTING_PARAMETERS), len(names)))
-    roots[:camera, : len(sd)] = left * sd
-    roots[camera:, len(sd) :] = np.diag([*unit_prior_sd(tolerance)[camera:], *mounting_prior_sd(tolerance)])
-    misprint = np.zeros((len(roots), answer.shape[1]))
-    misprint[:camera] = spread * answer
+    others = np.diag([*unit_prior_sd(tolerance)[camera:], *mounting_prior_sd(tolerance)])
+    roots = linalg.block_diag(left * sd, others)
+    misprint = np.pad(spread * answer, ((0, len(others)), (0, 0)))
     lines = []
     for item in IMPERFECTIONS:
         printed, sd_of = item.name == "marker_position", float(getattr(tolerance, item.name)) / np.sqrt(3.0)

@@ -123,7 +123,7 @@ class _Arm:
 
 def _serve(connection: socket.socket, arm: _Arm) -> None:
     """Answer lines until the connection is closed."""
-    units = np.array([1e-3] * 3 + [np.pi / 180.0] * 3)
+    units = np.repeat([1e-3, np.pi / 180.0], 3)
     for line in connection.makefile("rb"):
         word, *numbers = line.decode("ascii").split()
         answer = "done"
