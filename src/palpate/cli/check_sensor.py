@@ -59,7 +59,7 @@ def check(
 
     No setting of the camera is changed. The exit code is 1 if a figure is beyond its limit (`passed` in the JSON).
     """
-    from palpate.rig import camera_check_page, check_camera, find_automatic_controls, write_camera_check
+    from palpate.rig import check_camera, find_automatic_controls
     from palpate.sensor import read_ground_truth
 
     check_folder(more.out)
@@ -75,53 +75,46 @@ def check(
         else:
             camera = opened.enter_context(open_source(source))
             images, controls = camera.images(), find_automatic_controls(camera)
-            rest = _take(camera, images, spec.rest_images, spec.interval_s, times)
+            rest = _take(camera, images, spec.rest_images, times, spec.interval_s)
             if more.press == source:
                 if camera.live:
                     print("Now press the skin slowly, and release it.", file=sys.stderr, flush=True)
-                press = _take(camera, images, spec.press_images)
+                press = _take(camera, images, spec.press_images, [])
         if more.press not in (None, source):
             pressed = opened.enter_context(open_source(more.press or ""))
-            press = _take(pressed, pressed.images(), spec.press_images)
+            press = _take(pressed, pressed.images(), spec.press_images, [])
         found = check_camera(rest, press, () if spec.interval_s else times, spec, detect)
     found = replace(found, figures=(*found.figures, *controls))
     if more.out is not None:
-        write_camera_check(more.out, found, source)
+        found.write(more.out, source)
         print(f"Report: {more.out / 'check.md'}", file=sys.stderr)
-    output.show({"source": source, **found.as_dict()}, *plain_page(camera_check_page(found, source)))
+    output.show({"source": source, **found.as_dict()}, *plain_page(found.page(source)))
     return OUTSIDE if found.findings else 0
 
 
 def _take(
-    source: Source,
-    images: Iterator[ImageOrError],
-    count: int,
-    interval_s: float = 0.0,
-    times: list[float] | None = None,
+    source: Source, images: Iterator[ImageOrError], count: int, times: list[float], interval_s: float = 0.0
 ) -> Iterable[ImageOrError]:
     """Return the next images of a source, and add their times to `times`.
 
     A recording is read while they are used. Images of a live camera are taken at once, after those that it buffered,
     so that the check delays none.
     """
-    if not source.live:
-        return _note(source, islice(images, count), [] if times is None else times)
-    next(islice(images, TakeSpec().buffered - 1, None), None)
-    taken: list[ImageOrError] = []
-    due = 0.0
-    for image in images:
-        now = time.monotonic()
-        if now >= due:
-            due = now + interval_s
-            taken.append(image)
-            if times is not None:
+
+    def timed() -> Iterator[ImageOrError]:
+        due = 0.0
+        for image in images:
+            if source.live:
+                now = time.monotonic()
+                if now < due:
+                    continue
+                due = now + interval_s
                 times.append(now)
-        if len(taken) == count:
-            break
-    return taken
+            else:
+                times.extend(source.times[len(times) : len(times) + 1])
+            yield image
 
-
-def _note(source: Source, images: Iterator[ImageOrError], times: list[float]) -> Iterator[ImageOrError]:
-    for image in images:
-        times += source.times[len(times) : len(times) + 1]
-        yield image
+    if not source.live:
+        return islice(timed(), count)
+    next(islice(images, TakeSpec().buffered - 1, None), None)
+    return list(islice(timed(), count))

@@ -11,7 +11,6 @@ from palpate.rig.press_frame import PressFrame
 from palpate.rig.recording_folder import RecordingFolder
 from palpate.rig.robots import ROBOTS, open_robot
 from palpate.rig.take_spec import PlannedPress, TakeSpec
-from palpate.rig.write_camera_check import camera_check_page, write_camera_check
 
 __all__ = [
     "ROBOTS",
@@ -25,7 +24,6 @@ __all__ = [
     "PressFrame",
     "RecordingFolder",
     "TakeSpec",
-    "camera_check_page",
     "check_camera",
     "choose_next_press",
     "find_automatic_controls",
@@ -33,5 +31,4 @@ __all__ = [
     "images_of",
     "open_robot",
     "take_image",
-    "write_camera_check",
 ]

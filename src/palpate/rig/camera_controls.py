@@ -34,8 +34,8 @@ def find_automatic_controls(source: Source, timeout_s: float = 10.0) -> list[Cam
     """
     if not source.device:
         return []
-    controls, program = dict(source.controls), shutil.which("v4l2-ctl")
-    if program is not None:
+    controls = dict(source.controls)
+    if program := shutil.which("v4l2-ctl"):
         with suppress(OSError, subprocess.TimeoutExpired):
             words = [program, "-d", source.device, "--list-ctrls"]
             done = subprocess.run(words, capture_output=True, text=True, timeout=timeout_s, check=False)

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, PalpateError, flag_name, parameters
+from palpate.core import FloatArray, PalpateError, flag_name, parameters, wrap_write_errors
+from palpate.core.report import Report
 from palpate.rig.camera_check_spec import CameraCheckSpec
 from palpate.rig.image_series import MOTION_VARIANCE, ImageSeries
+from palpate.sensor import provenance_line, write_report
 from palpate.vision import DetectSpec
 
 _REMEDIES = {
@@ -118,6 +121,35 @@ class CameraCheck:
             "figures": [asdict(one) for one in self.figures],
         }
 
+    def page(self, title: str) -> list[str | Report]:
+        """Return the report: verdict, a sentence for each finding, and all figures with their limits."""
+        verdict = f"findings: {', '.join(one.code for one in self.findings)}" if self.findings else "no finding"
+        rows = [
+            (one.code, f"{one.value:.3g}", one.limit_text, one.unit.strip("1"), "ok" if one.passed else "beyond")
+            for one in self.figures
+        ]
+        return [
+            f"# Camera check: {title}",
+            f"**{verdict}**",
+            *(one.sentence for one in self.findings),
+            Report.of("", ("figure", "value", "limit", "unit", "result"), rows),
+            f"Images at rest: {len(self.rest.exposures)}; of presses: {len(self.press.exposures)}.",
+            "![Image with markers, and series](images.png)",
+            provenance_line(),
+        ]
+
+    def write(self, folder: Path, title: str) -> None:
+        """Write ``check.json``, ``check.md`` and ``images.png`` into a folder.
+
+        Raises
+        ------
+        PalpateError
+            If they cannot be written.
+        """
+        write_report(folder, "check", {"source": title, **self.as_dict()}, self.page(title))
+        with wrap_write_errors(folder, "Choose another folder."):
+            self.rest.draw().savefig(folder / "images.png", dpi=120)
+
 
 def check_camera(
     rest: Iterable[NDArray[Any] | PalpateError],
@@ -189,16 +221,18 @@ def _measure_markers(rest: ImageSeries, isolated: float = 1.4) -> dict[str, floa
 
     A cut blob is dirt, not a marker, if it is `isolated` times as far from its neighbour as the median blob is.
     """
-    motion, parts = rest.motion_blur(), []
+    assert rest.last is not None
+    motion, size_px, parts = rest.motion_blur(), np.array(rest.last.shape[1::-1], float), []
     for one in rest.figures:
         blobs = one.blobs
-        border = np.minimum(blobs.positions_px, rest.size_px - 1.0 - blobs.positions_px).min(axis=1)
+        border = np.minimum(blobs.positions_px, size_px - 1.0 - blobs.positions_px).min(axis=1)
         cut = blobs.at_border | (border < 0.5 * blobs.diameter_px)
         apart = cKDTree(blobs.positions_px).query(blobs.positions_px, k=[2])[0][:, 0]
         cut &= apart < isolated * np.median(apart)
-        light, (contrast, diameter) = np.median(rest.light_at(one)), np.median(rest.looks(one), axis=1)
+        contrast, diameter = np.median(one.looks, axis=1)
         blur = np.sqrt(max(one.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0))
-        parts.append((one.saturated, light / rest.top, contrast, cut.sum(), 2.0 * blur / diameter))
+        dark = np.median(one.brighter) / rest.top
+        parts.append((one.saturated, dark, contrast, cut.sum(), 2.0 * blur / diameter))
     names = ("saturated", "dark", "contrast", "at_border", "focus")
     values = dict(zip(names, np.median(parts, axis=0).tolist(), strict=True))
     return values | {"evenness": _measure_evenness(rest), "motion_blur_px": motion}
@@ -210,12 +244,9 @@ def _measure_evenness(rest: ImageSeries, tail: float = 0.05, alike: float = 1.5)
     A marker in dim light has the relative contrast and the size of the median marker, up to a factor `alike`.
     """
     many, few = rest.faint or rest.figures[0], rest.figures[0]
-    same = [
-        abs(np.log(found / np.median(usual))) < np.log(alike)
-        for found, usual in zip(rest.looks(many), rest.looks(few), strict=True)
-    ]
-    light = rest.light_at(many)[np.all(same, axis=0)]
-    low, high = np.quantile(light if len(light) else rest.light_at(few), [tail, 1.0 - tail])
+    usual = np.median(few.looks, axis=1, keepdims=True)
+    light = many.brighter[(abs(np.log(many.looks / usual)) < np.log(alike)).all(axis=0)]
+    low, high = np.quantile(light if len(light) else few.brighter, [tail, 1.0 - tail])
     return float(low / high)
 
 

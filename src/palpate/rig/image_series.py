@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from palpate.core import FloatArray, PalpateError
 from palpate.rig.check_image import Exposure, measure_exposure
 from palpate.rig.measure_image import ImageFigures, measure_image
 from palpate.vision import Detector, DetectSpec, prepare_detector
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOTION_VARIANCE = 1.0 / 24.0
 """Mean and second harmonic over the azimuth of the variance by a motion, over its squared length."""
@@ -49,8 +52,11 @@ class ImageSeries:
     last: NDArray[Any] | None = None
     faint: ImageFigures | None = None
 
-    def read(self, images: Iterable[NDArray[Any] | PalpateError], bright: float = 0.95) -> None:
-        """Measure images one by one, and store none but the last; their light is the quantile `bright`."""
+    def read(self, images: Iterable[NDArray[Any] | PalpateError], bright: float = 0.95, attempts: int = 3) -> None:
+        """Measure images one by one, and store none but the last; their light is the quantile `bright`.
+
+        The detector is prepared in some attempts. Images with less than half of the first one's markers are left out.
+        """
         for image in images:
             if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
                 self.unreadable += 1
@@ -60,23 +66,17 @@ class ImageSeries:
             self.last = image
             self.exposures.append(measure_exposure(image))
             self.light.append(float(np.quantile(image, bright)))
-            self._add(image)
-
-    def _add(self, image: NDArray[Any], attempts: int = 3) -> None:
-        """Add an image with half of the markers of the first one; the detector is prepared in some attempts."""
-        if self.detector is None and len(self.exposures) <= attempts:
+            if self.detector is None and len(self.exposures) <= attempts:
+                with suppress(PalpateError):
+                    self._prepare(image)
+            if self.detector is None:
+                continue
+            count = len(self.figures)
             with suppress(PalpateError):
-                self._prepare(image)
-        if self.detector is None:
-            return
-        try:
-            found = measure_image(image, self.detector)
-        except PalpateError:
-            found = None
-        if found is None or 2 * len(found.blobs) < len((self.figures or [found])[0].blobs):
-            self.unreadable += 1
-        else:
-            self.figures.append(found)
+                found = measure_image(image, self.detector)
+                if count == 0 or 2 * len(found.blobs) >= len(self.figures[0].blobs):
+                    self.figures.append(found)
+            self.unreadable += len(self.figures) == count
 
     def _prepare(self, image: NDArray[Any], faint: float = 0.05) -> None:
         """Prepare the detector, and measure blobs of down to a `faint` share of the typical contrast."""
@@ -88,16 +88,6 @@ class ImageSeries:
         self.detector = replace(detector, edge_px=detector.measure_edge(image))
         wide = replace(self.detector, spec=low.model_copy(update={"evenness": faint}), drop_strays=False)
         self.faint = measure_image(image, wide)
-
-    @property
-    def dark(self) -> bool:
-        """Whether the markers are darker than the skin."""
-        return self.detector is not None and self.detector.dark
-
-    @property
-    def size_px(self) -> FloatArray:
-        """Width and height (2,) of the images."""
-        return np.array(self.last.shape[1::-1] if self.last is not None else (0, 0), float)
 
     @cached_property
     def top(self) -> float:
@@ -143,14 +133,6 @@ class ImageSeries:
         light = self._matched[1]
         return np.asarray(np.median(light / light.mean(axis=0), axis=1))
 
-    def light_at(self, image: ImageFigures) -> FloatArray:
-        """Grey value (n,) of the brighter of skin and marker at each blob of an image."""
-        return np.maximum(image.light.mean(axis=1) + (0.0 if self.dark else image.blobs.contrast), 1.0)
-
-    def looks(self, image: ImageFigures) -> FloatArray:
-        """Contrast over the light, and diameter in px, (2, n) of the blobs of an image."""
-        return np.stack([image.blobs.contrast / self.light_at(image), image.blobs.diameter_px])
-
     def light_ratio(self, image: ImageFigures) -> FloatArray:
         """Light (n, c) at the blobs of another image over that of the nearest markers of the series."""
         places, lights = self._matched
@@ -180,6 +162,26 @@ class ImageSeries:
             z = (one.blobs.positions_px - np.median(one.blobs.positions_px, axis=0)) @ [1.0, 1j]
             parts.append(_robust_mean(one.harmonic * (z.conj() / np.maximum(abs(z), 1.0)) ** 2)[0].real)
         return float(np.mean(parts))
+
+    def draw(self) -> Figure:
+        """Draw the last image with its blobs, and light, blur and motion of the images."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(10.0, 6.0), layout="constrained")
+        axes = figure.subplot_mosaic([["image", "light / mean"], ["image", "blur, px"], ["image", "motion, px"]])
+        if self.last is not None:
+            grey = self.last if self.last.ndim == 2 else self.last.mean(axis=2)
+            axes["image"].imshow(grey, cmap="gray", vmin=0.0, vmax=self.top)
+        axes["image"].set(title="last image at rest, with blobs", xticks=[], yticks=[])
+        if self.figures:
+            axes["image"].plot(*self.figures[-1].blobs.positions_px.T, "+", color="#d1622b", ms=4)
+            axes["light / mean"].plot(self.brightness, ".-")
+            axes["blur, px"].plot(self.edge_px, ".-")
+            axes["motion, px"].plot(self.motion[0], ".-", label=("column", "row", "rotation", "scale"))
+            axes["motion, px"].legend(fontsize=8)
+        for name, axis in axes.items():
+            axis.set_ylabel("" if name == "image" else name)
+        return figure
 
 
 def _robust_mean(values: NDArray[np.complex128]) -> tuple[complex, float]:

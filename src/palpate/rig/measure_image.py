@@ -26,8 +26,8 @@ class ImageFigures(NamedTuple):
         The blobs.
     saturated
         Share of the pixels of the field at the maximum grey value.
-    light
-        (n, c) grey value of the skin at each blob, by colour.
+    light, brighter
+        (n, c) grey value of the skin at each blob, by colour; (n,) that of the brighter of skin and marker, mean.
     edge_px
         Median blur (standard deviation) of the blobs' edges.
     harmonic
@@ -38,8 +38,14 @@ class ImageFigures(NamedTuple):
     blobs: Blobs
     saturated: float
     light: FloatArray
+    brighter: FloatArray
     edge_px: float
     harmonic: NDArray[np.complex128]
+
+    @property
+    def looks(self) -> FloatArray:
+        """Contrast over the light, and diameter in px, (2, n) of the blobs."""
+        return np.stack([self.blobs.contrast / self.brighter, self.blobs.diameter_px])
 
 
 def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, samples: int = 25) -> ImageFigures:
@@ -62,16 +68,11 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
         column = blobs.positions_px[:, :1, None] + distance * np.cos(azimuth)[:, None]
         row = blobs.positions_px[:, 1:, None] + distance * np.sin(azimuth)[:, None]
         points = [axis.reshape(len(blobs), -1).astype(np.float32) for axis in (column, row)]
-        profiles = np.array(
-            [
-                cv2.remap(layer, *points, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(distance.shape)
-                for layer in np.moveaxis(layers, 2, 0)
-            ],
-            float,
-        )
-        inside, outside = (np.median(profiles[..., end], axis=2).T for end in (0, -1))
+        seen = cv2.remap(layers, *points, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        profiles = np.reshape(seen, (*distance.shape, -1)).astype(float)
+        inside, outside = (np.median(profiles[:, :, end], axis=1) for end in (0, -1))
         ground, height = (part.mean(axis=1)[:, None, None] for part in (outside, inside - outside))
-        share = (profiles.mean(axis=0) - ground) / np.where(abs(height) < 1.0, 1.0, height)
+        share = (profiles.mean(axis=-1) - ground) / np.where(abs(height) < 1.0, 1.0, height)
         first = np.trapezoid(share, along, axis=-1)
         at = at + np.clip(first[..., None] - half, -half, half)
     variance = 2.0 * np.trapezoid(along * share, along, axis=-1) - first**2
@@ -81,6 +82,7 @@ def measure_image(image: NDArray[Any], detector: Detector, rays: int = 16, sampl
         blobs,
         float(full[... if detector.mask is None else detector.mask].mean()),
         outside,
+        np.maximum(outside.mean(axis=1) + (0.0 if detector.dark else blobs.contrast), 1.0),
         edge,
         2.0 * (variance * np.exp(2j * azimuth)).mean(axis=1) * (edge**2 / max(median, 0.5 * edge**2)),
     )

@@ -32,10 +32,6 @@ _NEAR = 1e-4
 """Distance and speed of a reached pose, m, rad, m/s and rad/s. By hand: 0.1 mm and 0.006°."""
 
 
-class _FaultError(Exception):
-    """Fault that ends the process."""
-
-
 class _Arm:
     """Connection to the controller. Poses and forces are (6,), m, rad, N and N m."""
 
@@ -48,7 +44,7 @@ class _Arm:
         self._first, self._force = self._vector("getActualTCPPose"), self._vector("getActualTCPForce")
         offset = self._control.getTCPOffset()
         if len(offset) != 6 or np.abs(offset).max() > _NEAR:
-            raise _FaultError("the controller keeps a tool centre point that is not the flange")
+            raise RuntimeError("the controller keeps a tool centre point that is not the flange")
         self._check_force(np.zeros(6))
 
     def pose(self) -> FloatArray:
@@ -71,7 +67,7 @@ class _Arm:
             if (here != last).any():
                 last, since = here, time.monotonic()
             elif time.monotonic() - since > self._spec.stall_s:
-                raise _FaultError("the robot stands still before the end of a move")
+                raise RuntimeError("the robot stands still before the end of a move")
             if (sent := self._receive.getTimestamp()) != heard:
                 self._control.kickWatchdog()
                 heard = sent
@@ -96,49 +92,45 @@ class _Arm:
             time.sleep(_PERIOD_S)
 
     def _arrived(self, goal: FloatArray) -> bool:
-        speed = np.abs(self._vector("getActualTCPSpeed")).max()
-        return speed < _NEAR and _apart(self._vector("getActualTCPPose"), goal) < _NEAR
+        here, speed = self._vector("getActualTCPPose"), np.abs(self._vector("getActualTCPSpeed"))
+        turn = Rotation.from_rotvec(here[3:]).inv() * Rotation.from_rotvec(goal[3:])
+        apart = (speed.max(), np.linalg.norm(here[:3] - goal[:3]), turn.magnitude())
+        return all(size < _NEAR for size in apart)
 
     def _check_place(self, pose: FloatArray, name: str) -> None:
         away = 1e3 * float(np.linalg.norm(pose[:3] - self._first[:3]))
         if not away <= self._spec.workspace:
-            raise _FaultError(f"{name} is {away:.0f} mm from the start, over {self._spec.workspace:g} mm")
+            raise RuntimeError(f"{name} is {away:.0f} mm from the start, over {self._spec.workspace:g} mm")
         first, axis = (Rotation.from_rotvec(each[3:]).as_matrix()[:, 2] for each in (self._first, pose))
         tilt = float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, axis)), first @ axis)))
         if not tilt <= self._spec.tilt:
-            raise _FaultError(f"{name} is tilted by {tilt:.0f} degrees from the start, over {self._spec.tilt:g}")
+            raise RuntimeError(f"{name} is tilted by {tilt:.0f} degrees from the start, over {self._spec.tilt:g}")
 
     def _check_force(self, zero: FloatArray) -> None:
         force = float(np.linalg.norm((self._vector("getActualTCPForce") - zero)[:3]))
         if not force <= self._spec.force:
-            raise _FaultError(f"the force is {force:.0f} N, over {self._spec.force:g} N")
+            raise RuntimeError(f"the force is {force:.0f} N, over {self._spec.force:g} N")
 
     def _check_stop(self) -> None:
         bits = int(self._receive.getSafetyStatusBits())
         for bit, name in _STOPS:
             if bits >> bit & 1:
-                raise _FaultError(f"the controller reports {name}")
+                raise RuntimeError(f"the controller reports {name}")
         if not self._control.isProgramRunning():
-            raise _FaultError("the controller's program was ended")
+            raise RuntimeError("the controller's program was ended")
 
     def _command(self, name: str, *values: Any) -> None:
         if not getattr(self._control, name)(*values):
             self._check_stop()
-            raise _FaultError(f"the controller refused {name}")
+            raise RuntimeError(f"the controller refused {name}")
 
     def _vector(self, name: str) -> FloatArray:
         return np.array(getattr(self._receive, name)(), float)
 
 
-def _apart(first: FloatArray, second: FloatArray) -> float:
-    """Return the larger of the distances of two poses (6,), m and rad."""
-    turn = Rotation.from_rotvec(first[3:]).inv() * Rotation.from_rotvec(second[3:])
-    return max(float(np.linalg.norm(first[:3] - second[:3])), float(turn.magnitude()))
-
-
 def _serve(connection: socket.socket, arm: _Arm) -> None:
     """Answer lines until the connection is closed."""
-    units = np.array([1e-3] * 3 + [np.pi / 180.0] * 3)
+    units = np.repeat([1e-3, np.pi / 180.0], 3)
     for line in connection.makefile("rb"):
         word, *numbers = line.decode("ascii").split()
         answer = "done"
