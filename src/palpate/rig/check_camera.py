@@ -100,11 +100,14 @@ class CameraCheck:
         Figures that the images determine.
     rest, press
         Measured images at rest and of presses.
+    caused
+        Codes of figures that are left out, since they are beyond their limits by another finding.
     """
 
     figures: tuple[CameraFigure, ...]
     rest: ImageSeries
     press: ImageSeries
+    caused: tuple[str, ...] = ()
 
     @property
     def findings(self) -> tuple[CameraFigure, ...]:
@@ -116,6 +119,7 @@ class CameraCheck:
         return {
             "passed": not self.findings,
             "findings": [one.code for one in self.findings],
+            "caused_by_findings": list(self.caused),
             "rest_images": len(self.rest.exposures),
             "press_images": len(self.press.exposures),
             "figures": [asdict(one) for one in self.figures],
@@ -133,6 +137,7 @@ class CameraCheck:
             f"**{verdict}**",
             *(one.sentence for one in self.findings),
             Report.of("", ("figure", "value", "limit", "unit", "result"), rows),
+            *([f"Left out, since another finding causes them: {', '.join(self.caused)}."] if self.caused else []),
             f"Images at rest: {len(self.rest.exposures)}; of presses: {len(self.press.exposures)}.",
             "![Image with markers, and series](images.png)",
             provenance_line(),
@@ -178,7 +183,7 @@ def check_camera(
     unloaded.read(rest)
     if not unloaded.exposures:
         raise PalpateError("No image at rest can be read.", "Record the unloaded skin.", code="rest-image-missing")
-    pressed = ImageSeries(unloaded.detect, unloaded.detector)
+    pressed = ImageSeries(unloaded.detect, unloaded.detector, unloaded.shape)
     pressed.read(press)
     values = _measure_images(unloaded, pressed) | _measure_rate(np.array(times, float))
     if unloaded.figures:
@@ -186,7 +191,9 @@ def check_camera(
         values |= _measure_colours(unloaded, pressed)
         if pressed.figures:
             values["motion_blur_px"] = max(values["motion_blur_px"], pressed.motion_blur(unloaded))
-    return CameraCheck(tuple(_compare(values, spec)), unloaded, pressed)
+    figures = tuple(_compare(values, spec))
+    caused = {flag_name(CameraCheckSpec, name) for name in values} - {one.code for one in figures}
+    return CameraCheck(figures, unloaded, pressed, tuple(sorted(caused)))
 
 
 def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraFigure]:
@@ -199,7 +206,8 @@ def _compare(values: Mapping[str, float], spec: CameraCheckSpec) -> list[CameraF
     for name, remedy in _REMEDIES.items():
         if name in values and name not in failed & caused:
             code, one, within = flag_name(CameraCheckSpec, name), described[name], name not in failed
-            figures.append(CameraFigure(code, one.meaning, values[name], limits[name], one.unit, within, remedy))
+            meaning = one.meaning.removeprefix("maximum ").removeprefix("minimum ")
+            figures.append(CameraFigure(code, meaning, values[name], limits[name], one.unit, within, remedy))
     return figures
 
 
@@ -231,7 +239,7 @@ def _measure_markers(rest: ImageSeries, isolated: float = 1.4) -> dict[str, floa
         cut &= apart < isolated * np.median(apart)
         contrast, diameter = np.median(one.looks, axis=1)
         blur = np.sqrt(max(one.edge_px**2 - MOTION_VARIANCE * motion**2, 0.0))
-        dark = np.median(one.brighter) / rest.top
+        dark = np.median(one.brighter - one.light.mean(axis=1) + one.light.max(axis=1)) / rest.top
         parts.append((one.saturated, dark, contrast, cut.sum(), 2.0 * blur / diameter))
     names = ("saturated", "dark", "contrast", "at_border", "focus")
     values = dict(zip(names, np.median(parts, axis=0).tolist(), strict=True))
@@ -293,9 +301,9 @@ def _measure_rate(times: FloatArray) -> dict[str, float]:
 
 
 def _common(ratio: FloatArray) -> float:
-    """Return the change of three quarters of ratios (n,): the smaller distance of their quartiles from 1."""
-    low, high = (float(np.median(half)) - 1.0 for half in np.array_split(np.sort(ratio), 2))
-    return min(abs(low), abs(high)) if low * high > 0.0 else 0.0
+    """Return the change of 90 % of ratios (n,): the smaller distance of their deciles from 1."""
+    low, high = np.quantile(ratio, [0.1, 0.9]) - 1.0
+    return float(min(abs(low), abs(high))) if low * high > 0.0 else 0.0
 
 
 def _smooth(series: FloatArray, parts: int = 6) -> FloatArray:

@@ -30,8 +30,8 @@ class ImageSeries:
 
     Attributes
     ----------
-    detect, detector
-        Known properties of the markers; detector of the first image with markers, `None` without one.
+    detect, detector, shape
+        Known properties of the markers; detector of the first image with markers; shape of all images.
     figures
         Figures of the images in which markers were detected.
     unreadable, repeated
@@ -44,6 +44,7 @@ class ImageSeries:
 
     detect: DetectSpec
     detector: Detector | None = None
+    shape: tuple[int, ...] | None = None
     figures: list[ImageFigures] = field(default_factory=list)
     unreadable: int = 0
     repeated: int = 0
@@ -52,16 +53,21 @@ class ImageSeries:
     last: NDArray[Any] | None = None
     faint: ImageFigures | None = None
 
-    def read(self, images: Iterable[NDArray[Any] | PalpateError], bright: float = 0.95, attempts: int = 3) -> None:
+    def read(self, images: Iterable[NDArray[Any] | PalpateError], bright: float = 0.95, attempts: int = 10) -> None:
         """Measure images one by one, and store none but the last; their light is the quantile `bright`.
 
-        The detector is prepared in some attempts. Images with less than half of the first one's markers are left out.
+        The detector is prepared in some attempts. Images of another shape, smaller than 8 px, or with less than half
+        of the first one's markers are left out.
         """
         for image in images:
             if isinstance(image, PalpateError) or not np.issubdtype(image.dtype, np.integer):
                 self.unreadable += 1
                 continue
             image = image[..., :3] if image.ndim > 2 else image
+            if min(image.shape[:2]) < 8 or image.shape != (self.shape or image.shape):
+                self.unreadable += 1
+                continue
+            self.shape = image.shape
             self.repeated += self.last is not None and np.array_equal(image, self.last)
             self.last = image
             self.exposures.append(measure_exposure(image))

@@ -246,3 +246,24 @@ def test_automatic_controls_are_listed_with_the_command_that_fixes_them(
     }
     assert "`v4l2-ctl -d /dev/video3 -c auto_exposure=1`" in figures[0].sentence
     assert find_automatic_controls(open_source(str(DATA / "board"))) == []
+
+
+def test_images_of_another_shape_or_too_small_are_unreadable() -> None:
+    good = series()
+    other = [np.dstack([good[0]] * 3), good[0][:3, :3], good[0][:, :-20]]
+    checked = check_camera([*good, *other], [good[0][:3]])
+    assert [(one.code, one.value) for one in checked.findings] == [("unreadable", 4.0)]
+
+
+def test_black_images_at_the_start_do_not_hide_the_markers() -> None:
+    good = series()
+    checked = check_camera([np.zeros_like(good[0])] * 3 + good)
+    assert {one.code: one.value for one in checked.figures}["markers"] == len(hexagon())
+
+
+def test_a_red_light_is_not_dark_and_a_caused_figure_is_named() -> None:
+    red = [np.dstack([image // 20, image // 20, image]) for image in series()]
+    assert "dark" not in found(red)
+    checked = check_camera(series(lambda part: {"level": 30.0}))
+    assert "dark" in [one.code for one in checked.findings]
+    assert set(checked.caused).isdisjoint(one.code for one in checked.figures)
