@@ -204,15 +204,18 @@ class UncertaintyBudget:
     ) -> UncertaintyBudget:
         """Return the budget with a line (3,) of a type, which increases all figures in proportion.
 
-        `without` is the name of a line that it replaces.
+        The radius of the normal changes with the largest ratio of rx, ry and total angle. `without` is the name of a
+        line that is replaced.
         """
         kept = [line for line in self.components if line.name != without]
         sd = float(contribution_deg[-1])
         kept.append(UncertaintyComponent(name, kind, _NORMAL, "°", sd or None, contribution_deg, dof))
         found = replace(self, components=_sorted(kept))
-        before = float(self.combined_deg[-1])
-        ratio = float(found.combined_deg[-1]) / before if before else 1.0
-        return replace(found, largest_deg=ratio * self.largest_deg, normal_deg=ratio * self.normal_deg)
+        before = self.combined_deg
+        ratio = np.divide(found.combined_deg, before, out=np.ones(len(before)), where=before > 0)
+        return replace(
+            found, largest_deg=float(ratio[-1]) * self.largest_deg, normal_deg=float(ratio.max()) * self.normal_deg
+        )
 
     def report(self) -> Report:
         """Return the table of the lines."""

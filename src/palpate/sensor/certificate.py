@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from palpate.calibration import UncertaintyBudget
-from palpate.core import wrap_write_errors
+from palpate.core import PalpateError, wrap_write_errors
 from palpate.core.report import Report
 from palpate.design import wall_normal
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
@@ -65,24 +65,34 @@ class Certificate:
         """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
 
         The recorded errors are a sample of the combined error. Only their excess over these lines is added, so
-        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating. Without a
-        twin, the recorded errors and the reference are the only lines.
+        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating, unless
+        mountings have fewer than 4 degrees of freedom. The reference standard is always a line.
+
+        Raises
+        ------
+        PalpateError
+            If an expanded uncertainty is not finite.
         """
         errors, press = self.found.angle_errors()
-        budget = self.budget or UncertaintyBudget((), float(np.abs(errors[:, -1]).max()), self._recorded_radius())
+        budget = self.budget or UncertaintyBudget((), 0.0, self._recorded_radius())
         if self.study is not None:
             parts = [self.study.reproducibility(name) for name in ANGLES[:2]]
             axes = np.array([part.variance for part in parts])
             line, sd = "operator, day and mounting: gauge study", np.sqrt(np.append(axes, axes.mean()))
-            replaced = "" if "mounting" in self.study.absent else _SEATING
-            budget = budget.with_line(line, sd, min(part.dof for part in parts), without=replaced)
+            dof = min((part.dof for part in parts if part.variance), default=np.inf)
+            budget = budget.with_line(line, sd, dof, without=_SEATING if self.study.remounted else "")
         excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")
             budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
-        if self.budget is None:
-            axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
-            budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
+        axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
+        budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
+        if not np.isfinite(budget.expanded_deg).all():
+            raise PalpateError(
+                f"The expanded uncertainties of a reading are {budget.expanded_deg}°.",
+                "Correct the readings, the gauge study or the uncertainty of the reference.",
+                code="uncertainty-not-finite",
+            )
         return budget
 
     def _recorded_radius(self) -> float:
@@ -106,7 +116,9 @@ class Certificate:
             "Forces and friction.",
             "Ageing, wear, relaxation and contamination of the skin; no calibration interval is stated.",
             "Motion of the contact during an exposure; other light; other settings of the camera.",
-            f"Temperatures that differ by more than {change:g} K from that of the rest image.",
+            f"Temperatures that differ by more than {change:g} K from that of the rest image."
+            if self.budget
+            else "Other temperatures than those of the test.",
         ]
         if len(np.unique(found.press)) == 1:
             lines.append(
@@ -117,9 +129,12 @@ class Certificate:
         if found.reference.temperature_c is None:
             lines.append("The temperature of the test, which is not stated.")
         if self.study is None:
-            lines.append("Operators, days and remounting: there is no gauge study; seating has its tolerance only.")
+            seated = "; seating has its tolerance only" if self.budget else ""
+            lines.append(f"Operators, days and remounting: there is no gauge study{seated}.")
         elif self.study.absent:
             lines.append(f"Components that the gauge study does not determine: {', '.join(self.study.absent)}.")
+        if self.study and not self.study.remounted:
+            lines.append("Remounting: the gauge study has fewer than 4 degrees of freedom of mounting.")
         lines.append(
             "Type B evaluation of the unit: its estimator is not a twin."
             if self.budget is None
@@ -138,7 +153,7 @@ class Certificate:
             "uncertainty": {
                 **{name: dict(zip(ANGLES, each.tolist(), strict=True)) for name, each in stated.items()},
                 "normal_deg": budget.normal_deg,
-                "largest_standard_deg": budget.largest_deg,
+                "largest_standard_deg": budget.largest_deg if self.budget else None,
                 "lines": [line.as_dict() for line in budget.components],
             },
             "repeatability_deg": self.found.repeatability_deg(),
@@ -179,8 +194,12 @@ class Certificate:
             *signatures,
             "## Uncertainty budget",
             budget.report(),
-            "u(x) is the standard uncertainty of the quantity; c is the RMS sensitivity of the total angle over the "
-            "range, by the twin. A line without u(x) combines several quantities.",
+            "u(x) is the standard uncertainty of the quantity; c is the RMS sensitivity of the total angle"
+            + (
+                " over the range, by the twin. A line without u(x) combines several quantities."
+                if self.budget
+                else "."
+            ),
             *study,
             "## Not covered",
             "\n".join(f"* {line}" for line in self.not_covered()),
@@ -197,8 +216,12 @@ class Certificate:
             f"or more, up to {found.max_tilt_deg:.1f}°; {found.left_out} images left out; {found.flagged} of the "
             "evaluated readings are flagged.",
             f"Reference: {found.reference.describe(found.max_tilt_deg)}",
-            f"Temperature: {temperature}; its change since the rest image is within ± "
-            f"{found.reference.temperature_change:g} K.",
+            f"Temperature: {temperature}"
+            + (
+                f"; the budget has a change of ± {found.reference.temperature_change:g} K since the rest image."
+                if self.budget
+                else "; its change is not evaluated."
+            ),
         ]
         if found.zero:
             lines.append(
@@ -212,9 +235,10 @@ class Certificate:
 
     def _quoted(self, budget: UncertaintyBudget) -> str:
         u, k = float(budget.combined_deg[-1]), float(budget.factor[-1])
+        worst = f" (worst pose ± {k * budget.largest_deg:.3f}°)" if self.budget else ""
         return (
-            f"Quoted for a reading in use: the total angle ± {k * u:.3f}° (worst pose ± {k * budget.largest_deg:.3f}"
-            "°), with a coverage of 95.45 % over the range, because it is the misalignment of the wall. The "
+            f"Quoted for a reading in use: the total angle ± {k * u:.3f}°{worst}, with a coverage of nominally 95 % "
+            "over the range, because it is the misalignment of the wall. The "
             f"direction of the wall normal is within {budget.normal_deg:.3f}° with the same coverage; 2 SD of a "
             f"two-dimensional error contain only 86 %. This radius also holds for total angles below {3.0 * u:.2f}° "
             "(3 u), which are not normally distributed (Rice)."

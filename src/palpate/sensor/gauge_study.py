@@ -119,8 +119,14 @@ class GaugeStudy:
         return next(found, VarianceComponent(term, 0.0, 0.0, 0.0, np.inf))
 
     def reproducibility(self, measurand: str) -> VarianceComponent:
-        """Return the sum of all components but those of parts and repeatability."""
-        return self.component(measurand, REPRODUCIBILITY)
+        """Return the sum of all components but those of parts and repeatability; at least 0."""
+        found = self.component(measurand, REPRODUCIBILITY)
+        return found._replace(variance=max(found.variance, 0.0))
+
+    @property
+    def remounted(self) -> bool:
+        """Whether mountings have 4 degrees of freedom or more, enough to replace a tolerance."""
+        return "mounting" not in self.absent and self.component(ANGLES[0], "mounting").dof >= 4
 
     def report(self, tolerance_deg: float) -> Report:
         """Return a table of SDs, and of 6 SD over the width of a tolerance ± `tolerance_deg`."""
@@ -175,13 +181,13 @@ def study_repeatability(
     known = {name: levels.get(name, np.zeros(count, int)) for name in FACTORS}
     found = np.full((count, 1), count**-0.5)
     bases, designs, absent = [], {}, []
-    cells, mountings = (len(set(zip(*(known[name] for name in TERMS["mounting"][:n])))) for n in (2, 3))
     for term, factors in TERMS.items():
         labels = np.unique(np.column_stack([known[name] for name in factors]), axis=0, return_inverse=True)[1]
         design = np.eye(int(labels.max()) + 1)[labels.reshape(-1)]
         left, size, _ = np.linalg.svd(design - found @ (found.T @ design), full_matrices=False)
         basis = left[:, size > 1e-8 * count]
-        confounded = term == "mounting" and mountings == cells
+        cells = len(np.unique(np.column_stack([known[name] for name in factors[:-1] or factors]), axis=0))
+        confounded = term == "mounting" and cells == design.shape[1]
         if basis.shape[1]:
             bases.append(basis)
             designs["operator × day" if confounded else term] = design
