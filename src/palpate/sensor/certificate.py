@@ -22,6 +22,9 @@ from palpate.sensor.score import PAPER_TABLE_3
 
 _SEATING = "seating, tilt"
 """Line of the budget that a gauge study with remounting replaces."""
+_UNSTATED = (
+    "No reference standard is stated, so that nothing is proven: figures ± U are within or outside the tolerance."
+)
 _CHECKS = ("figure", "value", "U (k = 2)", "tolerance", "decision")
 _FIELDS = (
     "Certificate number, date and place of the test",
@@ -57,9 +60,11 @@ class Certificate:
 
     @property
     def verdict(self) -> str:
-        """``passed``, or the failed checks."""
+        """``passed``, with a note if no reference standard is stated, or the failed checks."""
         failed = [f"{each.what} ({each.decision})" for each in self.found.checks if not each.passed]
-        return f"failed: {', '.join(failed)}" if failed else "passed"
+        if failed:
+            return f"failed: {', '.join(failed)}"
+        return "passed" if self.found.reference.reference else "passed; reference standard not stated"
 
     def reading_budget(self) -> UncertaintyBudget:
         """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
@@ -120,10 +125,6 @@ class Certificate:
             if self.budget
             else "Other temperatures than those of the test.",
         ]
-        if len(np.unique(found.press)) == 1:
-            lines.append(
-                "The sample of presses: the test has a single press, so U of an RMSE is that of the reference."
-            )
         if not found.reference.reference:
             lines.append("Traceability: no reference standard is stated, and its uncertainty is assumed.")
         if found.reference.temperature_c is None:
@@ -181,10 +182,13 @@ class Certificate:
             f"**{self.verdict}**",
             Report.of("", _CHECKS, map(_row, found.checks)),
             f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "
-            "that of the reference and, for an RMSE, of the sampled presses (bootstrap by press).",
+            "that of the reference and, for an RMSE, of the sample of presses (upper limit by mean squares "
+            "between and within presses). An RMSE of fewer than 5 presses is not decided.",
+            *([] if found.reference.reference else [_UNSTATED]),
             Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
             "## Inputs",
             "\n".join(f"* {name}: {text}" for name, text in self.inputs.items()) or "* not stated",
+            "The hash of several files is that of their contents one after the other, in the order of the table.",
             provenance_line(),
             "## Method, reference and environment",
             *self._basis(),
@@ -211,7 +215,7 @@ class Certificate:
         temperature = "not stated" if stated is None else f"{stated:g} °C"
         lines = [
             "Images of presses on a flat wall at reference angles were read by the estimator among the inputs. The "
-            "error is the reading minus the reference; the total angle is √(rx² + ry²).",
+            "error is the reading minus the reference. rx is roll, ry is pitch; the total angle is √(rx² + ry²).",
             f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep "
             f"or more, up to {found.max_tilt_deg:.1f}°; {found.left_out} images left out; {found.flagged} of the "
             "evaluated readings are flagged.",

@@ -30,8 +30,8 @@ def budget(sd=0.1):
     return UncertaintyBudget((), sd, 2.45 * sd).with_line("seating, tilt", np.full(3, sd), np.inf)
 
 
-def decide(value, expanded, guard=True):
-    reference = ReferenceSpec(reference_tilt_deg=expanded / 2.0, direction_limit_deg=0.0)
+def decide(value, expanded, guard=True, stated="plate 7"):
+    reference = ReferenceSpec(reference=stated, reference_tilt_deg=expanded / 2.0, direction_limit_deg=0.0)
     spec = AcceptanceSpec(zero=False, max_deg=value, rmse_deg=9.0, guard=guard)
     return next(check for check in accepted(reference=reference, spec=spec).checks if "maximum" in check.what)
 
@@ -44,6 +44,17 @@ def test_a_figure_near_its_tolerance_is_not_decided():
     assert decide(figure - 0.09, 0.1).decision == "not decided"
     assert decide(figure - 0.11, 0.1).decision == "non-conformity proven"
     assert [decide(figure + 0.09, 0.1, guard).passed for guard in (True, False)] == [False, True]
+    assert decide(figure + 0.09, 0.1, guard=False).decision == "accepted (simple)"
+
+
+def test_nothing_is_proven_without_a_stated_reference():
+    figure = decide(9.0, 0.1).value
+    assert decide(figure + 0.11, 0.1, stated="").decision == "within tolerance"
+    assert decide(figure + 0.11, 0.1, stated="").passed
+    assert decide(figure - 0.11, 0.1, stated="").decision == "outside tolerance"
+    pages = [Certificate(accepted(reference=ReferenceSpec(reference=name)), "u").page() for name in ("", "plate 7")]
+    assert ["proven" in str(page[2]) for page in pages] == [False, True]
+    assert ["not stated" in page[1] for page in pages] == [True, False]
 
 
 def test_the_total_angle_is_tested_with_rx_and_ry():
