@@ -20,7 +20,7 @@ from palpate.sensor.spec import AcceptanceSpec
 PROVEN, OPEN, REFUTED = "conformity proven", "not decided", "non-conformity proven"
 """Decisions after ISO 14253-1, with the expanded uncertainty of a figure as guard band on both sides."""
 WITHIN, OUTSIDE, SIMPLE = "within tolerance", "outside tolerance", "accepted (simple)"
-"""The same decisions without a stated reference standard; simple acceptance of a figure within its tolerance."""
+"""Decisions without a stated reference standard, and simple acceptance of a figure."""
 _DOUBT = 0.05
 """Allowance for the error of a determined depth zero, mm, so that images at the minimum depth count.
 By hand."""
@@ -230,7 +230,7 @@ def _check(
     stated: bool,
     without: float,
 ) -> list[AcceptanceCheck]:
-    """Compare figures with tolerances; upper limits of RMSE and standard uncertainties of the reference by score."""
+    """Compare scores, upper limits of RMSE, and standard uncertainties of the reference with tolerances."""
     checks = []
 
     def add(
@@ -262,7 +262,7 @@ def _check(
 
 
 def _rmse_limit(error: FloatArray, press: IntArray) -> float:
-    """Return the upper limit (one-sided, k = 2) of the RMSE of errors (n,) from a sample of presses (n,).
+    """Return the upper limit (one-sided, k = 2) of the RMSE of errors (n,) of presses (n,).
 
     The square is the sum of the shares between and within presses. Its limit is that of Graybill and Wang (modified
     large sample; Burdick and Graybill, *Confidence Intervals on Variance Components*, 1992). A bias counts as

@@ -188,7 +188,7 @@ class Certificate:
             Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
             "## Inputs",
             "\n".join(f"* {name}: {text}" for name, text in self.inputs.items()) or "* not stated",
-            "The hash of several files is that of their contents one after the other, in the order of the table.",
+            "The hash of several files is that of their contents in sequence, in the order of the table.",
             provenance_line(),
             "## Method, reference and environment",
             *self._basis(),
