@@ -16,12 +16,12 @@ from palpate.core.report import Report
 from palpate.design import wall_normal
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
 from palpate.sensor.draw_certificate import write_pages
-from palpate.sensor.gauge_study import ANGLES, GaugeStudy
+from palpate.sensor.gauge_study import ANGLES, REPEATABILITY, REPRODUCIBILITY, GaugeStudy
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3
 
-_SEATING = "seating, tilt"
-"""Line of the budget that a gauge study with remounting replaces."""
+_SEATING, _NOISE = "seating, tilt", "marker noise, of the image and at rest"
+"""Lines of the budget that a gauge study with remounting replaces, and with which repeatability is compared."""
 _UNSTATED = (
     "No reference standard is stated, so that nothing is proven: figures ± U are within or outside the tolerance."
 )
@@ -71,7 +71,8 @@ class Certificate:
 
         The recorded errors are a sample of the combined error. Only their excess over these lines is added, so
         that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating, unless
-        mountings have fewer than 4 degrees of freedom. The reference standard is always a line.
+        mountings have fewer than 4 degrees of freedom. Repeatability is added as far as it exceeds the marker noise.
+        The reference standard is always a line.
 
         Raises
         ------
@@ -81,11 +82,17 @@ class Certificate:
         errors, press = self.found.angle_errors()
         budget = self.budget or UncertaintyBudget((), 0.0, self._recorded_radius())
         if self.study is not None:
-            parts = [self.study.reproducibility(name) for name in ANGLES[:2]]
-            axes = np.array([part.variance for part in parts])
-            line, sd = "operator, day and mounting: gauge study", np.sqrt(np.append(axes, axes.mean()))
-            dof = min((part.dof for part in parts if part.variance), default=np.inf)
-            budget = budget.with_line(line, sd, dof, without=_SEATING if self.study.remounted else "")
+            noise = sum((line.contribution_deg**2 for line in budget.components if line.name == _NOISE), np.zeros(3))
+            replaced = _SEATING if self.study.remounted else ""
+            for name, term, known in (
+                ("operator, day and mounting: gauge study", REPRODUCIBILITY, np.zeros(3)),
+                ("repeatability beyond marker noise: gauge study", REPEATABILITY, noise),
+            ):
+                parts = [self.study.component(axis, term) for axis in ANGLES[:2]]
+                axes = np.maximum([part.variance for part in parts], 0.0)
+                sd = np.sqrt(np.maximum(np.append(axes, axes.mean()) - known, 0.0))
+                dof = min((part.dof for part in parts if part.variance > 0), default=np.inf)
+                budget = budget.with_line(name, sd, dof, without=replaced)
         excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")

@@ -118,11 +118,6 @@ class GaugeStudy:
         found = (each for each in self.components[measurand] if each.term == term)
         return next(found, VarianceComponent(term, 0.0, 0.0, 0.0, np.inf))
 
-    def reproducibility(self, measurand: str) -> VarianceComponent:
-        """Return the sum of all components but those of parts and repeatability; at least 0."""
-        found = self.component(measurand, REPRODUCIBILITY)
-        return found._replace(variance=max(found.variance, 0.0))
-
     @property
     def remounted(self) -> bool:
         """Whether mountings have 4 degrees of freedom or more, enough to replace a tolerance."""

@@ -153,12 +153,25 @@ def test_sentences_about_the_twin_need_a_twin():
     assert bare.as_dict()["uncertainty"]["largest_standard_deg"] is None
 
 
+def test_repeatability_is_counted_beyond_the_marker_noise():
+    values, levels, _ = remounted(30, (0.0, 0.0))
+    noisy = {name: value + 0.3 * np.random.default_rng(1).standard_normal(300) for name, value in values.items()}
+    study = study_repeatability(noisy, levels)
+    repeated = np.sqrt([study.component(name, "repeatability").variance for name in ("rx", "ry")])
+    for noise in (0.0, 0.2, 0.5):
+        lines = budget().with_line("marker noise, of the image and at rest", np.full(3, noise), kind="B")
+        found = Certificate(accepted(error=0.02), "u", budget=lines, study=study).reading_budget()
+        line = next(each for each in found.components if each.name.startswith("repeatability"))
+        wanted = np.sqrt(np.maximum(repeated**2 - noise**2, 0.0))
+        assert line.contribution_deg[:2] == pytest.approx(wanted)
+
+
 def test_a_gauge_study_replaces_the_tolerance_of_the_seating():
     values, levels, shifts = remounted(30)
     study = study_repeatability(values, levels)
     found = Certificate(accepted(error=0.02), "u", budget=budget(), study=study).reading_budget()
-    names = [line.name.split(":")[0] for line in found.components]
-    assert names == ["operator, day and mounting", "reference standard"]
+    names = {line.name.split(":")[0] for line in found.components}
+    assert names == {"operator, day and mounting", "reference standard", "repeatability beyond marker noise"}
     days = dict(zip(("part", "day"), levels.values(), strict=True))
     few, few_levels, _ = remounted(4)
     for kept in (

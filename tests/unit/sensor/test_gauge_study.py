@@ -78,8 +78,8 @@ def test_the_degrees_of_freedom_of_reproducibility_are_those_of_the_spread_of_it
         study = study_repeatability(
             {"rx": value + 0.2 * rng.standard_normal(len(p))}, {"part": p, "operator": o, "day": d, "mounting": m}
         )
-        found.append((study.reproducibility("rx").variance, study.reproducibility("rx").dof))
-    variance, dof = np.array(found).T
+        found.append(study.component("rx", "reproducibility"))
+    variance, dof = (np.array([getattr(each, name) for each in found]) for name in ("variance", "dof"))
     assert np.median(dof) == pytest.approx(2.0 * (variance.mean() / variance.std()) ** 2, rel=0.25)
     assert dof.min() >= 1.0
 
@@ -106,7 +106,7 @@ def test_a_table_is_read_with_its_total_angle(tmp_path):
     assert found.component("ry", "repeatability").variance == pytest.approx(0.0, abs=1e-12)
     assert 0 < found.component("total angle", "repeatability").variance < found.component("rx", "part").variance
     assert found.absent == ("operator", "day", "part × operator", "mounting")
-    assert found.reproducibility("rx").variance == 0
+    assert found.component("rx", "reproducibility").variance == 0
     rows = rows.replace("A,", " A ,", 3)
     spaced = GaugeStudy.read(write(tmp_path / "g.csv", f"part,operator,rx_deg,ry_deg\n{rows}\n"))
     assert spaced.components == found.components
