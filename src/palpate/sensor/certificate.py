@@ -21,7 +21,7 @@ from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3
 
 _SEATING, _NOISE = "seating, tilt", "marker noise, of the image and at rest"
-"""Lines of the budget that a gauge study with remounting replaces, and with which repeatability is compared."""
+"""Lines of the budget that remounting replaces, and with which repeatability is compared."""
 _UNSTATED = (
     "No reference standard is stated, so that nothing is proven: figures ± U are within or outside the tolerance."
 )
