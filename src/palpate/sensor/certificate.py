@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -80,7 +80,7 @@ class Certificate:
             If an expanded uncertainty is not finite.
         """
         errors, press = self.found.angle_errors()
-        budget = self.budget or UncertaintyBudget((), 0.0, self._recorded_radius())
+        budget = self.budget or UncertaintyBudget((), 0.0, 0.0)
         if self.study is not None:
             noise = sum((line.contribution_deg**2 for line in budget.components if line.name == _NOISE), np.zeros(3))
             replaced = _SEATING if self.study.remounted else ""
@@ -97,6 +97,7 @@ class Certificate:
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")
             budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
+        budget = replace(budget, normal_deg=max(budget.normal_deg, self._recorded_radius()))
         axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
         budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
         if not np.isfinite(budget.expanded_deg).all():

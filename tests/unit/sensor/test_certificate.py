@@ -143,6 +143,10 @@ def test_the_radius_of_the_normal_contains_an_error_of_azimuth():
     found = Certificate(replace(exact, estimates=read), "u", budget=budget()).reading_budget()
     recorded = np.linalg.norm(read[:, :2] - exact.truth[:, :2], axis=1)
     assert found.normal_deg > 0.95 * np.quantile(recorded, 0.9545) > 1.0
+    study = study_repeatability(*remounted(30, (0.001, 0.001))[:2])
+    for each in (None, budget(0.001)):
+        wide = Certificate(accepted(error=0.2), "u", budget=each, study=study).reading_budget()
+        assert wide.normal_deg == pytest.approx(2.49 * 0.2, rel=0.2)  # not in proportion to the first line
 
 
 def test_sentences_about_the_twin_need_a_twin():
