@@ -202,17 +202,20 @@ class UncertaintyBudget:
     def with_line(
         self, name: str, contribution_deg: FloatArray, dof: float = np.inf, *, kind: str = "A", without: str = ""
     ) -> UncertaintyBudget:
-        """Return the budget with a line (3,) of a type, which increases all figures in proportion.
+        """Return the budget with a line (3,) of a type; `without` is the name of a line that is replaced.
 
-        `without` is the name of a line that it replaces.
+        The worst pose changes in proportion. The square of the radius of the normal changes by that of an isotropic
+        error with the largest change of variance of rx, ry and total angle.
         """
         kept = [line for line in self.components if line.name != without]
         sd = float(contribution_deg[-1])
         kept.append(UncertaintyComponent(name, kind, _NORMAL, "°", sd or None, contribution_deg, dof))
         found = replace(self, components=_sorted(kept))
-        before = float(self.combined_deg[-1])
-        ratio = float(found.combined_deg[-1]) / before if before else 1.0
-        return replace(found, largest_deg=ratio * self.largest_deg, normal_deg=ratio * self.normal_deg)
+        before, after = self.combined_deg, found.combined_deg
+        ratio = float(after[-1] / before[-1]) if before[-1] else 1.0
+        square = self.normal_deg**2 + float(stats.chi2.ppf(_COVERAGE, 2) * (after**2 - before**2).max())
+        normal = max(np.sqrt(max(square, 0.0)), 2.0 * after.max())
+        return replace(found, largest_deg=ratio * self.largest_deg, normal_deg=float(normal))
 
     def report(self) -> Report:
         """Return the table of the lines."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -11,17 +11,20 @@ from typing import Any
 import numpy as np
 
 from palpate.calibration import UncertaintyBudget
-from palpate.core import wrap_write_errors
+from palpate.core import PalpateError, wrap_write_errors
 from palpate.core.report import Report
 from palpate.design import wall_normal
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
 from palpate.sensor.draw_certificate import write_pages
-from palpate.sensor.gauge_study import ANGLES, GaugeStudy
+from palpate.sensor.gauge_study import ANGLES, REPEATABILITY, REPRODUCIBILITY, GaugeStudy
 from palpate.sensor.report import provenance_line, write_report
 from palpate.sensor.score import PAPER_TABLE_3
 
-_SEATING = "seating, tilt"
-"""Line of the budget that a gauge study with remounting replaces."""
+_SEATING, _NOISE = "seating, tilt", "marker noise, of the image and at rest"
+"""Lines of the budget that remounting replaces, and with which repeatability is compared."""
+_UNSTATED = (
+    "No reference standard is stated, so that nothing is proven: figures ± U are within or outside the tolerance."
+)
 _CHECKS = ("figure", "value", "U (k = 2)", "tolerance", "decision")
 _FIELDS = (
     "Certificate number, date and place of the test",
@@ -57,32 +60,52 @@ class Certificate:
 
     @property
     def verdict(self) -> str:
-        """``passed``, or the failed checks."""
+        """``passed``, with a note if no reference standard is stated, or the failed checks."""
         failed = [f"{each.what} ({each.decision})" for each in self.found.checks if not each.passed]
-        return f"failed: {', '.join(failed)}" if failed else "passed"
+        if failed:
+            return f"failed: {', '.join(failed)}"
+        return "passed" if self.found.reference.reference else "passed; reference standard not stated"
 
     def reading_budget(self) -> UncertaintyBudget:
         """Return the budget of a reading: by the twin (type B), and by recording and gauge study (type A).
 
         The recorded errors are a sample of the combined error. Only their excess over these lines is added, so
-        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating. Without a
-        twin, the recorded errors and the reference are the only lines.
+        that nothing is counted twice. Reproducibility over mountings replaces the tolerance of the seating, unless
+        mountings have fewer than 4 degrees of freedom. Repeatability is added as far as it exceeds the marker noise.
+        The reference standard is always a line.
+
+        Raises
+        ------
+        PalpateError
+            If an expanded uncertainty is not finite.
         """
         errors, press = self.found.angle_errors()
-        budget = self.budget or UncertaintyBudget((), float(np.abs(errors[:, -1]).max()), self._recorded_radius())
+        budget = self.budget or UncertaintyBudget((), 0.0, 0.0)
         if self.study is not None:
-            parts = [self.study.reproducibility(name) for name in ANGLES[:2]]
-            axes = np.array([part.variance for part in parts])
-            line, sd = "operator, day and mounting: gauge study", np.sqrt(np.append(axes, axes.mean()))
-            replaced = "" if "mounting" in self.study.absent else _SEATING
-            budget = budget.with_line(line, sd, min(part.dof for part in parts), without=replaced)
+            noise = sum((line.contribution_deg**2 for line in budget.components if line.name == _NOISE), np.zeros(3))
+            replaced = _SEATING if self.study.remounted else ""
+            for name, term, known in (
+                ("operator, day and mounting: gauge study", REPRODUCIBILITY, np.zeros(3)),
+                ("repeatability beyond marker noise: gauge study", REPEATABILITY, noise),
+            ):
+                parts = [self.study.component(axis, term) for axis in ANGLES[:2]]
+                axes = np.maximum([part.variance for part in parts], 0.0)
+                sd = np.sqrt(np.maximum(np.append(axes, axes.mean()) - known, 0.0))
+                dof = min((part.dof for part in parts if part.variance > 0), default=np.inf)
+                budget = budget.with_line(name, sd, dof, without=replaced)
         excess = np.sqrt(np.maximum(np.mean(errors**2, axis=0) - budget.combined_deg**2, 0.0))
         if excess.any():
             name = "recorded errors" + (" beyond these lines" if budget.components else "")
             budget = budget.with_line(name, excess, max(len(np.unique(press)) - 1, 1))
-        if self.budget is None:
-            axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
-            budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
+        budget = replace(budget, normal_deg=max(budget.normal_deg, self._recorded_radius()))
+        axis, total = self.found.reference.tilt_sd_deg(self.found.max_tilt_deg)
+        budget = budget.with_line("reference standard", np.array([axis, axis, total]), kind="B")
+        if not np.isfinite(budget.expanded_deg).all():
+            raise PalpateError(
+                f"The expanded uncertainties of a reading are {budget.expanded_deg}°.",
+                "Correct the readings, the gauge study or the uncertainty of the reference.",
+                code="uncertainty-not-finite",
+            )
         return budget
 
     def _recorded_radius(self) -> float:
@@ -106,20 +129,21 @@ class Certificate:
             "Forces and friction.",
             "Ageing, wear, relaxation and contamination of the skin; no calibration interval is stated.",
             "Motion of the contact during an exposure; other light; other settings of the camera.",
-            f"Temperatures that differ by more than {change:g} K from that of the rest image.",
+            f"Temperatures that differ by more than {change:g} K from that of the rest image."
+            if self.budget
+            else "Other temperatures than those of the test.",
         ]
-        if len(np.unique(found.press)) == 1:
-            lines.append(
-                "The sample of presses: the test has a single press, so U of an RMSE is that of the reference."
-            )
         if not found.reference.reference:
             lines.append("Traceability: no reference standard is stated, and its uncertainty is assumed.")
         if found.reference.temperature_c is None:
             lines.append("The temperature of the test, which is not stated.")
         if self.study is None:
-            lines.append("Operators, days and remounting: there is no gauge study; seating has its tolerance only.")
+            seated = "; seating has its tolerance only" if self.budget else ""
+            lines.append(f"Operators, days and remounting: there is no gauge study{seated}.")
         elif self.study.absent:
             lines.append(f"Components that the gauge study does not determine: {', '.join(self.study.absent)}.")
+        if self.study and not self.study.remounted:
+            lines.append("Remounting: the gauge study has fewer than 4 degrees of freedom of mounting.")
         lines.append(
             "Type B evaluation of the unit: its estimator is not a twin."
             if self.budget is None
@@ -138,7 +162,7 @@ class Certificate:
             "uncertainty": {
                 **{name: dict(zip(ANGLES, each.tolist(), strict=True)) for name, each in stated.items()},
                 "normal_deg": budget.normal_deg,
-                "largest_standard_deg": budget.largest_deg,
+                "largest_standard_deg": budget.largest_deg if self.budget else None,
                 "lines": [line.as_dict() for line in budget.components],
             },
             "repeatability_deg": self.found.repeatability_deg(),
@@ -166,10 +190,13 @@ class Certificate:
             f"**{self.verdict}**",
             Report.of("", _CHECKS, map(_row, found.checks)),
             f"Decision rule (ISO 14253-1): conformity is proven if figure + U ≤ tolerance. {guard}. U of a figure is "
-            "that of the reference and, for an RMSE, of the sampled presses (bootstrap by press).",
+            "that of the reference and, for an RMSE, of the sample of presses (upper limit by mean squares "
+            "between and within presses). An RMSE of fewer than 5 presses is not decided.",
+            *([] if found.reference.reference else [_UNSTATED]),
             Report.of("", ("component", "RMSE", "MAE", "max", "SD", "bias", _PAPER), table, details=[_PAPER]),
             "## Inputs",
             "\n".join(f"* {name}: {text}" for name, text in self.inputs.items()) or "* not stated",
+            "The hash of several files is that of their contents in sequence, in the order of the table.",
             provenance_line(),
             "## Method, reference and environment",
             *self._basis(),
@@ -179,8 +206,12 @@ class Certificate:
             *signatures,
             "## Uncertainty budget",
             budget.report(),
-            "u(x) is the standard uncertainty of the quantity; c is the RMS sensitivity of the total angle over the "
-            "range, by the twin. A line without u(x) combines several quantities.",
+            "u(x) is the standard uncertainty of the quantity; c is the RMS sensitivity of the total angle"
+            + (
+                " over the range, by the twin. A line without u(x) combines several quantities."
+                if self.budget
+                else "."
+            ),
             *study,
             "## Not covered",
             "\n".join(f"* {line}" for line in self.not_covered()),
@@ -192,13 +223,17 @@ class Certificate:
         temperature = "not stated" if stated is None else f"{stated:g} °C"
         lines = [
             "Images of presses on a flat wall at reference angles were read by the estimator among the inputs. The "
-            "error is the reading minus the reference; the total angle is √(rx² + ry²).",
+            "error is the reading minus the reference. rx is roll, ry is pitch; the total angle is √(rx² + ry²).",
             f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep "
             f"or more, up to {found.max_tilt_deg:.1f}°; {found.left_out} images left out; {found.flagged} of the "
             "evaluated readings are flagged.",
             f"Reference: {found.reference.describe(found.max_tilt_deg)}",
-            f"Temperature: {temperature}; its change since the rest image is within ± "
-            f"{found.reference.temperature_change:g} K.",
+            f"Temperature: {temperature}"
+            + (
+                f"; the budget has a change of ± {found.reference.temperature_change:g} K since the rest image."
+                if self.budget
+                else "; its change is not evaluated."
+            ),
         ]
         if found.zero:
             lines.append(
@@ -212,9 +247,10 @@ class Certificate:
 
     def _quoted(self, budget: UncertaintyBudget) -> str:
         u, k = float(budget.combined_deg[-1]), float(budget.factor[-1])
+        worst = f" (worst pose ± {k * budget.largest_deg:.3f}°)" if self.budget else ""
         return (
-            f"Quoted for a reading in use: the total angle ± {k * u:.3f}° (worst pose ± {k * budget.largest_deg:.3f}"
-            "°), with a coverage of 95.45 % over the range, because it is the misalignment of the wall. The "
+            f"Quoted for a reading in use: the total angle ± {k * u:.3f}°{worst}, with a coverage of nominally 95 % "
+            "over the range, because it is the misalignment of the wall. The "
             f"direction of the wall normal is within {budget.normal_deg:.3f}° with the same coverage; 2 SD of a "
             f"two-dimensional error contain only 86 %. This radius also holds for total angles below {3.0 * u:.2f}° "
             "(3 u), which are not normally distributed (Rice)."

@@ -4,7 +4,8 @@ Readings of the same parts (wall poses) by several operators, on several days, a
 
     y = µ + part + operator + day + part × operator + mounting (within operator and day) + repeatability,
 
-are a random-effects model, as in the crossed ANOVA of the AIAG manual (*Measurement Systems Analysis*, 4th ed.). With
+are a random-effects model, as in the crossed ANOVA of the AIAG manual (*Measurement Systems Analysis*, 4th ed.).
+Without several mountings by an operator on a day, their term is operator × day. With
 the sequential projections M_k of its terms, the sums of squares satisfy
 
     E[yᵀ M_k y] = Σ_j σ_j² tr(M_k Z_j Z_jᵀ) + σ_e² tr(M_k),
@@ -40,13 +41,14 @@ TERMS = {
     "mounting": ("operator", "day", "mounting"),
 }
 """Term → factors whose combinations are its levels."""
-REPEATABILITY, RR = "repeatability", "R&R"
+REPEATABILITY, REPRODUCIBILITY, RR = "repeatability", "reproducibility", "R&R"
 
 
 class VarianceComponent(NamedTuple):
     """Variance component of one term: estimate and 95 % interval, degrees², and degrees of freedom.
 
-    The estimate is unbiased, so it may be negative; tables show 0 then.
+    The estimate is unbiased, so it may be negative; tables show 0 then. `dof` is that of the mean square of the term;
+    of a sum of components, it is that after Satterthwaite over the mean squares, at least 1.
     """
 
     term: str
@@ -65,7 +67,7 @@ class GaugeStudy:
     readings
         Number of readings.
     components
-        Measurand → components, with `RR` (all but the parts) as the last.
+        Measurand → components, with `REPRODUCIBILITY` and `RR` (all but the parts) as the last.
     absent
         Terms that the study does not determine.
     """
@@ -81,7 +83,7 @@ class GaugeStudy:
         Raises
         ------
         PalpateError
-            If it cannot be read, lacks a column, has a missing angle, or no repeated reading.
+            If it cannot be read, lacks a column, has an empty cell, an angle outside ± 90°, or no repeated reading.
         """
         table = read_table(path)
         missing = [name for name in ("part", *_COLUMNS) if name not in table.columns]
@@ -92,17 +94,23 @@ class GaugeStudy:
                 code="column-missing",
             )
         if not all(
-            table.is_numeric(name) and np.isfinite(table.columns[name].astype(float)).all() for name in _COLUMNS
+            table.is_numeric(name) and (np.abs(table.columns[name].astype(float)) <= 90.0).all() for name in _COLUMNS
         ):
             raise PalpateError(
-                f"{path.name}: an angle is missing.", "Give rx and ry of each row.", code="angle-missing"
+                f"{path.name}: an angle is missing or outside ± 90°.",
+                "Give rx and ry of each row in degrees.",
+                code="angle-missing",
             )
         rx, ry = (table.columns[name].astype(float) for name in _COLUMNS)
-        levels = {
-            name: np.unique(table.columns[name].astype(str), return_inverse=True)[1].reshape(-1)
-            for name in FACTORS
-            if name in table.columns
-        }
+        labels = {name: np.char.strip(table.columns[name].astype(str)) for name in FACTORS if name in table.columns}
+        for name, each in labels.items():
+            if np.isin(each, ("", "nan", "None")).any():
+                raise PalpateError(
+                    f"{path.name} has an empty cell in the column {name}.",
+                    "Fill the column, or leave it out.",
+                    code="gauge-cell-empty",
+                )
+        levels = {name: np.unique(each, return_inverse=True)[1].reshape(-1) for name, each in labels.items()}
         return study_repeatability(dict(zip(ANGLES, (rx, ry, np.hypot(rx, ry)), strict=True)), levels)
 
     def component(self, measurand: str, term: str) -> VarianceComponent:
@@ -110,12 +118,10 @@ class GaugeStudy:
         found = (each for each in self.components[measurand] if each.term == term)
         return next(found, VarianceComponent(term, 0.0, 0.0, 0.0, np.inf))
 
-    def reproducibility(self, measurand: str) -> VarianceComponent:
-        """Return the sum of operator, day, interaction and mounting; degrees of freedom after Satterthwaite."""
-        parts = [each for each in self.components[measurand] if each.term not in ("part", REPEATABILITY, RR)]
-        total = max(sum(each.variance for each in parts), 0.0)
-        rest = sum(each.variance**2 / each.dof for each in parts)
-        return VarianceComponent("reproducibility", total, 0.0, 0.0, total**2 / rest if rest else np.inf)
+    @property
+    def remounted(self) -> bool:
+        """Whether mountings have 4 degrees of freedom or more, enough to replace a tolerance."""
+        return "mounting" not in self.absent and self.component(ANGLES[0], "mounting").dof >= 4
 
     def report(self, tolerance_deg: float) -> Report:
         """Return a table of SDs, and of 6 SD over the width of a tolerance ± `tolerance_deg`."""
@@ -175,11 +181,13 @@ def study_repeatability(
         design = np.eye(int(labels.max()) + 1)[labels.reshape(-1)]
         left, size, _ = np.linalg.svd(design - found @ (found.T @ design), full_matrices=False)
         basis = left[:, size > 1e-8 * count]
+        cells = len(np.unique(np.column_stack([known[name] for name in factors[:-1] or factors]), axis=0))
+        confounded = term == "mounting" and cells == design.shape[1]
         if basis.shape[1]:
             bases.append(basis)
-            designs[term] = design
+            designs["operator × day" if confounded else term] = design
             found = np.hstack([found, basis])
-        else:
+        if confounded or not basis.shape[1]:
             absent.append(term)
     dof = np.array([each.shape[1] for each in bases] + [count - found.shape[1]], float)
     if dof[-1] < 1:
@@ -205,10 +213,15 @@ def _solve(
     terms: tuple[str, ...], expected: FloatArray, squares: FloatArray, drawn: FloatArray, dof: FloatArray
 ) -> tuple[VarianceComponent, ...]:
     """Solve the triangular system for the components and for each draw (d, k) of the sums of squares."""
-    variances, draws = np.linalg.solve(expected, squares), np.linalg.solve(expected, drawn.T)
-    rest = np.array([term != "part" for term in terms])
-    terms, dof = (*terms, RR), np.append(dof, np.nan)
-    variances, draws = np.append(variances, rest @ variances), np.vstack([draws, rest @ draws])
+    inverse = np.linalg.inv(expected)
+    variances, draws = inverse @ squares, inverse @ drawn.T
+    for name, left_out in ((REPRODUCIBILITY, ("part", REPEATABILITY)), (RR, ("part", REPRODUCIBILITY))):
+        kept = np.array([term not in left_out for term in terms], float)
+        size = len(squares)
+        parts = (kept[:size] @ inverse) * squares
+        spread = float(np.sum(parts**2 / dof[:size]))
+        terms, dof = (*terms, name), np.append(dof, max(parts.sum() ** 2 / spread, 1.0) if spread else np.inf)
+        variances, draws = np.append(variances, kept @ variances), np.vstack([draws, kept @ draws])
     low, high = np.maximum(np.quantile(draws, [0.025, 0.975], axis=1), 0.0)
     rows = zip(terms, variances, low, high, dof, strict=True)
     return tuple(VarianceComponent(term, *map(float, row)) for term, *row in rows)

@@ -67,6 +67,7 @@ def test_seating_and_stiffness_have_their_closed_forms(budget: UncertaintyBudget
     assert found["seating, tilt"] == pytest.approx(np.full(3, TOLERANCE.seating_tilt_deg / np.sqrt(3.0)), rel=1e-6)
     assert found["seating, turn"][-1] < 1e-6 < 0.005 < found["seating, turn"][0]
     assert not found["stiffness of the skin"].any()
+    assert found["marker noise, of the image and at rest"].all()
 
 
 def test_lines_of_thickness_and_temperature_are_changes_of_the_nonlinear_fit(

@@ -363,6 +363,7 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
     assert {"model.h5", "report.md", "report.json", "correspondence.png", "errors.png", "accept.md"} <= {
         path.name for path in out.iterdir()
     }
+    assert "| conformity proven |" not in (out / "accept.md").read_text()  # the reference is not stated
     images, model = out / "recording" / "images", ["--model", str(out / "model.h5")]
     with pytest.raises(SystemExit) as left:
         main(["live", *model, "--source", str(images), "--count", "3", "--json"])

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from errors import refused
 from palpate.calibration import UncertaintyBudget
 from palpate.core import generator
 from palpate.sensor import AcceptanceSpec, Certificate, GroundTruth, ReferenceSpec, accept_unit
@@ -29,8 +30,8 @@ def budget(sd=0.1):
     return UncertaintyBudget((), sd, 2.45 * sd).with_line("seating, tilt", np.full(3, sd), np.inf)
 
 
-def decide(value, expanded, guard=True):
-    reference = ReferenceSpec(reference_tilt_deg=expanded / 2.0, direction_limit_deg=0.0)
+def decide(value, expanded, guard=True, stated="plate 7"):
+    reference = ReferenceSpec(reference=stated, reference_tilt_deg=expanded / 2.0, direction_limit_deg=0.0)
     spec = AcceptanceSpec(zero=False, max_deg=value, rmse_deg=9.0, guard=guard)
     return next(check for check in accepted(reference=reference, spec=spec).checks if "maximum" in check.what)
 
@@ -43,6 +44,17 @@ def test_a_figure_near_its_tolerance_is_not_decided():
     assert decide(figure - 0.09, 0.1).decision == "not decided"
     assert decide(figure - 0.11, 0.1).decision == "non-conformity proven"
     assert [decide(figure + 0.09, 0.1, guard).passed for guard in (True, False)] == [False, True]
+    assert decide(figure + 0.09, 0.1, guard=False).decision == "accepted (simple)"
+
+
+def test_nothing_is_proven_without_a_stated_reference():
+    figure = decide(9.0, 0.1).value
+    assert decide(figure + 0.11, 0.1, stated="").decision == "within tolerance"
+    assert decide(figure + 0.11, 0.1, stated="").passed
+    assert decide(figure - 0.11, 0.1, stated="").decision == "outside tolerance"
+    pages = [Certificate(accepted(reference=ReferenceSpec(reference=name)), "u").page() for name in ("", "plate 7")]
+    assert ["proven" in str(page[2]) for page in pages] == [False, True]
+    assert ["not stated" in page[1] for page in pages] == [True, False]
 
 
 def test_the_total_angle_is_tested_with_rx_and_ry():
@@ -80,12 +92,15 @@ def test_a_sine_plate_has_the_uncertainty_of_drawn_plates():
 
 def test_recorded_errors_count_once():
     """Errors below the budget change nothing; larger ones raise the total to the recorded RMSE."""
-    small = Certificate(accepted(error=0.02), "u", budget=budget()).reading_budget()
-    assert small.combined_deg == pytest.approx(np.full(3, 0.1))
+    found = accepted(error=0.02)
+    axis, total = found.reference.tilt_sd_deg(found.max_tilt_deg)
+    standard = np.array([axis, axis, total])
+    small = Certificate(found, "u", budget=budget()).reading_budget()
+    assert small.combined_deg == pytest.approx(np.hypot(0.1, standard))
     found = accepted(error=0.3)
     large = Certificate(found, "u", budget=budget()).reading_budget()
     errors, _ = found.angle_errors()
-    assert large.combined_deg == pytest.approx(np.sqrt(np.mean(errors**2, axis=0)))
+    assert large.combined_deg == pytest.approx(np.hypot(np.sqrt(np.mean(errors**2, axis=0)), standard), rel=1e-3)
     assert (large.factor > 2.0).all()
     alone = Certificate(found, "u").reading_budget()
     assert [line.name for line in alone.components] == ["recorded errors", "reference standard"]
@@ -94,21 +109,83 @@ def test_recorded_errors_count_once():
     assert Certificate(exact, "u").reading_budget().combined_deg == pytest.approx([axis, axis, total])
 
 
-def test_a_gauge_study_replaces_the_tolerance_of_the_seating():
-    rng = np.random.default_rng(0)
-    part, mounting, _ = (x.ravel() for x in np.indices((5, 30, 2)))
-    shifts = 0.2 * rng.standard_normal((30, 2))
+def remounted(mountings, sd=(0.2, 0.2), seed=0):
+    """Readings of five parts, each twice after every mounting with tilts of an SD about rx and ry."""
+    rng = np.random.default_rng(seed)
+    part, mounting, _ = (x.ravel() for x in np.indices((5, mountings, 2)))
+    shifts = np.array(sd) * rng.standard_normal((mountings, 2))
     values = {
-        k: 5.0 * part + shifts[mounting, n] + 0.02 * rng.standard_normal(300) for n, k in enumerate(("rx", "ry"))
+        k: 5.0 * part + shifts[mounting, n] + 0.02 * rng.standard_normal(len(part))
+        for n, k in enumerate(("rx", "ry"))
     }
-    study = study_repeatability(
-        values | {"total angle": np.hypot(*values.values())}, {"part": part, "mounting": mounting}
-    )
+    return values | {"total angle": np.hypot(*values.values())}, {"part": part, "mounting": mounting}, shifts
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_axis_without_reproducibility_leaves_the_uncertainty_finite(seed):
+    study = study_repeatability(*remounted(3, (0.3, 0.0), seed)[:2])
     found = Certificate(accepted(error=0.02), "u", budget=budget(), study=study).reading_budget()
-    assert [line.name.split(":")[0] for line in found.components] == ["operator, day and mounting"]
-    fixed = study_repeatability(values, {"part": part})
-    seated = Certificate(accepted(error=0.02), "u", budget=budget(), study=fixed).reading_budget()
-    assert "seating, tilt" in [line.name for line in seated.components]
+    assert np.isfinite(found.expanded_deg).all()
+    assert found.expanded_deg[0] > found.expanded_deg[1]
+
+
+def test_an_infinite_uncertainty_is_refused():
+    endless = UncertaintyBudget((), 0.1, 0.2).with_line("a", np.full(3, np.nan))
+    with refused("uncertainty-not-finite"):
+        Certificate(accepted(), "u", budget=endless).reading_budget()
+
+
+def test_the_radius_of_the_normal_contains_an_error_of_azimuth():
+    """A turn of 10° about z leaves the total angle, and must show in the direction of the normal."""
+    exact, (c, s) = accepted(error=0.0), (np.cos(np.radians(10)), np.sin(np.radians(10)))
+    read = exact.truth.copy()
+    read[:, :2] = read[:, :2] @ np.array([[c, s], [-s, c]])
+    found = Certificate(replace(exact, estimates=read), "u", budget=budget()).reading_budget()
+    recorded = np.linalg.norm(read[:, :2] - exact.truth[:, :2], axis=1)
+    assert found.normal_deg > 0.95 * np.quantile(recorded, 0.9545) > 1.0
+    study = study_repeatability(*remounted(30, (0.001, 0.001))[:2])
+    for each in (None, budget(0.001)):
+        wide = Certificate(accepted(error=0.2), "u", budget=each, study=study).reading_budget()
+        assert wide.normal_deg == pytest.approx(2.49 * 0.2, rel=0.2)  # not in proportion to the first line
+
+
+def test_sentences_about_the_twin_need_a_twin():
+    bare, twin = (Certificate(accepted(), "u", budget=each) for each in (None, budget()))
+    for says in ("by the twin", "worst pose", "seating has its tolerance", "from that of the rest image", "± 2 K"):
+        pages = ["\n".join(map(str, each.page())) for each in (bare, twin)]
+        assert [says in page for page in pages] == [False, True], says
+    assert bare.as_dict()["uncertainty"]["largest_standard_deg"] is None
+
+
+def test_repeatability_is_counted_beyond_the_marker_noise():
+    values, levels, _ = remounted(30, (0.0, 0.0))
+    noisy = {name: value + 0.3 * np.random.default_rng(1).standard_normal(300) for name, value in values.items()}
+    study = study_repeatability(noisy, levels)
+    repeated = np.sqrt([study.component(name, "repeatability").variance for name in ("rx", "ry")])
+    for noise in (0.0, 0.2, 0.5):
+        lines = budget().with_line("marker noise, of the image and at rest", np.full(3, noise), kind="B")
+        found = Certificate(accepted(error=0.02), "u", budget=lines, study=study).reading_budget()
+        line = next(each for each in found.components if each.name.startswith("repeatability"))
+        wanted = np.sqrt(np.maximum(repeated**2 - noise**2, 0.0))
+        assert line.contribution_deg[:2] == pytest.approx(wanted)
+
+
+def test_a_gauge_study_replaces_the_tolerance_of_the_seating():
+    values, levels, shifts = remounted(30)
+    study = study_repeatability(values, levels)
+    found = Certificate(accepted(error=0.02), "u", budget=budget(), study=study).reading_budget()
+    names = {line.name.split(":")[0] for line in found.components}
+    assert names == {"operator, day and mounting", "reference standard", "repeatability beyond marker noise"}
+    days = dict(zip(("part", "day"), levels.values(), strict=True))
+    few, few_levels, _ = remounted(4)
+    for kept in (
+        study_repeatability(values, {"part": levels["part"]}),
+        study_repeatability(values, days),
+        study_repeatability(few, few_levels),
+    ):
+        seated = Certificate(accepted(error=0.02), "u", budget=budget(), study=kept)
+        assert "seating, tilt" in [line.name for line in seated.reading_budget().components]
+        assert any("Remounting" in line for line in seated.not_covered())
     assert found.combined_deg == pytest.approx(np.full(3, np.sqrt(np.mean(shifts.var(axis=0, ddof=1)))), rel=0.15)
 
 

@@ -27,7 +27,7 @@ def test_known_variances_are_recovered_by_the_mean_of_studies():
     """Within four standard errors of the mean of 40 studies; 2000 studies are in docs/results/sensor."""
     found = np.array(
         [
-            [each.variance for each in study_repeatability({"rx": value}, levels).components["rx"]][:-1]
+            [each.variance for each in study_repeatability({"rx": value}, levels).components["rx"]][:-2]
             for value, levels in map(draw, range(40))
         ]
     )
@@ -69,6 +69,31 @@ def test_the_interval_of_repeatability_is_that_of_chi_square():
     assert (found.low, found.high) == pytest.approx(ends, rel=0.02)
 
 
+def test_the_degrees_of_freedom_of_reproducibility_are_those_of_the_spread_of_its_estimates():
+    """Mean squares of known factors: ν = 2 (mean / SD)² of 400 estimates, which the formula does not use."""
+    rng, (p, o, d, m, _) = np.random.default_rng(2), (x.ravel() for x in np.indices((3, 5, 4, 2, 2)))
+    found = []
+    for _ in range(400):
+        value = 0.1 * rng.standard_normal(5)[o] + 0.2 * rng.standard_normal((5, 4, 2))[o, d, m]
+        study = study_repeatability(
+            {"rx": value + 0.2 * rng.standard_normal(len(p))}, {"part": p, "operator": o, "day": d, "mounting": m}
+        )
+        found.append(study.component("rx", "reproducibility"))
+    variance, dof = (np.array([getattr(each, name) for each in found]) for name in ("variance", "dof"))
+    assert np.median(dof) == pytest.approx(2.0 * (variance.mean() / variance.std()) ** 2, rel=0.25)
+    assert dof.min() >= 1.0
+
+
+def test_mountings_need_repetition_within_an_operator_and_a_day():
+    """Without it, their term is operator × day: no column, or one label for each operator and day."""
+    rng, (p, o, d, _) = np.random.default_rng(0), (x.ravel() for x in np.indices((4, 3, 3, 2)))
+    value, levels = {"rx": rng.standard_normal(len(p))}, {"part": p, "operator": o, "day": d}
+    for found in (study_repeatability(value, levels | extra) for extra in ({}, {"mounting": 3 * o + d})):
+        assert found.absent == ("mounting",)
+        assert found.component("rx", "operator × day").dof == 4
+    assert study_repeatability(value, levels | {"mounting": p % 2}).absent == ()
+
+
 def write(path, text):
     path.write_text(text)
     return path
@@ -81,7 +106,10 @@ def test_a_table_is_read_with_its_total_angle(tmp_path):
     assert found.component("ry", "repeatability").variance == pytest.approx(0.0, abs=1e-12)
     assert 0 < found.component("total angle", "repeatability").variance < found.component("rx", "part").variance
     assert found.absent == ("operator", "day", "part × operator", "mounting")
-    assert found.reproducibility("rx").variance == 0
+    assert found.component("rx", "reproducibility").variance == 0
+    rows = rows.replace("A,", " A ,", 3)
+    spaced = GaugeStudy.read(write(tmp_path / "g.csv", f"part,operator,rx_deg,ry_deg\n{rows}\n"))
+    assert spaced.components == found.components
 
 
 @pytest.mark.parametrize(
@@ -90,6 +118,9 @@ def test_a_table_is_read_with_its_total_angle(tmp_path):
         ("part,rx_deg\nA,1\nA,2\n", ("column-missing", "ry_deg")),
         ("part,rx_deg,ry_deg\nA,1,2\nA,,2\n", ("angle-missing",)),
         ("part,rx_deg,ry_deg\nA,1,2\nB,2,2\n", ("gauge-no-repetition",)),
+        ("part,rx_deg,ry_deg\nA,1,2\nA,91,2\n", ("angle-missing", "90")),
+        ("part,operator,rx_deg,ry_deg\nA,B,1,2\nA,,1,2\n", ("gauge-cell-empty", "operator")),
+        ("part,day,rx_deg,ry_deg\nA,1,1,2\nA,,1,2\n", ("gauge-cell-empty", "day")),
     ],
 )
 def test_a_table_without_a_study_is_refused(tmp_path, text, says):
