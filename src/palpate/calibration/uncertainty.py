@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import linalg, stats
 
 from palpate.calibration.deviation import IMPERFECTIONS
 from palpate.calibration.fit_pose import twin_sd
@@ -50,9 +50,6 @@ _COVERAGE = float(stats.chi2.cdf(2.0**2, 1))
 _MEASURANDS = ("rx", "ry", "total angle")
 _THERMAL = ("change_k", "focal_per_k", "holder_per_k", "skin_per_k", "modulus_per_k")
 _NORMAL, _UNIFORM = "normal", "uniform"
-_NOISE, _TWIN = "marker noise, of the image and at rest", "error of the twin"
-_TEMPERATURE, _STIFFNESS = "temperature", "stiffness of the skin"
-_WALL = "lateral motion and curvature of the wall"
 
 
 class UncertaintyComponent(NamedTuple):
@@ -65,9 +62,9 @@ class UncertaintyComponent(NamedTuple):
     name: str
     kind: str
     distribution: str
-    unit: str
-    standard: float | None
-    contribution_deg: FloatArray
+    unit: str = ""
+    standard: float | None = None
+    contribution_deg: FloatArray = np.zeros(len(_MEASURANDS))
     dof: float = np.inf
 
     @property
@@ -165,39 +162,44 @@ class UncertaintyBudget:
         known, change = mounting or prior_mounting(model.posterior, tolerance), thermal["change_k"] / np.sqrt(3.0)
         spread = np.asarray(np.linalg.cholesky(known.covariance + 1e-15 * np.eye(len(known.covariance))), float)
         softer = float(np.hypot(tolerance.modulus / np.sqrt(3.0), thermal["modulus_per_k"] * change))
-        inputs = {"unit and mounting, identified": _Input("A, B", _NORMAL, "", None, spread)}
+        inputs = [(UncertaintyComponent("unit and mounting, identified", "A, B", _NORMAL), spread)]
         inputs = inputs if mounting else _remaining(model, spec.noise_px)
-        inputs[_STIFFNESS] = _Input("B", _UNIFORM, "1", softer, np.zeros((len(spread), 1)))
+        stiffness = UncertaintyComponent("stiffness of the skin", "B", _UNIFORM, "1", softer)
+        inputs.append((stiffness, np.zeros((len(spread), 1))))
         assumed = twin_sd(twin.skin)[TILT_SPACE.names]
         measured = measure_twin_error(model, validation_presses, 0, spec.min_depth) if validation_presses else None
         distance = thermal["holder_per_k"] * model.posterior.nominal.distance
         warmer = model.posterior.camera(focal=thermal["focal_per_k"], distance=distance)
-        squares: dict[str, list[FloatArray]] = {}
-        places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "budget", "poses"))
-        for pose, friction in places:
-            along, off = pose[:2] / np.linalg.norm(pose[:2]), assumed if measured is None else measured.at(pose)
+        lines = [line for line, _ in inputs]
+        lines += [
+            UncertaintyComponent("marker noise, of the image and at rest", "B", _NORMAL, "px", spec.noise_px),
+            UncertaintyComponent("temperature", "B", _UNIFORM, "K", change),
+            UncertaintyComponent("error of the twin", "B", _NORMAL),
+        ]
+        if moving := bool(tolerance.lateral or tolerance.twist_deg or tolerance.curvature):
+            lines.append(UncertaintyComponent("lateral motion and curvature of the wall", "B", _NORMAL))
+        squares, directions = [], []
+        for pose, friction in sample_working_range(twin, spec, tolerance, generator(spec.seed, "budget", "poses")):
+            uphill, off = pose[:2] / np.linalg.norm(pose[:2]), assumed if measured is None else measured.at(pose)
             gain = pose_gain(model, known, spread, pose, friction, spec.noise_px)
             by_unit = np.linalg.solve(spread.T, gain.unit_gain.T).T[:2]
             noise = spec.noise_px**2 * gain.marker_gain[:2] @ gain.marker_gain[:2].T
             moved = model.marker_twin.evaluate(pose, friction, model.posterior.mean["thickness"], None).positions
             shift = warmer.project(moved * (1.0 + thermal["skin_per_k"])) - model.camera.project(moved)
             warm = change * gain.marker_gain[:2] @ shift[model.visible].reshape(-1)
-            parts = {name: by_unit @ each.root @ each.root.T @ by_unit.T for name, each in inputs.items()}
-            parts |= {_NOISE: 2.0 * noise, _TEMPERATURE: np.outer(warm, warm)}
-            parts |= {_TWIN: np.outer(along, along) * (off[:2] @ off[:2])}
-            if tolerance.lateral or tolerance.twist_deg or tolerance.curvature:
-                parts[_WALL] = gain.image_covariance[:2, :2] - noise - np.diag(assumed[:2] ** 2)
-            for name, part in parts.items():
-                squares.setdefault(name, []).append(part)
-        described = {name: each[:-1] for name, each in inputs.items()}
-        described |= {_NOISE: ("B", _NORMAL, "px", spec.noise_px), _TEMPERATURE: ("B", _UNIFORM, "K", change)}
-        unknown, poses = ("B", _NORMAL, "", None), np.array([pose for pose, _ in places])
-        lines = [
-            UncertaintyComponent(name, *described.get(name, unknown), _project(np.array(each), poses))
-            for name, each in squares.items()
-        ]
-        whole = np.sum([np.array(each) for each in squares.values()], axis=0)
-        return cls(_sorted(lines), float(np.sqrt(_along(whole, poses).max())), _radius(whole, spec))
+            parts = [by_unit @ root @ root.T @ by_unit.T for _, root in inputs]
+            parts += [2.0 * noise, np.outer(warm, warm), np.outer(uphill, uphill) * (off[:2] @ off[:2])]
+            if moving:
+                parts.append(gain.image_covariance[:2, :2] - noise - np.diag(assumed[:2] ** 2))
+            squares.append(parts)
+            directions.append([*np.eye(2), uphill])
+        variances = np.einsum("pai,pkij,paj->kpa", directions, squares, directions)
+        contributions = np.sqrt(np.maximum(variances.mean(axis=1), 0.0))
+        lines = [line._replace(contribution_deg=each) for line, each in zip(lines, contributions, strict=True)]
+        drawn = generator(spec.seed, "budget", "normals").standard_normal((spec.units, len(squares), 2))
+        errors = np.einsum("pij,upj->upi", np.linalg.cholesky(np.sum(squares, axis=1)), drawn)
+        radius = float(np.quantile(np.linalg.norm(errors, axis=-1), _COVERAGE))
+        return cls(_sorted(lines), float(np.sqrt(variances.sum(axis=0)[:, -1].max())), radius)
 
     def with_line(
         self, name: str, contribution_deg: FloatArray, dof: float = np.inf, *, kind: str = "A", without: str = ""
@@ -231,22 +233,12 @@ class UncertaintyBudget:
         return Report.of("", heads, rows, details=heads[1:3])
 
 
-class _Input(NamedTuple):
-    """Independent inputs of one line: type, distribution, unit, SD, and root (15, n) of their covariance."""
-
-    kind: str
-    distribution: str
-    unit: str
-    standard: float | None
-    root: FloatArray
-
-
 def _sorted(lines: Sequence[UncertaintyComponent]) -> tuple[UncertaintyComponent, ...]:
     return tuple(sorted(lines, key=lambda line: -line.contribution_deg[-1]))
 
 
-def _remaining(model: UnitModel, noise_px: float) -> dict[str, _Input]:
-    """Return the inputs by label: the covariance that each tolerance leaves after the rest image."""
+def _remaining(model: UnitModel, noise_px: float) -> list[tuple[UncertaintyComponent, FloatArray]]:
+    """Return a line for each tolerance, and a root (15, n) of its covariance after the rest image."""
     tolerance, camera = model.tolerance, len(CAMERA_PARAMETERS)
     by_rest, spread = rest_jacobian(
         model.marker_twin.twin, model.layout, model.posterior.camera(), tolerance, noise_px
@@ -261,37 +253,13 @@ def _remaining(model: UnitModel, noise_px: float) -> dict[str, _Input]:
     answer = np.linalg.solve(slopes.T @ slopes / spread**2 + np.diag(sd**-2.0), slopes.T / spread**2)[:camera]
     left = np.eye(camera, len(sd)) - answer @ slopes
     names = (*CAMERA_PARAMETERS, *PRINT_SHIFT, *UNIT_PARAMETERS[camera:], *MOUNTING_PARAMETERS)
-    roots = np.zeros((len(UNIT_PARAMETERS) + len(MOUNTING_PARAMETERS), len(names)))
-    roots[:camera, : len(sd)] = left * sd
-    roots[camera:, len(sd) :] = np.diag([*unit_prior_sd(tolerance)[camera:], *mounting_prior_sd(tolerance)])
-    found = {}
+    others = np.diag([*unit_prior_sd(tolerance)[camera:], *mounting_prior_sd(tolerance)])
+    roots = linalg.block_diag(left * sd, others)
+    misprint = np.pad(spread * answer, ((0, len(others)), (0, 0)))
+    lines = []
     for item in IMPERFECTIONS:
-        columns = [names.index(part) for part in item.parts if part in names]
-        size = float(getattr(tolerance, item.name))
-        if columns and size:
-            found[item.label] = _Input("B", _UNIFORM, item.unit, size / np.sqrt(3.0), roots[:, columns])
-    printed = next(item for item in IMPERFECTIONS if item.name == "marker_position")
-    sd_mm = tolerance.marker_position / np.sqrt(3.0)
-    misprint = np.zeros((len(roots), answer.shape[1]))
-    misprint[:camera] = spread * answer
-    found[printed.label] = _Input("B", _UNIFORM, printed.unit, sd_mm, misprint)
-    return found
-
-
-def _along(squares: FloatArray, poses: FloatArray) -> FloatArray:
-    """Return the variances (p,) of the total angle, of covariances (p, 2, 2) at poses (p, 3)."""
-    unit = poses[:, :2] / np.linalg.norm(poses[:, :2], axis=1, keepdims=True)
-    return np.asarray(np.einsum("pi,pij,pj->p", unit, squares, unit), float)
-
-
-def _project(squares: FloatArray, poses: FloatArray) -> FloatArray:
-    """Return RMS standard deviations (3,) of rx, ry and total angle over poses."""
-    found = np.column_stack([squares[:, 0, 0], squares[:, 1, 1], _along(squares, poses)])
-    return np.sqrt(np.maximum(found.mean(axis=0), 0.0))
-
-
-def _radius(squares: FloatArray, spec: AccuracySpec) -> float:
-    """Return the radius that contains the share `_COVERAGE` of normal errors (2,), over all poses."""
-    drawn = generator(spec.seed, "budget", "normals").standard_normal((spec.units, len(squares), 2))
-    errors = np.einsum("pij,upj->upi", np.linalg.cholesky(squares), drawn)
-    return float(np.quantile(np.linalg.norm(errors, axis=-1), _COVERAGE))
+        printed, sd_of = item.name == "marker_position", float(getattr(tolerance, item.name)) / np.sqrt(3.0)
+        root = misprint if printed else roots[:, np.isin(names, item.parts)]
+        if printed or (root.size and sd_of):
+            lines.append((UncertaintyComponent(item.label, "B", _UNIFORM, item.unit, sd_of), root))
+    return lines

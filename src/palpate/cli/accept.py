@@ -24,10 +24,8 @@ from palpate.sensor import AcceptanceSpec, ReferenceSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.learn import Predictor, RecordedModel
-    from palpate.sensor import GroundTruth, Sensor, Unit
-    from palpate.surrogate import Twin
-
+    from palpate.learn import RecordedModel
+    from palpate.sensor import GroundTruth, Sensor
 
 _TRUTH = (
     "Table of the ground truth: columns image, press, rx_deg, ry_deg, depth_mm; in the folder of its images. "
@@ -73,8 +71,7 @@ def accept(
     output: Output = Output(),
 ) -> int:
     """Test a unit's pose errors on presses of known angles against the tolerances."""
-    from palpate.learn import is_recorded_model, read_model
-    from palpate.sensor import Certificate, GaugeStudy, accept_unit, open_model, read_ground_truth, read_readings
+    from palpate.sensor import Certificate, GaugeStudy, accept_unit, read_ground_truth, read_readings
 
     if estimator.reads.model is not None and estimator.readings is not None:
         raise PalpateError(
@@ -99,11 +96,7 @@ def accept(
     else:
         known, model = known.locate(truth.parent), estimator.reads.find(built)
         files |= {"estimator": [model], "images": [Path(name) for name in (*known.rest, *known.images)]}
-        if is_recorded_model(model):
-            estimates, flagged = _read_recorded(known, read_model(model))
-        else:
-            unit = built.unit()
-            estimates, flagged, sensor = _read(known, open_model(model, unit.design.skin), unit)
+        estimates, flagged, sensor = _read(known, model, built)
     found = accept_unit(known, estimates, flagged, wanted, report.reference)
     inputs = _hash(files)
     if sensor is not None:
@@ -132,32 +125,31 @@ def _hash(files: dict[str, list[Path | None]]) -> dict[str, str]:
     return found
 
 
-def _read(known: GroundTruth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray, Sensor]:
+def _read(known: GroundTruth, path: Path, built: UnitFlags) -> tuple[FloatArray, BoolArray, Sensor | None]:
+    """Read images by the model in a file; a model that was trained on a recording has no sensor."""
     import numpy as np
 
-    from palpate.sensor import check_model, run_sensor
+    from palpate.learn import is_recorded_model, read_model
+    from palpate.sensor import check_model, open_model, run_sensor
 
-    check_model(model, unit, TILT_SPACE)
-    sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, model)
-    found = list(run_sensor(sensor, read_images(known.images)))
-    poses = np.array([reading.pose for reading in found])
-    return poses, np.array([bool(reading.flags) for reading in found]), sensor
-
-
-def _read_recorded(known: GroundTruth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
-    import numpy as np
-
-    from palpate.sensor import run_sensor
-
-    if any(name not in model.space.names for name in TILT_SPACE.names):
-        raise PalpateError(
-            f"Acceptance tests rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
-            "Train a model of all three: palpate recording train --targets.",
-            code="model-outputs-missing",
-        )
-    found = list(run_sensor(model, read_images(known.images)))
+    reader: RecordedModel | Sensor
+    sensor = None
+    if is_recorded_model(path):
+        reader = model = read_model(path)
+        if any(name not in model.space.names for name in TILT_SPACE.names):
+            raise PalpateError(
+                f"Acceptance tests rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
+                "Train a model of all three: palpate recording train --targets.",
+                code="model-outputs-missing",
+            )
+    else:
+        unit = built.unit()
+        estimator = open_model(path, unit.design.skin)
+        check_model(estimator, unit, TILT_SPACE)
+        reader = sensor = open_printing_scale([read_image(Path(name)) for name in known.rest], unit, estimator)
+    found = list(run_sensor(reader, read_images(known.images)))
     poses = np.array([[reading[name] for name in TILT_SPACE.names] for reading in found])
-    return poses, np.array([bool(reading.flags) for reading in found])
+    return poses, np.array([bool(reading.flags) for reading in found]), sensor
 
 
 def read_images(names: tuple[str, ...]) -> Iterator[NDArray[Any] | PalpateError]:

@@ -176,9 +176,8 @@ class Certificate:
         table = []
         for score in found.scores:
             errors, paper = score.errors, PAPER_TABLE_3.get(score.component)
-            figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
             of_paper = (paper.rmse, paper.mae, paper.max, paper.sd) if paper else ()
-            values = [f"{value:.3f}" for value in figures]
+            values = [f"{value:.3f}" for value in vars(errors).values()]
             table.append((f"{score.component} {score.unit}", *values, " / ".join(f"{each:.2f}" for each in of_paper)))
         guard = "U is the guard band" if found.spec.guard else "Simple acceptance: the guard band is 0"
         study: list[str | Report] = []
