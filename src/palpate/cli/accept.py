@@ -80,7 +80,9 @@ def accept(
             code="options-exclusive",
         )
     if not report.name.strip():
-        raise PalpateError("The name of the unit is empty.", "Give --name, such as its number.", code="name-empty")
+        raise PalpateError(
+            f"The name of the unit is '{report.name}'.", "Give --name, such as its number.", code="name-empty"
+        )
     check_folder(report.out)
     study = GaugeStudy.read(report.gauge_study) if report.gauge_study else None
     files: dict[str, list[Path | None]] = {

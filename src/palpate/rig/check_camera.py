@@ -182,7 +182,11 @@ def check_camera(
     spec, unloaded = spec or CameraCheckSpec(), ImageSeries(detect or DetectSpec())
     unloaded.read(rest)
     if not unloaded.exposures:
-        raise PalpateError("No image at rest can be read.", "Record the unloaded skin.", code="rest-image-missing")
+        raise PalpateError(
+            f"None of {unloaded.unreadable} images at rest can be read.",
+            "Record the unloaded skin.",
+            code="rest-image-missing",
+        )
     pressed = ImageSeries(unloaded.detect, unloaded.detector, unloaded.shape)
     pressed.read(press)
     values = _measure_images(unloaded, pressed) | _measure_rate(np.array(times, float))
