@@ -205,7 +205,7 @@ def accept_unit(
     return Acceptance(
         spec=spec,
         reference=reference,
-        checks=tuple(_check(scores, limits, sd, spec, bool(reference.reference.strip()), float((~posed).mean()))),
+        checks=tuple(_check(scores, limits, sd, spec, bool(reference.reference), float((~posed).mean()))),
         scores=scores,
         press=truth.press[counts],
         truth=wanted,

@@ -12,6 +12,7 @@ effect on the total angle and changes rx and ry by up to α δ. All limits are h
 from __future__ import annotations
 
 import numpy as np
+from pydantic import ConfigDict
 
 from palpate.core import FloatArray, Spec, parameter
 from palpate.core.state import State
@@ -26,6 +27,8 @@ _SD = 3.0**-0.5
 
 class ReferenceSpec(Spec):
     """Reference standard of the angles, and environment of the test."""
+
+    model_config = ConfigDict(str_strip_whitespace=True)
 
     reference: str = parameter("", unit="", meaning="reference standard, with its serial and certificate number")
     roller_distance: float = parameter(

@@ -17,6 +17,7 @@ from palpate.sensor import (
     AcceptanceSpec,
     Certificate,
     GroundTruth,
+    ReferenceSpec,
     accept_unit,
     read_ground_truth,
     read_readings,
@@ -225,3 +226,8 @@ def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, 
     shutil.copy(next((recording).glob("*.png")), tmp_path / "1.png")
     assert run("calibration", "accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
     check_refusal(capsys.readouterr().err, "rest-image-missing")
+
+
+def test_a_reference_of_spaces_is_not_stated() -> None:
+    assert ReferenceSpec(reference="  ").reference == ""
+    assert ReferenceSpec(reference=" plate 7 ").reference == "plate 7"
