@@ -32,16 +32,32 @@ def search(folder):
 
 
 def click_point(page, number):
-    """Click a design's point in the chart, as a person does, where the chart has drawn it."""
-    box = page.locator(".front").bounding_box()
-    place = page.evaluate(
-        """number => { const e = getElement(Number(document.querySelector('.front').id.slice(1)));
-        const chart = e.chart; const series = chart.getOption().series;
-        for (let i = 0; i < series.length; i++) for (const d of series[i].data)
-          if (d.value[2] === number) return chart.convertToPixel({seriesIndex: i}, d.value.slice(0, 2)); }""",
+    """Click a design's point in the chart once the page no longer moves; as a person does, again if it was missed."""
+    shown = page.locator(f"[data-testid=shown][data-design='{number}']")
+    for _ in range(3):
+        before, place = None, _point(page, number)
+        while place != before:
+            page.wait_for_timeout(200)
+            before, place = place, _point(page, number)
+        page.mouse.click(*place)
+        for _ in range(75):
+            if shown.count():
+                return
+            page.wait_for_timeout(200)
+    raise AssertionError(f"three clicks at {place} did not show design {number}")
+
+
+def _point(page, number):
+    """Centre of a design's point in the window, px."""
+    return page.evaluate(
+        """number => { const front = document.querySelector('.front'); front.scrollIntoView({block: 'center'});
+        const chart = getElement(Number(front.id.slice(1))).chart; const box = front.getBoundingClientRect();
+        const series = chart.getOption().series;
+        for (let i = 0; i < series.length; i++) for (const d of series[i].data) if (d.value[2] === number) {
+          const [x, y] = chart.convertToPixel({seriesIndex: i}, d.value.slice(0, 2));
+          return [box.x + x, box.y + y]; }}""",
         number,
     )
-    page.mouse.click(box["x"] + place[0], box["y"] + place[1])
 
 
 def test_a_click_on_the_front_shows_the_design_with_its_numbers_and_its_skin(page, search, folder):
