@@ -35,7 +35,7 @@ def imbalance(pressed: Press) -> float:
 
 
 def test_a_route_straight_down_is_a_press() -> None:
-    ours, plain = route(0.5, (3.0, 0, 0, 5)), press(WallSpec(tilt_deg=5, depth=3, depth_step=0.5, contact=0.5))
+    ours, plain = route(0.5, (2.0, 0, 0, 5)), press(WallSpec(tilt_deg=5, depth=2, depth_step=0.5, contact=0.5))
     assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=1e-6)
     assert ours.work[-1] == pytest.approx(plain.work[-1], rel=1e-4)
 
@@ -94,7 +94,7 @@ def test_what_sticks_comes_back_with_the_wall() -> None:
 
 def test_a_route_is_drawn_back_by_the_way_it_came() -> None:
     """Without friction every place on the way back is that on the way out, and all work is given back."""
-    waypoints = ((3.0,), (3.0, 0, 0, 5), (2.0, 0, 0, 5))
+    waypoints = ((2.0,), (2.0, 0, 0, 5), (1.5, 0, 0, 5))
     ours = press(RouteSpec(waypoints=waypoints, contact="frictionless", depth_step=0.5, unload=True), FINE)
     deepest = int(np.argmax(ours.depth))
     assert ours.depth[: deepest + 1] == pytest.approx(ours.depth[-1 : deepest - 1 : -1])

@@ -19,8 +19,10 @@ SPEC = RecordingSpec(estimators="ridge", threads=1)
 
 @pytest.fixture(autouse=True)
 def small_images(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Images of 16 px only: the choice of their size is tested elsewhere, and takes time in every fold."""
+    """Images of 16 px, and few draws: the choices of size and kernel are tested elsewhere, and take time a fold."""
     monkeypatch.setattr(ImageRidge, "sides", (16,))
+    for module in ("gaussian_process", "motion_model"):
+        monkeypatch.setattr(f"palpate.learn.{module}.MOST_TUNED", 60)
 
 
 @pytest.fixture(scope="module")
