@@ -49,6 +49,13 @@ UNIT = Design(
 )
 
 
+@pytest.fixture(autouse=True)
+def few_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer draws of the motion, and fewer of them to choose the kernel by, which is tested elsewhere."""
+    for module in ("gaussian_process", "motion_model"):
+        monkeypatch.setattr(f"palpate.learn.{module}.MOST_TUNED", 150)
+
+
 def start() -> SimulatedStart:
     return SimulatedStart("design.yaml", Design(DomeSpec(), MARKERS), small_twin())
 
