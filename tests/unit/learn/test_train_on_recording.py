@@ -435,9 +435,14 @@ def _small_jobs(job: type[TrainingJob] = TrainingJob) -> list[TrainingJob]:
     return [job(ESTIMATORS.get(name), name, own, 2) for name, own in samples.items()]
 
 
-def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: Path) -> None:
+def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Whatever a program has drawn from torch before, and goes on to draw, is its own."""
     torch, found = pytest.importorskip("torch"), []
+    from palpate.learn.train_member import train_marker_network
+
+    monkeypatch.setitem(train_marker_network.__kwdefaults__, "epochs", 5)
     for seed in (1, 2):
         torch.manual_seed(seed)
         before = torch.get_rng_state()
