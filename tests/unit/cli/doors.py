@@ -321,7 +321,7 @@ def furnish(folder: Path) -> dict[str, Path]:
     right["model"] = folder / "model.onnx"
     write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
     right["recording"] = folder / "recording"
-    draw_recording(right["recording"], draw_motions(40, shear=1.0), DrawnSensor(rings=3))
+    draw_recording(right["recording"], draw_motions(8, shear=1.0), DrawnSensor(rings=3))
     right["set"], right["predictions"] = folder / "set", folder / "predictions.csv"
     draw_set(right["set"], right["predictions"])
     right["twin"] = folder / "twin.h5"
