@@ -5,10 +5,12 @@ import re
 import shlex
 import time
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, get_args
 
+import pydantic
 import pytest
 from command_table import list_commands
 from cyclopts import App, Argument
@@ -22,6 +24,7 @@ from results import leave_out_pictures
 
 COMMANDS = dict(list_commands())
 ASSEMBLED: dict[Any, ArgumentCollection] = {}
+ADAPTER = cache(pydantic.TypeAdapter)
 HEAVY = (
     ("mechanics.newton", "Problem", "solve"),
     ("study.run_study", "Run", "run"),
@@ -109,7 +112,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.fixture(autouse=True)
 def _flags_are_assembled_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Thousands of attempts parse the same commands: their flags are assembled once, and copied for every attempt."""
+    """Thousands of attempts parse the same commands: flags and checks of types are assembled once for all attempts."""
     assemble = App.assemble_argument_collection
 
     def again(command: App, **chosen: Any) -> ArgumentCollection:
@@ -119,15 +122,16 @@ def _flags_are_assembled_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return copy_arguments(ASSEMBLED[place])
 
     monkeypatch.setattr(App, "assemble_argument_collection", again)
+    monkeypatch.setattr(pydantic, "TypeAdapter", ADAPTER)
 
 
 def copy_arguments(found: ArgumentCollection) -> ArgumentCollection:
     """Arguments without words yet; what describes them is shared."""
-    shared = {}
-    for one in found:
-        for part in (one.field_info, one.parameter, one.hint, one._lookup, one._default, one._union_branches):
-            shared[id(part)] = part
-    return copy.deepcopy(found, shared)
+    copies = {id(one): copy.copy(one) for one in found}
+    for one in copies.values():
+        one.tokens = []
+        one.children = ArgumentCollection([copies[id(child)] for child in one.children])
+    return ArgumentCollection(copies.values())
 
 
 @pytest.fixture(autouse=True)
