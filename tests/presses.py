@@ -100,7 +100,7 @@ def copy_learnt_sensor(folder: Path) -> Path:
     import drawn_tactip  # here: it draws by a library that not every environment has
 
     def learn(made: Path) -> None:
-        motions, sensor = drawn_tactip.draw_motions(120, 1, shear=2.0), drawn_tactip.DrawnSensor(rings=4)
+        motions, sensor = drawn_tactip.draw_motions(64, 1, shear=2.0), drawn_tactip.DrawnSensor(rings=4)
         drawn_tactip.draw_recording(made / "recording", motions, sensor)
         words = ["recording", "train", str(made / "recording"), "--out", str(made), "--estimators", "ridge"]
         done = subprocess.run(

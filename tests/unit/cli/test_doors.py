@@ -112,7 +112,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 @pytest.fixture(autouse=True)
 def _flags_are_assembled_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Thousands of attempts parse the same commands: flags and checks of types are assembled once for all attempts."""
+    """Thousands of attempts parse the same commands: flags and checks of types are made once for all attempts."""
     assemble = App.assemble_argument_collection
 
     def again(command: App, **chosen: Any) -> ArgumentCollection:

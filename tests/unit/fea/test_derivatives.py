@@ -29,7 +29,7 @@ STEPS = {
 NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
 
 
-def mesh_of(wall: WallSpec = WALL, cells: int = 10) -> Mesh:
+def mesh_of(wall: WallSpec = WALL, cells: int = 7) -> Mesh:
     mesh = mesh_skin(build_skin(SKIN), MeshSpec(cells=cells))
     return centre_mesh(mesh, wall.at_first_contact(mesh)[1])
 
@@ -111,11 +111,11 @@ def test_what_sticks_is_dragged_along(stuck: Press) -> None:
 def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> None:
     """The derivative of half a model against whole models under walls that do drift, one and the other way."""
     wall = WALL.model_copy(update={"contact": "no-slip", "depth": 3.2})
-    rate = solve_press(mesh_of(cells=7), MATERIAL, wall, SolverSpec(derivatives=(name,))).derivative(name)
-    whole = mesh_skin(build_skin(SKIN), MeshSpec(cells=7, whole=True))
+    rate = solve_press(mesh_of(cells=5), MATERIAL, wall, SolverSpec(derivatives=(name,))).derivative(name)
+    whole = mesh_skin(build_skin(SKIN), MeshSpec(cells=5, whole=True))
     high, low = (solve_press(whole, MATERIAL, wall.model_copy(update={name: side * by})) for side in (1, -1))
     places = build_skin(SKIN).inner_point(np.array([0.0, 2.0, 4.0, 6.0]), np.array([0.0, 0.5, 1.0, 1.4]))
-    found = locate_inner(mesh_of(cells=7), places).interpolate(rate.displacement[-1])
+    found = locate_inner(mesh_of(cells=5), places).interpolate(rate.displacement[-1])
     moved = (high.positions(places)[-1] - low.positions(places)[-1]) / (2 * by)
     assert np.linalg.norm(found - moved) < 0.05 * np.linalg.norm(moved)
 
@@ -130,7 +130,7 @@ def test_a_frictionless_wall_may_drift() -> None:
 @pytest.mark.parametrize("radius", [100.0, 1000.0])
 def test_a_wall_of_one_curvature_is_a_large_ball(radius: float) -> None:
     """Bent walls and balls share no code but what asks them for their gap."""
-    mesh, contact = mesh_of(WallSpec(), 7), {"depth": 1.6, "contact": 0.8}
+    mesh, contact = mesh_of(WallSpec(), 5), {"depth": 1.6, "contact": 0.8}
     bent = solve_press(mesh, MATERIAL, WallSpec(curvature=1000 / radius, **contact))
     ball = solve_press(mesh, MATERIAL, BallSpec(radius=radius, **contact))
     flat = solve_press(mesh, MATERIAL, WallSpec(**contact))
@@ -180,7 +180,7 @@ def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
     left = {}
     for contact in ("frictionless", "no-slip"):
         wall = WALL.model_copy(update={"contact": contact, "unload": True, "depth_step": 0.8})
-        force = solve_press(mesh_of(cells=7), MATERIAL, wall, solver).derivative("tilt_deg").force
+        force = solve_press(mesh_of(cells=5), MATERIAL, wall, solver).derivative("tilt_deg").force
         left[contact] = np.abs(force[4]).max()
         if contact == "frictionless":  # 3e-4 are the rounding of the differences, another on another processor
             assert np.abs(force[3] - force[1]).max() < 1e-3 * np.abs(force[1]).max()
