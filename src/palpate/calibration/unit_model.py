@@ -154,7 +154,7 @@ def infer_from_rest(
     printed = MarkerLayout(layout.positions[seen], layout.diameter)
 
     def miss(values: FloatArray) -> FloatArray:
-        left = _at_rest(twin, printed, nominal, State(_REST, values)) - rest_px[seen]
+        left = _at_rest(nominal, state := State(_REST, values), _printed(twin, printed, state)) - rest_px[seen]
         return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
 
     def slopes(values: FloatArray) -> FloatArray:
@@ -190,9 +190,11 @@ def _rest_slopes(
     twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: FloatArray, steps: FloatArray
 ) -> FloatArray:
     """Return derivatives (m, 2, 12) px of a rest image about values (12,), by central differences."""
-    found = np.empty((len(layout), 2, len(steps)))
+    found, printed = np.empty((len(layout), 2, len(steps))), _printed(twin, layout, State(_REST, values))
     for k, away in enumerate(np.diag(steps)):
-        high, low = (_at_rest(twin, layout, nominal, State(_REST, values + side * away)) for side in (1, -1))
+        own = k >= len(CAMERA_PARAMETERS)  # the camera does not move the print
+        moved = (State(_REST, values + side * away) for side in (1, -1))
+        high, low = (_at_rest(nominal, one, _printed(twin, layout, one) if own else printed) for one in moved)
         found[..., k] = (high - low) / (2 * steps[k])
     return found
 
@@ -201,23 +203,22 @@ _REST = (*CAMERA_PARAMETERS, *PRINT_SHIFT)
 """Parameters of a rest image."""
 
 
-def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: State) -> FloatArray:
-    """Return pixels (m, 2) of the layout if camera and print deviate from the design by these values."""
-    camera = build_camera(_camera_of(nominal, values))
+def _at_rest(nominal: CameraSpec, values: State, edges: FloatArray) -> FloatArray:
+    """Return pixels (m, 2) of printed outlines if the camera deviates from the design by these values."""
+    return project_markers(build_camera(_camera_of(nominal, values)), edges).centres
+
+
+def _printed(twin: Twin, layout: MarkerLayout, values: State) -> FloatArray:
+    """Return the outlines (m, k, 3) mm of the layout whose print is shifted."""
     x, y = (layout.positions[:, :2] + values[PRINT_SHIFT]).T
-    printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
-    return _traces(camera, twin, printed, layout.diameter)
+    points = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
+    return marker_outlines(twin.skin, points, layout.diameter, _CORNERS)
 
 
 def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, noise_px: float) -> float:
     """Return the standard deviation of a marker coordinate at rest about its layout position, px."""
     scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
     return float(np.hypot(noise_px, scale * tolerance.marker_position / np.sqrt(3.0)))
-
-
-def _traces(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
-    """Return the centroids (n, 2) px of the projected outlines of markers on the undeformed surface."""
-    return project_markers(camera, marker_outlines(twin.skin, points, diameter, _CORNERS)).centres
 
 
 class PredictedImage(NamedTuple):
@@ -357,20 +358,19 @@ def build_unit_model(
 ) -> UnitModel:
     """Build the image model of a unit from its posterior."""
     skin, camera, tolerance = twin.skin, posterior.camera(), modelled_tolerance(twin, tolerance)
-    steps = _STEP * unit_prior_sd(tolerance)
-    seen: BoolArray = np.asarray(np.isfinite(posterior.rest_px).all(axis=1), dtype=np.bool_)
-    about = np.where(
-        seen[:, None], _places(camera, twin, posterior.rest_px, np.zeros_like(posterior.rest_px)), np.nan
-    )
+    rest_px, steps = posterior.rest_px, _STEP * unit_prior_sd(tolerance)
+    seen: BoolArray = np.asarray(np.isfinite(rest_px).all(axis=1), dtype=np.bool_)
+    about = np.where(seen[:, None], _places(camera, twin, rest_px, np.zeros_like(rest_px)), np.nan)
     about = np.where(np.isfinite(about), about, layout.positions)
-    bias = _traces(camera, twin, about, layout.diameter) - camera.project(about)
-    places = _places(camera, twin, posterior.rest_px, bias)
+    edges = marker_outlines(skin, about, layout.diameter, _CORNERS)
+    bias = project_markers(camera, edges).centres - camera.project(about)
+    places = _places(camera, twin, rest_px, bias)
     seen = np.logical_and(seen, np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, layout.positions)
     rates, shifted = np.zeros((len(places), 3, len(CAMERA_PARAMETERS))), []
     for k, name in enumerate(CAMERA_PARAMETERS):
         pair = posterior.camera(**{name: steps[k]}), posterior.camera(**{name: -steps[k]})
-        high, low = (_places(each, twin, posterior.rest_px, bias) for each in pair)
+        high, low = (_places(each, twin, rest_px, bias) for each in pair)
         rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
         shifted.append(pair)
     _, along, around = skin.tangents(places)
