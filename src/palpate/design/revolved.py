@@ -120,6 +120,16 @@ class RevolvedSkin(Skin):
         """Return the parameter at which a layer meets the base."""
         if rim is Rim.RADIAL or layer == 0.0:
             return 1.0
+        if layer not in self._base_ends:
+            self._base_ends[layer] = self._meet_base(layer)
+        return self._base_ends[layer]
+
+    @cached_property
+    def _base_ends(self) -> dict[float, float]:
+        """Parameters at which layers meet a flat base, by layer."""
+        return {}
+
+    def _meet_base(self, layer: float) -> float:
         t, _, _ = self._table
         height = self._outside(t, layer)[:, 1]
         last = int(np.flatnonzero(height >= 0)[-1])

@@ -25,14 +25,19 @@ class ObstacleSuite:
         raise NotImplementedError("Give the fixture `mesh`.")
 
     @pytest.fixture
-    def obstacle(self, spec: ObstacleSpec, mesh: Mesh) -> Obstacle:
-        """The obstacle at first contact."""
-        return spec.at_first_contact(mesh)[0]
+    def contact(self, spec: ObstacleSpec, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        """The obstacle at first contact, and the place (3,) mm that it touches first."""
+        return spec.at_first_contact(mesh)
 
     @pytest.fixture
-    def points(self, spec: ObstacleSpec, mesh: Mesh) -> FloatArray:
+    def obstacle(self, contact: tuple[Obstacle, FloatArray]) -> Obstacle:
+        """The obstacle at first contact."""
+        return contact[0]
+
+    @pytest.fixture
+    def points(self, contact: tuple[Obstacle, FloatArray]) -> FloatArray:
         """Points (n, 3) mm about the place that it touches first."""
-        touched = spec.at_first_contact(mesh)[1]
+        touched = contact[1]
         return touched + np.random.default_rng(0).uniform(-0.5, 0.5, (60, 3))
 
     def test_it_is_read_again_from_its_data(self, spec: ObstacleSpec) -> None:
