@@ -7,7 +7,9 @@ import pytest
 
 from errors import end_process, refused
 from needs import needs
+from palpate.core.run import Progress
 from palpate.design import DomeSpec, build_skin, read_profile, read_skin, skin_from_data
+from palpate.design.profile import _cut_step
 from palpate.fea import WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
@@ -105,9 +107,17 @@ def test_a_taper_is_measured(tmp_path: Path) -> None:
     assert (spec.thickness, spec.taper) == pytest.approx((3.0, 0.6), abs=0.03)
 
 
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies are cut in this process: another loads the CAD kernel for seconds."""
+    monkeypatch.setattr("palpate.design.profile._step_curves", lambda path: _cut_step(path, Progress()))
+
+
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
-def test_a_revolved_body_is_cut_through_its_axis(tmp_path: Path, axis: str) -> None:
+def test_a_revolved_body_is_cut_through_its_axis(tmp_path: Path, axis: str, request: pytest.FixtureRequest) -> None:
     cad = needs("build123d")
+    if axis != "X":
+        request.getfixturevalue("here")
     outer = cad.Sphere(RADIUS + THICK) - cad.Sphere(RADIUS)
     half = cad.Pos(0, 0, 50 - CENTRE) * cad.Box(100, 100, 100)
     body = outer & half
@@ -186,6 +196,7 @@ def test_wrong_numbers_of_a_profile_are_refused(tmp_path: Path) -> None:
         read_profile(table(tmp_path / "few.csv", meridian(count=3)))
 
 
+@pytest.mark.usefixtures("here")
 def test_a_drawing_with_other_curves_is_refused(tmp_path: Path) -> None:
     with refused("profile-curves", 3):
         read_profile(arcs(tmp_path / "three.dxf", RADIUS, RADIUS + 1, RADIUS + 2))
