@@ -29,6 +29,7 @@ from palpate.surrogate import TWIN_DERIVATIVES, Twin, build_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SIZES = (1.0, 0.5)
+SOLVER = SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
 LENGTHS = ("thickness", "print_shift", "marker_position", "camera_offset", "camera_distance", "depth_zero")
 POSE = np.array([4.0, -3.0, 2.2])
 
@@ -53,7 +54,7 @@ def layout_of(size: float) -> MarkerLayout:
 
 def press(size: float, tilt: float) -> Press:
     wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=3.0 * size, depth_step=0.6 * size)
-    mesh, solver = mesh_skin(build_skin(skin_of(size)), MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    mesh, solver = mesh_skin(build_skin(skin_of(size)), MeshSpec(cells=8)), SOLVER
     return solve_press(mesh, ECOFLEX, wall, solver)
 
 

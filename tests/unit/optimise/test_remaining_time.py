@@ -20,7 +20,7 @@ pytest.importorskip("torch")
 
 
 @pytest.mark.parametrize("validation", ["none", "simulated"])
-@pytest.mark.parametrize("skins", [16, 60])
+@pytest.mark.parametrize("skins", [16, 40])
 def test_the_remaining_time_of_a_search_is_within_1_5_from_a_tenth_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, skins: int, validation: str
 ) -> None:

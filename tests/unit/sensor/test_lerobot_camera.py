@@ -203,7 +203,7 @@ def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
 
     skin = build_skin(DOME)
     walls = [WallSpec(tilt_deg=tilt, depth=4.0, depth_step=0.5) for tilt in (0.0, 3.0, 6.0, 9.0)]
-    mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    mesh, solver = mesh_skin(skin, MeshSpec(cells=6)), SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
     presses = [solve_press(mesh, MATERIAL, wall, solver) for wall in walls]
     write_twin(tmp_path / "twin.h5", build_twin(presses))
     scene = SimulatedUnit(Design.of_skin(skin, place_markers(skin, MARKERS)), Deviation(), RenderSpec(noise=1.0))

@@ -37,7 +37,8 @@ LEANING = Deviation(offset_x=0.2, offset_y=-0.1)
 
 def press(tilt_deg: float, azimuth_deg: float = 0.0) -> Press:
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5)
-    return solve_press(mesh_skin(SKIN, MeshSpec(cells=6)), MATERIAL, wall, SolverSpec(derivatives=TWIN_DERIVATIVES))
+    solver = SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
+    return solve_press(mesh_skin(SKIN, MeshSpec(cells=6)), MATERIAL, wall, solver)
 
 
 @pytest.fixture(scope="module")

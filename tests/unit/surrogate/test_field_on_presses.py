@@ -7,6 +7,7 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, rota
 from palpate.fea import WallSpec
 from palpate.fea.plate import PlateSpec
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.surrogate import build_field
 from presses import solve_press
@@ -19,7 +20,7 @@ LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 def press(tilt_deg, azimuth_deg=0.0, spec=WallSpec, **obstacle):
     placed = spec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=DEPTH, **obstacle)
     mesh = mesh_skin(DOME, MeshSpec(cells=8, whole=not placed.mirrored))
-    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), placed)
+    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), placed, SolverSpec(edge_share=1.0))
 
 
 @pytest.fixture(scope="module")

@@ -38,7 +38,7 @@ CAMERA = build_camera()
 def press(tilt_deg: float, derivatives: tuple[str, ...]) -> Press:
     material = MaterialSpec(name="neo-hooke:0.2", gel="neo-hooke:0.05").material()
     wall = WallSpec(tilt_deg=tilt_deg, depth=2.0, depth_step=0.5, contact="no-slip")
-    mesh = mesh_skin(SKIN, MeshSpec(filled=True, cells=5, core=1))
+    mesh = mesh_skin(SKIN, MeshSpec(filled=True, cells=4, core=1))
     return solve_press(mesh, material, wall, SolverSpec(derivatives=derivatives, edge_share=1.0))
 
 

@@ -29,7 +29,7 @@ TILTS = (87.0, 88.5, 90.0, 91.5, 93.0)
 
 def press(tilt_deg: float, depth: float = 3.0) -> Press:
     wall = SideWallSpec(tilt_deg=tilt_deg, depth=depth, depth_step=1.0, contact="frictionless")
-    mesh = mesh_skin(SKIN, MeshSpec(cells=10, core=2))
+    mesh = mesh_skin(SKIN, MeshSpec(cells=8, core=2))
     silicone = get_material("neo-hooke:0.02176").with_bulk_ratio(9.667)
     return solve_press(mesh, silicone, wall, SolverSpec(tolerance=1e-6))
 

@@ -34,7 +34,7 @@ FOUND = {
 
 
 def small_twin():
-    material, spec = get_material("zaid_2024_ecoflex_00_30"), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    material, spec = get_material("zaid_2024_ecoflex_00_30"), SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
     walls = (WallSpec(tilt_deg=tilt, depth=4.0, depth_step=0.5) for tilt in (0.0, 3.0, 6.0, 9.0))
     return build_twin([solve_press(MESH, material, wall, spec) for wall in walls])
 

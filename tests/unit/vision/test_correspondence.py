@@ -154,7 +154,7 @@ def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most
 def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
     """Motions learnt from 300 images had 40 of 4 000 others believed and wrong, where smooth fields have none."""
     sensor, rng = DrawnSensor(), np.random.default_rng(0)
-    rest, heads = heads_of(sensor, 120)
+    rest, heads = heads_of(sensor, 60)
     dots = [rng.permutation(places + rng.normal(0, 0.1, places.shape)) for places in heads]
     count = len(dots)
     found = assign_images((*dots, rest), count, SHAPE, True, Progress())
