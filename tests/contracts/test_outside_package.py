@@ -77,7 +77,7 @@ from palpate.learn.member import ImageRidge
 ImageRidge.sides = (16,)
 folder = Path("drawn")
 folder.mkdir()
-draw_recording(folder, draw_motions(45, 1, shear=2.0), DrawnSensor(rings=3))
+draw_recording(folder, draw_motions(8, 1, shear=2.0), DrawnSensor(rings=3))
 main(["learn", str(folder), "--out", "learnt", "--estimators", "ridge", "--json"])
 """
 
@@ -94,7 +94,7 @@ name: wheel
 designs: {heights: [20 mm], thicknesses: [2 mm], markers: [19]}
 obstacle: {kind: wheel, radius: 9 mm, depth: 3 mm, contact: frictionless}
 offsets_mm: [0, 2]
-mesh: {cells: 5}
+mesh: {cells: 4}
 dataset: {n_presses: 30, dropped_images: 0}
 learning: {preset: quick}
 """

@@ -16,7 +16,7 @@ PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
     grids, meshes = read_evidence([PUBLISHED / "best_no_slip", PUBLISHED / "fea"])
-    return write_figures(folder, assess_claims(grids, meshes), grids, meshes[:1], Progress(), cells=5)
+    return write_figures(folder, assess_claims(grids, meshes), grids, meshes[:1], Progress(), cells=4)
 
 
 def test_every_figure_is_drawn_and_shown(page):
