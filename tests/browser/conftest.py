@@ -74,7 +74,7 @@ def chromium():
 @pytest.fixture(scope="session")
 def context(chromium):
     """Shared by all tests, so that the pages' scripts are read and compiled once."""
-    return chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    return chromium.new_context(viewport={"width": 1024, "height": 640}, accept_downloads=True)
 
 
 @pytest.fixture

@@ -111,7 +111,7 @@ def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
         ("name: a\nseed: [1\n", ("yaml-malformed", "mine.yaml:3")),
         ("name: a\nname: b\n", ("yaml-malformed", "mine.yaml:2")),
         ("- a\n", ("yaml-not-mapping", "mine.yaml:1")),
-        ("a: " + "[" * 2000, ("yaml-too-deep", "mine.yaml")),
+        ("a: " + "[" * 1000, ("yaml-too-deep", "mine.yaml")),
         ('name: a\ndesigns: {markers: [{file: "a\\0b"}]}\n', ("file-name-malformed",)),
         ('name: a\nmaterial: {name: "a\\0.yaml"}\n', ("file-name-malformed",)),
         ("", ("yaml-not-mapping", "mine.yaml:1")),
