@@ -2,11 +2,9 @@
 
 import ast
 from collections import defaultdict
-from pathlib import Path
 
 import pytest
-
-SOURCE = Path(__file__).parents[2] / "src" / "palpate"
+from source_files import FILES, SOURCE, tree
 
 TERMS = {
     "contact history": "mechanics/friction.py",
@@ -25,8 +23,8 @@ TERMS = {
 
 def test_names_are_unique_in_a_subpackage() -> None:
     homes = defaultdict(list)
-    for path in SOURCE.rglob("*.py"):
-        for node in ast.parse(path.read_text()).body:
+    for path in (path for path in FILES if path.is_relative_to(SOURCE)):
+        for node in tree(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 place = path.relative_to(SOURCE)
                 homes[f"{place.parts[0]}.{node.name}"].append(str(place))
@@ -35,5 +33,5 @@ def test_names_are_unique_in_a_subpackage() -> None:
 
 @pytest.mark.parametrize(("term", "place"), TERMS.items())
 def test_the_fields_term_stands_in_the_head_of_what_does_it(term: str, place: str) -> None:
-    head = ast.get_docstring(ast.parse((SOURCE / place).read_text())) or ""
+    head = ast.get_docstring(tree(SOURCE / place)) or ""
     assert term in " ".join(head.lower().split())

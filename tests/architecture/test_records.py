@@ -2,9 +2,10 @@
 
 import ast
 from collections.abc import Iterator
-from pathlib import Path
+from functools import cache
 
-SOURCE = Path(__file__).parents[2] / "src" / "palpate"
+from source_files import FILES, SOURCE, nodes
+
 PARTS = {"skin", "layout", "camera", "material"}
 POSES, UNCERTAINTIES = {"pose", "poses", "tilt_deg"}, {"half_width", "half_widths", "covariance", "sd"}
 INPUTS = {"Study", "BenchmarkSpec", "DesignDraft", "PackFlags"}
@@ -18,10 +19,15 @@ KNOWN = {
 """Records that are left, each with the reason; a row may only go."""
 
 
-def records() -> Iterator[tuple[str, set[str]]]:
+@cache
+def records() -> tuple[tuple[str, set[str]], ...]:
     """Name and fields of every class: annotated ones, and those that its constructor sets."""
-    for path in sorted(SOURCE.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    return tuple(_records())
+
+
+def _records() -> Iterator[tuple[str, set[str]]]:
+    for path in (path for path in FILES if path.is_relative_to(SOURCE)):
+        for node in nodes(path):
             if isinstance(node, ast.ClassDef):
                 fields = {
                     item.target.id

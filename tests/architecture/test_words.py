@@ -126,6 +126,7 @@ def structure() -> dict[str, int]:
     }
 
 
+@cache
 def counts() -> dict[tuple[str, str], int]:
     """Counts of today by kind and pattern."""
     found: dict[tuple[str, str], int] = {}
