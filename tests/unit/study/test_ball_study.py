@@ -12,6 +12,7 @@ from palpate.study import Study, compare_grids, design_spec, plan_twin, read_gri
 from palpate.study.accuracy_task import plan_prediction
 from palpate.viewer.curves import error_curves
 from presses import stored_folder
+from results import leave_out_pictures
 
 BALL = {"kind": "ball", "radius": 8, "depth": 2, "depth_step": 0.25, "contact": "frictionless"}
 EDGE = {"kind": "edge", "depth": 2.4, "depth_step": 0.4, "contact": "frictionless"}
@@ -42,7 +43,9 @@ def results_of(obstacle: dict[str, object]) -> Path:
 
     def make(folder: Path) -> None:
         (folder / "study.yaml").write_text(study)
-        assert run("run", folder / "study.yaml", "--out", folder / "results", "--workers", 1, "--json") == 0
+        with pytest.MonkeyPatch.context() as changes:
+            leave_out_pictures(changes)
+            assert run("run", folder / "study.yaml", "--out", folder / "results", "--workers", 1, "--json") == 0
 
     return stored_folder("study", [study], make) / "results"
 
