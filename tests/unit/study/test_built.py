@@ -13,7 +13,7 @@ SMALL = {
     "name": "small",
     "tilts_deg": [0, 4, 8, 12],
     "designs": {"markers": [7, 37]},
-    "mesh": {"cells": 8},
+    "mesh": {"cells": 6},
     "obstacle": {"contact": "frictionless", "depth": 3.2},
 }
 STUDY = Study.model_validate(SMALL | {"built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}}})
