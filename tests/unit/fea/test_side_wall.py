@@ -20,7 +20,7 @@ from presses import solve_press
 
 SKIN = BarrelSpec().build()
 SILICONE = get_material("neo-hooke:0.02176").with_bulk_ratio(9.667)
-COARSE = MeshSpec(cells=10, core=2)
+COARSE = MeshSpec(cells=8, core=2)
 YOUNG, POISSON = 0.1262, 0.45
 
 
@@ -77,7 +77,7 @@ def test_the_patch_lies_against_the_wall_and_nothing_is_behind_it(leaning: Press
 
 
 def test_a_whole_barrel_under_a_wall_at_an_azimuth_is_the_half_one_turned(leaning: Press) -> None:
-    whole = pressed(93.0, mesh_skin(SKIN, MeshSpec(cells=10, core=2, whole=True)), depth=1.0, azimuth_deg=40.0)
+    whole = pressed(93.0, mesh_skin(SKIN, MeshSpec(cells=8, core=2, whole=True)), depth=1.0, azimuth_deg=40.0)
     turned = replace(leaning, obstacle=leaning.obstacle.model_copy(update={"azimuth_deg": 40.0}))
     points = place_markers(SKIN, MarkerSpec(rows=6, around=10, pitch=35)).positions
     assert whole.positions(points)[1] == pytest.approx(turned.positions(points)[1], abs=2e-3)
