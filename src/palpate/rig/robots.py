@@ -12,6 +12,7 @@ ROBOTS: Registry[type[Robot]] = Registry(
     "robot",
     {
         "manual": "palpate.rig.manual_robot:ManualRobot",
+        "ros2": "palpate.rig.ros_robot:RosRobot",
         "tcp": "palpate.rig.tcp_robot:TcpRobot",
         "ur": "palpate.rig.ur_robot:UrRobot",
     },
