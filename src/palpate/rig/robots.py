@@ -34,6 +34,8 @@ def open_robot(text: str) -> Robot:
     kind: Any = ROBOTS.get(name)
     try:
         robot: Robot = kind(rest)
+    except PalpateError:
+        raise
     except Exception as error:  # a robot's library may raise anything
         raise PalpateError.of(error) from error
     return robot
