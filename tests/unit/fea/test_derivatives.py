@@ -29,7 +29,7 @@ STEPS = {
 NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
 
 
-def mesh_of(wall: WallSpec = WALL, cells: int = 7) -> Mesh:
+def mesh_of(wall: WallSpec = WALL, cells: int = 10) -> Mesh:
     mesh = mesh_skin(build_skin(SKIN), MeshSpec(cells=cells))
     return centre_mesh(mesh, wall.at_first_contact(mesh)[1])
 

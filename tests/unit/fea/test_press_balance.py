@@ -86,7 +86,7 @@ def test_a_turned_wall_moves_a_turned_skin() -> None:
 
 
 def coarse_presses(contacts: tuple[float | str, ...], depth_step: float = 0.5) -> list[Press]:
-    solver = SolverSpec(derivatives=TWIN_DERIVATIVES, edge_share=1.0)
+    solver = SolverSpec(derivatives=TWIN_DERIVATIVES)
     return [
         press(WallSpec(tilt_deg=tilt, contact=contact, depth=2.0, depth_step=depth_step), solver=solver)
         for contact in contacts
