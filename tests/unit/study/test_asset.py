@@ -333,3 +333,9 @@ def test_a_gel_inside_is_weighed_too() -> None:
     assert both.mass_kg == pytest.approx(1e-6 * 2 / 3 * np.pi * 21.0**3, rel=1e-5)
     assert both.centre_mm[2] == pytest.approx(3 / 8 * 21.0, rel=1e-5)
     assert compute_mass_properties(skin, 1000.0).mass_kg < 0.2 * both.mass_kg
+
+
+def test_a_force_curve_needs_four_images_before_the_press_jumps(press: Press, camera: Camera) -> None:
+    assert build_asset(replace(press, jump_depth=float(press.depth[4])), camera).reach == pytest.approx(1.5e-3)
+    with refused("asset-few-images", "3", "4"):
+        build_asset(replace(press, jump_depth=float(press.depth[3])), camera)
