@@ -51,6 +51,7 @@ def values(found: Recording) -> dict[str, np.ndarray]:
     [
         ("time_s,Fx_N,Fy_N,Fz_N,Tx_Nm,Ty_Nm,Tz_Nm", np.ones(6), {}),
         ("Time,Fx (mN),Fy (mN),Fz (mN),Tx (N-mm),Ty (N-mm),Tz (N-mm)", np.full(6, 1e3), {}),
+        ("Time,Fx_mN,Fy_mN,Fz_mN,Tx_mNm,Ty_mNm,Tz_mNm", np.full(6, 1e3), {}),
         ("t,force.x,force.y,force.z,torque.x,torque.y,torque.z", np.ones(6), {"force_unit": "N"}),
     ],
 )
