@@ -284,3 +284,53 @@ def test_a_frame_with_a_height_needs_the_other_two_lengths() -> None:
         to_surface(table({"z_mm": 150 - DEPTHS, "rx_deg": WAVE, "ry_deg": WAVE}), frame, ())
     columns = {"x_mm": DEPTHS, "y_mm": DEPTHS, "z_mm": 150 - DEPTHS}
     assert to_surface(table(columns), frame, ()).columns["depth_mm"] == pytest.approx(DEPTHS)
+
+
+def test_the_depth_under_a_leaning_surface_is_along_its_normal() -> None:
+    normal = np.array([0.0, 3.0, 4.0])
+    places = np.array([10.0, 20.0, 150.0]) - DEPTHS[:, None] * normal / 5.0
+    columns = dict(zip(("x_mm", "y_mm", "z_mm"), places.T, strict=True))
+    frame = ColumnMapping(frame=",".join(map(str, (10, 20, 150, *normal))))
+    assert to_surface(table(columns), frame, ()).columns["depth_mm"] == pytest.approx(DEPTHS)
+
+
+@pytest.mark.parametrize("axis", ["-z", "+x", "-x", "-y"])
+def test_the_surface_is_normal_to_the_base_axis_nearest_to_the_tools(axis: str) -> None:
+    """The mean of evenly spread tilts is the tool's axis; the depth counts from the shallowest image."""
+    azimuth = 2 * np.pi * np.arange(COUNT) / COUNT
+    tilts = 10.0 * np.column_stack([np.cos(azimuth), np.sin(azimuth), np.zeros(COUNT)])
+    into = (1.0 if axis[0] == "+" else -1.0) * np.eye(3)["xyz".index(axis[1])]
+    base = Rotation.align_vectors([into, np.roll(into, 1)], [[0, 0, 1], [1, 0, 0]])[0]
+    turns = base * Rotation.from_rotvec(tilts, degrees=True)
+    places = np.array([400.0, -100.0, 150.0]) + DEPTHS[:, None] * into
+    columns = dict(zip(("x_mm", "y_mm", "z_mm"), places.T, strict=True))
+    columns |= dict(zip(("qx", "qy", "qz", "qw"), turns.as_quat().T, strict=True))
+    found = to_surface(table(columns), PLAIN, ())
+    assert found.columns["depth_mm"] == pytest.approx(DEPTHS - DEPTHS[0])
+    assert np.hypot(found.columns["rx_deg"], found.columns["ry_deg"]) == pytest.approx(np.full(COUNT, 10.0))
+    assert any(f"normal to {axis}" in note for note in found.notes)
+
+
+def test_tools_that_point_everywhere_press_no_surface() -> None:
+    turns = Rotation.from_rotvec(np.column_stack([np.linspace(0, 178, COUNT), *np.zeros((2, COUNT))]), degrees=True)
+    with refused("orientation-spread", "quaternion"):
+        to_surface(table(dict(zip(("qx", "qy", "qz", "qw"), turns.as_quat().T, strict=True))), PLAIN, ())
+
+
+def test_a_column_that_cannot_be_learnt_is_refused_if_it_is_asked_for() -> None:
+    with refused("column-not-trainable", "grip_mm", "3 throughout"):
+        learn({"grip_mm": np.full(COUNT, 3.0), "rx_deg": WAVE}, targets=("grip_mm",))
+    with refused("columns-none", "t.csv"):
+        learn({"grip_mm": np.full(COUNT, 3.0)})
+    with refused("column-unit-unknown", "rx", "depth"):
+        learn({"rx": WAVE, "depth": 0.1 * WAVE, "ry_deg": WAVE})
+    poses, _, left = learn({"rx": WAVE, "ry_deg": WAVE}, targets=("ry_deg",))
+    assert [one.axis for one in poses] == ["ry"]
+    assert any("rx" in text for text in left)
+
+
+def test_gaps_count_in_a_column_that_is_asked_for_by_its_new_name() -> None:
+    values = 10 * WAVE
+    values[0] = np.nan
+    gaps, _ = find_gaps(table({"pose_4": values, "rx_deg": WAVE}), ColumnMapping(targets=("pose_4=rx_deg",)))
+    assert gaps.sum() == 1
