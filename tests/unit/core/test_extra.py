@@ -28,7 +28,7 @@ def test_a_library_that_lacks_one_of_the_system_says_which(tmp_path: Path, monke
 
 
 def test_an_interrupt_that_a_compiled_module_wraps_stays_an_interrupt(tmp_path: Path, monkeypatch) -> None:
-    lines = "try:\n    raise KeyboardInterrupt\nexcept KeyboardInterrupt as stop:\n    raise ImportError('stopped') from stop"
+    lines = "try:\n    raise KeyboardInterrupt\nexcept KeyboardInterrupt as stop:\n    raise ImportError from stop"
     (tmp_path / "interrupted.py").write_text(lines)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "interrupted", raising=False)

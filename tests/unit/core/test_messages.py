@@ -189,13 +189,13 @@ def test_every_problem_names_a_value() -> None:
     assert WITHOUT_VALUE.total() <= 80
 
 
-REMEDIES_BEGIN = frozenset(
+REMEDIES_BEGIN = listed(
     """
     Give Choose Use Write Check Make Record Leave Name Run Correct Take Start Export Change Save Train Draw Set Solve
     Reduce Open Add Connect Lower Fill Install Put Repair Number Begin Move Refine Reinstall Calibrate Create Mesh
     Request Hold Ask Call Look Keep Predict Copy See Uninstall Separate Increase Sample Paint Report Fit Tilt Measure
     Generate Widen Average Supported Known Flip Let Assign pip
-    """.split()
+    """
 )
 
 

@@ -1,4 +1,4 @@
-"""Lines of text files: kept and thinned lines by their own text, limits from both sides, encodings by Python's own."""
+"""Lines of text files: thinned lines by their own text, limits from both sides, encodings by Python's own."""
 
 from pathlib import Path
 
