@@ -1,6 +1,7 @@
 """Scores, scales, offsets and corrections of learning by hand, by scipy and by limits from both sides."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from scipy import optimize
 
 from errors import refused
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError
 from palpate.core.run import Progress
 from palpate.design import TILT_SPACE
 from palpate.learn.error_scale import fit_scale, image_features
@@ -16,7 +18,7 @@ from palpate.learn.interval import Interval, TrainedRange, press_quantile
 from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, extrapolate_learning_curve
 from palpate.learn.member import MarkerNetwork, MarkerProcess, MarkerRidge, TrainingRun
 from palpate.learn.metrics import measure_errors
-from palpate.learn.preprocess import Preprocessor, first_duplicate
+from palpate.learn.preprocess import Preprocessor, choose_preprocessor, first_duplicate, preprocess_images
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.row_offset import find_row_offset
 from palpate.learn.training_set import TrainingSet, flat_features
@@ -361,3 +363,25 @@ def test_outputs_of_processes_are_turned_and_shifted_and_errors_are_added() -> N
     assert np.abs(tuned.predict(other.inputs) - other.targets)[other.train].mean() < 0.3 * before
     mapped = process.transform_inputs(np.eye(10)[::-1])
     assert mapped.predict(samples.inputs.reshape(24, -1)[:, ::-1].reshape(24, 5, 2)) == pytest.approx(whole)
+
+
+def unreadable(error: PalpateError, count: int = 3) -> SimpleNamespace:
+    """A recording none of whose images can be read."""
+    images = SimpleNamespace(read=lambda numbers: [error for _ in numbers], stamp=str)
+
+    class Recording(SimpleNamespace):
+        def __len__(self) -> int:
+            return count
+
+    return Recording(images=images, rest=0)
+
+
+def test_a_recording_without_a_readable_image_is_refused_by_the_first_reason(tmp_path: Path) -> None:
+    damaged = PalpateError("The file 7 is damaged.", "Copy it again.", code="image-unreadable")
+    with refused("images-unreadable", "7 is damaged"):
+        choose_preprocessor(unreadable(damaged), 64)
+    with refused("extra-missing", "OpenCV"):
+        choose_preprocessor(unreadable(MissingExtraError("OpenCV", "vision")), 64)
+    eye = Preprocessor((16, 24), None, (16, 24), False)
+    with refused("images-unreadable", "7 is damaged"):
+        preprocess_images(unreadable(damaged), eye, ArtefactStore(tmp_path), Progress())
