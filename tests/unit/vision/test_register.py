@@ -126,9 +126,10 @@ def printed(growth: float, x: float, y: float, along: float, across: float, turn
     return places
 
 
-def test_a_distorted_ring_is_recovered_with_its_size_centre_ellipse_and_turn() -> None:
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_distorted_ring_is_recovered_with_its_size_centre_ellipse_and_turn(side: float) -> None:
     assert RINGS is not None
-    bent = printed(0.06, 0.3, -0.2, 0.015, 0.02, 0.03)
+    bent = printed(0.06, 0.3, -0.2, side * 0.015, side * 0.02, 0.03)
     camera = build_camera(TRUE)
     pose = np.array([getattr(TRUE, name) for name in POSE])
 
@@ -147,7 +148,8 @@ def test_a_distorted_ring_is_recovered_with_its_size_centre_ellipse_and_turn() -
     assert law.greatest == pytest.approx(np.abs(law.growth - 1).max())
     assert law.centre - law.centre[0] == pytest.approx(np.array([[0, 0], [0.3, -0.2], [0, 0]]), abs=0.1)
     assert law.flatness[1] == pytest.approx((1 + 0.025) / (1 - 0.025) - 1, abs=0.01)
-    assert law.flat_deg[1] == pytest.approx(np.degrees(np.arctan2(0.02, 0.015)) / 2, abs=6)
+    longer = np.degrees(np.arctan2(side * 0.02, side * 0.015)) / 2
+    assert law.flat_deg[1] == pytest.approx(longer if side > 0 else longer + 180, abs=6)
     assert law.turn_deg - law.turn_deg[0] == pytest.approx([0, np.degrees(0.03), 0], abs=0.3)
 
 
