@@ -43,7 +43,9 @@ def fit(blobs: np.ndarray, of: MarkerPattern | None = None) -> PatternFit:
     return found
 
 
-@pytest.mark.parametrize(("turn_deg", "mirror", "bend"), [(0.0, False, 0.0), (100.0, False, 0.05), (-40.0, True, 0.04)])
+@pytest.mark.parametrize(
+    ("turn_deg", "mirror", "bend"), [(0.0, False, 0.0), (100.0, False, 0.05), (-40.0, True, 0.04)]
+)
 def test_every_marker_finds_its_blob_through_turn_mirror_and_bend(turn_deg: float, mirror: bool, bend: float) -> None:
     order = np.random.default_rng(1).permutation(len(LAYOUT))
     found = fit(shown(turn_deg, mirror, bend)[order])
