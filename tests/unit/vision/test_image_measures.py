@@ -336,3 +336,16 @@ def test_markers_that_want_one_blob_share_the_blobs_with_the_least_squares() -> 
     assert len(set(used.tolist())) == len(used)
     alone = np.where(np.arange(12) == 3, first, -1)
     assert _assign(predicted, blobs, reach, alone).tolist() == alone.tolist()
+
+
+def test_limits_of_a_printed_field_are_met_exactly_or_not() -> None:
+    field = FieldCandidate(True, 5.0, 36, 1.0, 1.0, 0.97)
+    exact = replace(printed(), contrast=np.full(36, 30.0), noise=5.0)
+    assert not is_printed(exact, field), "it must be exceeded"
+    assert is_printed(replace(exact, noise=4.999), field)
+    assert is_printed(printed(), replace(field, roundness=0.59))
+    assert is_printed(printed(9), field)
+    strewn = np.random.default_rng(4).uniform(0, 60, (8, 2))
+    assert is_printed(replace(printed(8), positions_px=strewn), field), "eight alike ones"
+    assert not is_printed(replace(printed(7), positions_px=strewn[:7]), field)
+    assert not is_printed(replace(printed(8), positions_px=strewn), replace(field, roundness=0.75))

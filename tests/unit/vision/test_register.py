@@ -203,3 +203,13 @@ def test_a_press_that_moves_all_alike_leaves_both_and_a_wrong_or_light_one_is_re
     for pressed in (naming.positions_px - 3 * motion, naming.positions_px[:2] + motion[:2], np.empty((0, 2))):
         with refused("reference-press-unexplained"):
             disambiguate_by_press(naming, np.stack([motion, motion]), pressed, 30.0)
+
+
+@pytest.mark.parametrize(("growth", "refused_"), [(0.12, False), (0.4, True)])
+def test_a_ring_that_is_wrong_by_more_than_a_fifth_is_of_another_design(growth: float, refused_: bool) -> None:
+    bent = replace(LAYOUT, positions=printed(growth, 0.0, 0.0, 0.0, 0.0, 0.0, ring=1))
+    if refused_:
+        with refused("layout-misfit-rings", "%"):
+            register_dome(named(shown(layout=bent)), LAYOUT, SKIN, TRUE)
+    else:
+        assert register_dome(named(shown(layout=bent)), LAYOUT, SKIN, TRUE).distortion is not None
