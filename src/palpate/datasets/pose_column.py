@@ -127,7 +127,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
 
 
 def split_lower(name: str) -> tuple[str, str]:
-    """Return the bare name of a column and its unit in lower case; a unit may need its capitals, such as mN."""
+    """Return the bare name of a column and its unit, in lower case; `mN` is known by its capital."""
     bare, unit = split_unit(name.strip())
     return (bare.lower(), unit.lower()) if unit else split_unit(name.strip().lower())
 

@@ -46,9 +46,9 @@ def test_states_are_made_of_mappings_and_of_zeros_and_know_their_length() -> Non
     assert (made.names, made.values.tolist(), len(made)) == (("b", "a"), [2.0, 1.0], 2)
     assert State.zeros(("x", "y", "z")).values.tolist() == [0.0, 0.0, 0.0]
     for names in (("a", "none"), ("none",)):
-        with pytest.raises(KeyError, match="none"):
+        with pytest.raises(KeyError):
             made.to_array(names)
     with pytest.raises(TypeError):
         made.to_array((0,))  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="2 values"):
+    with pytest.raises(TypeError):
         State(("a",), np.array([1.0, 2.0]))
