@@ -13,6 +13,7 @@ from palpate.fea.inverted import mirror_displacement
 from palpate.fea.monitor import patch_middle, tilt_way
 from palpate.fea.spec import GREATEST_FRICTION, check_contact
 from palpate.fea.wall import drifting, refuse_rim_first, slope_ways
+from palpate.fea.work import integrate_force
 from palpate.mechanics import Obstacle
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -196,3 +197,39 @@ def test_the_mirrored_start_of_an_inverted_skin_mirrors_its_apex_and_leaves_its_
         far = middle[:, 2] < mesh.skin.outer_height - depth - 8.0
         if far.any():
             assert np.abs(moved[far]).max() < 0.5
+
+
+def test_the_wall_of_a_mirrored_skin_faces_the_obstacle_again() -> None:
+    """Across the ridge the normal keeps its height over the wall, and its slope is turned round."""
+    mesh = mesh_skin(DomeSpec(height=20, thickness=1).build(), MeshSpec(cells=12))
+    top = mesh.skin.outer_height - 8.0
+    moved = mirror_displacement(mesh, Plane(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, top])))
+    around: dict[tuple[float, float], list[int]] = {}
+    for number, place in enumerate(mesh.inner_disc.round(9).tolist()):
+        around.setdefault((place[0], place[1]), []).append(number)
+    turned = kept = 0
+    for numbers in around.values():
+        inner, middle, outer = sorted(numbers, key=lambda k: np.linalg.norm(mesh.nodes[k]))
+        before = mesh.nodes[outer] - mesh.nodes[inner]
+        after = before + moved[outer] - moved[inner]
+        slope = np.linalg.norm(before[:2])
+        if mesh.nodes[middle, 2] > top + 4.0 and slope > 0.2:
+            turned += 1
+            assert after[:2] @ before[:2] < -0.8 * slope**2
+            assert after[2] == pytest.approx(before[2], rel=0.1)
+        if top - 11.0 > mesh.nodes[middle, 2]:
+            kept += 1
+            assert after == pytest.approx(before, abs=0.1)
+    assert min(turned, kept) > 5
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_work_is_the_integral_of_the_force_over_the_depth_either_way(back: bool) -> None:
+    depth = np.array([0.0, 0.4, 1.0, 1.3, 2.0])
+    force = 1 + 2 * depth - 0.5 * depth**2 + 0.3 * depth**3
+    whole = depth + depth**2 - 0.5 * depth**3 / 3 + 0.3 * depth**4 / 4
+    if back:
+        depth, force, whole = depth[::-1], force[::-1], whole[::-1]
+    assert integrate_force(depth, force) == pytest.approx(whole - whole[0])
+    assert integrate_force(depth[:3], 2 * depth[:3]) == pytest.approx(depth[:3] ** 2 - depth[0] ** 2)
+    assert integrate_force(depth[:2], force[:2])[1] == pytest.approx((depth[1] - depth[0]) * force[:2].mean())
