@@ -233,3 +233,25 @@ def test_work_is_the_integral_of_the_force_over_the_depth_either_way(back: bool)
     assert integrate_force(depth, force) == pytest.approx(whole - whole[0])
     assert integrate_force(depth[:3], 2 * depth[:3]) == pytest.approx(depth[:3] ** 2 - depth[0] ** 2)
     assert integrate_force(depth[:2], force[:2])[1] == pytest.approx((depth[1] - depth[0]) * force[:2].mean())
+
+
+@pytest.mark.parametrize("half", [0.8, 4.0])
+@pytest.mark.parametrize(
+    "obstacle", [Cylinder(1.5, MIDDLE, AXIS), Edge(1.5, MIDDLE, AXIS, HALF)], ids=["bar", "edge"]
+)
+def test_a_patch_lies_about_the_place_that_is_touched(obstacle: Cylinder | Edge, half: float) -> None:
+    at = MIDDLE + 2.3 * AXIS - [0.0, 0.0, 1.5]
+    points, quads = obstacle.patch(at, half)
+    along = (points - MIDDLE) @ AXIS
+    assert (along.min(), along.max()) == pytest.approx((2.3 - half, 2.3 + half))
+    assert obstacle.penetration(points) == pytest.approx(np.zeros(len(points)), abs=1e-9)
+    across = (points - MIDDLE) @ np.cross([0.0, 0.0, 1.0], AXIS)
+    assert across.min() == pytest.approx(-across.max())
+    corners = points[quads]
+    facing = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    middle = corners.mean(axis=1)
+    assert ((facing * obstacle.gap(middle).normal).sum(axis=1) > 0).all()
+    length = np.linalg.norm(np.diff(points[::2], axis=0), axis=1).sum()
+    round_ = 1.5 * (np.pi / 2 - HALF) if isinstance(obstacle, Edge) else 1.5 * np.pi / 2
+    wanted = 2 * (half if isinstance(obstacle, Edge) else min(half, round_))
+    assert length == pytest.approx(wanted, rel=0.01)
