@@ -13,6 +13,7 @@ EXTRAS = {
     "learn": ("onnx", "onnxruntime", "optuna", "torch"),
     "parquet": ("pyarrow",),
     "ros": ("rosbags",),
+    "ros2": ("websockets",),
     "ur": ("rtde_control",),
     "test": ("h5netcdf", "mlcroissant", "mujoco", "playwright", "pxr", "xarray", "yourdfpy"),
     "vision": ("PIL", "cv2"),

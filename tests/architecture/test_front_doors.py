@@ -90,7 +90,7 @@ FRONT_DOORS = {
         "SolverSpec",
         "Stability",
         "WallSpec",
-        "deck_text",
+        "contact_traction",
         "export_press",
         "find_stability",
         "plot_convergence",

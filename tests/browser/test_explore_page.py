@@ -95,7 +95,7 @@ def test_metric_and_axes_change(page, link):
     page.wait_for_url(re.compile("across=height_mm"))
 
 
-@pytest.mark.parametrize("colour", ["stress", "contact"])
+@pytest.mark.parametrize("colour", ["stress", "pressure", "contact"])
 def test_the_dome_is_coloured_by(page, link, colour):
     open_page(page, link, "?depth=3")
     legend = page.locator(".dome-legend b").first
@@ -103,7 +103,7 @@ def test_the_dome_is_coloured_by(page, link, colour):
     page.get_by_test_id("colour").get_by_role("button", name=colour, exact=True).click()
     page.wait_for_function(f"document.querySelector('.dome-legend b').dataset.colour === '{colour}'")
     assert legend.inner_text() != before
-    assert legend.inner_text().endswith({"stress": "(MPa)", "contact": "(mm)"}[colour])
+    assert legend.inner_text().endswith({"stress": "(MPa)", "pressure": "(MPa)", "contact": "(mm)"}[colour])
     page.wait_for_function("document.querySelector('.dome-note').textContent === ''")
     assert colours(page) > 50
 

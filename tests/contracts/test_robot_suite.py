@@ -12,6 +12,7 @@ from palpate.rig import ManualRobot, open_robot
 from palpate.sensor import Placement, Robot
 from palpate.simulation import SimulatedRobot, SimulatedRobotSpec
 from palpate.testing import RobotSuite
+from ros_bridge import RosBridge
 from ur_controller import UrController
 
 
@@ -33,6 +34,18 @@ class TestUrRobot(RobotSuite):
         yield robot
         robot.close()
         controller.close()
+
+
+class TestRosRobot(RobotSuite):
+    @pytest.fixture
+    def robot(self) -> Iterator[Robot]:
+        """It is moved by MoveIt's action and a simulated rosbridge_server."""
+        needs("websockets")
+        bridge = RosBridge()
+        robot = open_robot(f"ros2:{bridge.host}?wrench=/ft/wrench&speed=0.4")
+        yield robot
+        robot.close()
+        bridge.close()
 
 
 class TestSimulatedRobot(RobotSuite):

@@ -55,6 +55,7 @@ PROGRAMS = {
     "av": "from palpate.core import load_extra; load_extra('av', 'av', 'PyAV')",
     "zarr": "from palpate.core import load_extra; load_extra('zarr', 'zarr', 'Zarr')",
     "ros": "from palpate.sensor.write_bag import Bag; from pathlib import Path; Bag(Path('bag')).close()",
+    "ros2": "from palpate.core import load_extra; load_extra('websockets.sync.client', 'ros2')",
     "ur": "from palpate.core import load_extra; load_extra('rtde_control', 'ur'); load_extra('rtde_receive', 'ur')",
     "docs": "import sphinx, myst_parser, pydata_sphinx_theme, latex2mathml, pytest, hypothesis",
 }

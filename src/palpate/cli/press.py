@@ -32,6 +32,7 @@ _COLUMNS = (
     Column("work_mj", form=".4f", meaning="work of the obstacle", deciding=False),
     Column("peak_stress_mpa", "peak stress", form=".4f", meaning="maximum von Mises stress"),
     Column("contact_area_mm2", "contact area", "mm²", form=".1f"),
+    Column("peak_pressure_mpa", "peak pressure", form=".4f", meaning="maximum contact pressure", deciding=False),
     Column(
         "hold_tension_kpa",
         "stabilisation tension",
@@ -45,7 +46,7 @@ _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm); the
 _SOLVER = "Solver: palpate, calculix (apt install calculix-ccx), or the solver of an installed package."
 _OBSTACLE = "Obstacle as KIND:NAME=VALUE, such as ball:radius=8; depth, step and contact law as for the wall."
 _BRANCH = "Branch of equilibria: flat, or inverted (apex inside out) if it exists."
-_EXPORT = "New folder for the increments as .vtu files with a .pvd series, and force.csv."
+_EXPORT = "New folder for the increments as .vtu files with a .pvd series, force.csv and contact.csv."
 
 
 WallFlags = Annotated[WallSpec, flags_of(WallSpec, group="Wall")]
@@ -185,6 +186,11 @@ def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, 
         }
         for i in range(len(press.depth))
     ]
+    if press.solved_by == "palpate":
+        from palpate.fea import contact_traction
+
+        for image, pressure in zip(images, contact_traction(press).pressure, strict=True):
+            image["peak_pressure_mpa"] = float(pressure.max())
     if points is not None:
         for image, moved in zip(images, press.positions(points), strict=True):
             image["points_mm"] = moved.tolist()

@@ -133,9 +133,9 @@ def _open_rig(
         return
     from palpate.rig import images_of, open_robot
 
-    with open_source(rig.source or "") as source:
-        robot = open_robot(rig.robot)
-        try:
+    robot = open_robot(rig.robot)
+    try:
+        with open_source(rig.source or "") as source:
             yield robot, images_of(source, spec.buffered)
-        finally:
-            robot.close()
+    finally:
+        robot.close()

@@ -3,6 +3,7 @@
 from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.branch import Branch
 from palpate.fea.calculix import CalculixSolver, CalculixSpec, calculix_recipe, solve_press_calculix
+from palpate.fea.contact_traction import contact_traction
 from palpate.fea.convergence import MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
@@ -21,7 +22,7 @@ from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import CELLS, ObstacleSpec, check_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
-from palpate.fea.write_deck import deck_text, write_deck
+from palpate.fea.write_deck import write_deck
 from palpate.mechanics import EndReason, SolverSpec
 
 __all__ = [
@@ -52,7 +53,7 @@ __all__ = [
     "calculix_recipe",
     "check_contact",
     "check_export",
-    "deck_text",
+    "contact_traction",
     "export_press",
     "find_first_contact",
     "find_stability",

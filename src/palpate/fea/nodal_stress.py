@@ -16,35 +16,45 @@ def clamped_solid(press: Press) -> Solid:
     return Solid(mesh.nodes, mesh.cells, press.material, np.ones_like(mesh.nodes, bool), mesh.filling)
 
 
-def nodal_von_mises(press: Press) -> FloatArray:
-    """Return the von Mises Cauchy stress (n, n_nodes) in MPa at the nodes of every increment.
-
-    Raises
-    ------
-    PalpateError
-        If another solver made the press: its elements define the pressure differently.
-    """
+def check_own_press(press: Press) -> None:
+    """Raise a `PalpateError` if another solver made a press, whose elements define pressure differently."""
     if press.solved_by != "palpate":
         raise PalpateError(
             f"A press solved by {press.solved_by} has no stress at nodes.",
             "Solve it with palpate.",
             code="press-no-nodal-stress",
         )
+
+
+def nodal_von_mises(press: Press) -> FloatArray:
+    """Return the von Mises Cauchy stress (n, n_nodes) in MPa at the nodes of every increment.
+
+    Raises
+    ------
+    PalpateError
+        As `check_own_press`.
+    """
+    check_own_press(press)
     solid = clamped_solid(press)
     return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
+
+
+def state_of(solid: Solid, u: FloatArray) -> State:
+    """Return the state of a displacement (n, 3) mm, with the pressure ``p = K M^-1 ∫ q (J - 1) dV``."""
+    cells = solid.cells
+    F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)
+    swelling = np.einsum("eq,qk,eq->ek", cells.weight, cells.basis, np.linalg.det(F) - 1.0)
+    p = solid.bulk[:, None] * np.einsum("ekm,em->ek", cells.inverse_mass, swelling)
+    return State(np.ascontiguousarray(u), p)
 
 
 def nodal_stress(solid: Solid, u: FloatArray) -> FloatArray:
     """Return the Cauchy stress (n, 6) MPa at the nodes, xx, yy, zz, xy, yz, zx.
 
-    The pressure of each cell is that of equilibrium, ``p = K M^-1 ∫ q (J - 1) dV`` (`palpate.mechanics`). The 27
-    Gauss points define a triquadratic field in each cell, evaluated at its nodes and averaged over cells.
+    The 27 Gauss points define a triquadratic field in each cell, evaluated at its nodes and averaged over cells.
     """
     cells = solid.cells
-    F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)
-    swelling = np.einsum("eq,qk,eq->ek", cells.weight, cells.basis, np.linalg.det(F) - 1.0)
-    p = solid.bulk[:, None] * np.einsum("ekm,em->ek", cells.inverse_mass, swelling)
-    at_points = cauchy_stress(solid, State(np.ascontiguousarray(u), p))
+    at_points = cauchy_stress(solid, state_of(solid, u))
     to_nodes = np.linalg.inv(shape_hexahedron(gauss_points(GAUSS)[0])[0])
     at_nodes = np.einsum("aq,eqk->eak", to_nodes, at_points)
     total, count = np.zeros((len(solid.nodes), 6)), np.zeros(len(solid.nodes))

@@ -72,6 +72,12 @@ class OuterSurface:
         """Return the quadrature points (n_points, 3) mm of deformed nodes (n, 3) mm, by a compiled kernel."""
         return _place(self.faces, position)
 
+    def node_areas(self, nodes: FloatArray) -> FloatArray:
+        """Return the integral (n,) mm² of the shape function of each node of a body over its deformed surface."""
+        area = np.zeros(len(nodes))
+        np.add.at(area, self.faces.nodes, self._areas(nodes[self.faces.nodes]) @ self.faces.shape)
+        return area
+
     def current_area(self, nodes: FloatArray, touching: BoolArray) -> float:
         """Return the deformed area in mm² of the points `touching` (n_points,), with deformed nodes (n, 3)."""
         return float(self._areas(nodes[self.faces.nodes]).ravel()[touching].sum())

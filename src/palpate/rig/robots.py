@@ -12,6 +12,7 @@ ROBOTS: Registry[type[Robot]] = Registry(
     "robot",
     {
         "manual": "palpate.rig.manual_robot:ManualRobot",
+        "ros2": "palpate.rig.ros_robot:RosRobot",
         "tcp": "palpate.rig.tcp_robot:TcpRobot",
         "ur": "palpate.rig.ur_robot:UrRobot",
     },
@@ -33,6 +34,8 @@ def open_robot(text: str) -> Robot:
     kind: Any = ROBOTS.get(name)
     try:
         robot: Robot = kind(rest)
+    except PalpateError:
+        raise
     except Exception as error:  # a robot's library may raise anything
         raise PalpateError.of(error) from error
     return robot

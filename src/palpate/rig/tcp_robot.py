@@ -17,10 +17,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import PalpateError
-from palpate.sensor import Placement, Robot, rotation_from_vector
+from palpate.rig.remote_robot import RemoteRobot
+from palpate.sensor import Placement, rotation_from_vector
 
 
-class TcpRobot(Robot):
+class TcpRobot(RemoteRobot):
     """Robot behind a server of text lines.
 
     Parameters
@@ -53,20 +54,15 @@ class TcpRobot(Robot):
         self._connect(connection, text, apart)
 
     def _connect(self, connection: socket.socket, text: str, apart: float) -> None:
-        self._text, self._apart = text, apart
+        super().__init__(text, apart)
         self._socket, self._lines = connection, connection.makefile("rb")
 
-    def move(self, base_from_flange: Placement) -> None:
-        turn = Rotation.from_matrix(base_from_flange.rotation).as_rotvec(degrees=True)
-        numbers = " ".join(f"{value:.6f}" for value in (*base_from_flange.position, *turn))
+    def _go(self, goal: Placement) -> None:
+        turn = Rotation.from_matrix(goal.rotation).as_rotvec(degrees=True)
+        numbers = " ".join(f"{value:.6f}" for value in (*goal.position, *turn))
         answer = self._ask(f"move {numbers}")
         if answer != "done":
             raise self._stop(f"answered '{answer}' to a move")
-        here = self.flange_pose()
-        off = float(np.linalg.norm(here.position - base_from_flange.position))
-        askew = np.degrees(Rotation.from_matrix(here.rotation.T @ base_from_flange.rotation).magnitude())
-        if max(off, askew) > self._apart:
-            raise self._stop(f"reports a pose {off:.2f} mm and {askew:.2f}° from the one that it was moved to")
 
     def flange_pose(self) -> Placement:
         answer = self._ask("pose")
@@ -96,12 +92,3 @@ class TcpRobot(Robot):
         if answer.startswith("error"):
             raise self._stop(f"stopped: {answer[5:].strip() or 'no reason given'}")
         return answer
-
-    def _stop(self, problem: str) -> PalpateError:
-        """Close the connection, and return the error."""
-        self.close()
-        return PalpateError(
-            f"The robot at {self._text} {problem}.",
-            "Check the robot, and start the same command again.",
-            code="robot-lost",
-        )

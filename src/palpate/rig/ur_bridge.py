@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, load_extra
 from palpate.rig.ur_robot import UrSpec
+from palpate.sensor import Placement
 
 _STOPS = (2, "a protective stop"), (4, "a safeguard stop"), (7, "an emergency stop"), (9, "a fault"), (10, "a stop")
 """Bits of ``safety_status_bits`` and their meaning (RTDE guide, Universal Robots)."""
@@ -98,13 +99,12 @@ class _Arm:
         return all(size < _NEAR for size in apart)
 
     def _check_place(self, pose: FloatArray, name: str) -> None:
-        away = 1e3 * float(np.linalg.norm(pose[:3] - self._first[:3]))
-        if not away <= self._spec.workspace:
-            raise RuntimeError(f"{name} is {away:.0f} mm from the start, over {self._spec.workspace:g} mm")
-        first, axis = (Rotation.from_rotvec(each[3:]).as_matrix()[:, 2] for each in (self._first, pose))
-        tilt = float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, axis)), first @ axis)))
-        if not tilt <= self._spec.tilt:
-            raise RuntimeError(f"{name} is tilted by {tilt:.0f} degrees from the start, over {self._spec.tilt:g}")
+        start, here = (
+            Placement(Rotation.from_rotvec(turn).as_matrix(), 1e3 * position)
+            for position, turn in (np.split(each, 2) for each in (self._first, pose))
+        )
+        if breach := self._spec.find_breach(start, here):
+            raise RuntimeError(f"{name} {breach}")
 
     def _check_force(self, zero: FloatArray) -> None:
         force = float(np.linalg.norm((self._vector("getActualTCPForce") - zero)[:3]))

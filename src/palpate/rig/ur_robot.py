@@ -8,13 +8,13 @@ import sys
 import time
 from contextlib import suppress
 from typing import final
-from urllib.parse import parse_qsl
 
-from palpate.core import PalpateError, Spec, load_extra, parameter
+from palpate.core import PalpateError, load_extra, parameter
+from palpate.rig.remote_robot import RobotLimitsSpec, parse_address
 from palpate.rig.tcp_robot import TcpRobot
 
 
-class UrSpec(Spec):
+class UrSpec(RobotLimitsSpec):
     """Limits and speed of a robot of Universal Robots."""
 
     force: float = parameter(
@@ -23,12 +23,6 @@ class UrSpec(Spec):
         meaning="maximum force at the connection, and maximum change of the force since then",
         gt=0,
         le=500,
-    )
-    workspace: float = parameter(
-        150.0, unit="mm", meaning="maximum distance of the flange from its position at the connection", gt=0, le=1000
-    )
-    tilt: float = parameter(
-        45.0, unit="deg", meaning="maximum angle of the flange's axis from that at the connection", gt=0, le=180
     )
     speed: float = parameter(20.0, unit="mm/s", meaning="speed of the flange", ge=1, le=1000)
     acceleration: float = parameter(200.0, unit="mm/s²", meaning="acceleration of the flange", gt=0, le=10000)
@@ -64,15 +58,8 @@ class UrRobot(TcpRobot):
     """
 
     def __init__(self, text: str, timeout_s: float = 60.0, apart: float = 0.5) -> None:
-        host, _, query = text.partition("?")
-        settings = parse_qsl(query, keep_blank_values=True)
-        if not host or len(dict(settings)) < len(settings):
-            raise PalpateError(
-                f"The address of the robot is '{text}'.",
-                "Give --robot ur:HOST, or ur:HOST?NAME=VALUE with each name once.",
-                code="robot-address",
-            )
-        spec = UrSpec(**dict(settings))
+        host, settings = parse_address(text, "ur")
+        spec = UrSpec(**settings)
         load_extra("rtde_control", "ur", "ur-rtde")
         with socket.create_server(("127.0.0.1", 0)) as listening:
             listening.settimeout(0.2)

@@ -18,6 +18,7 @@ class ColourQuantity(StrEnum):
 
     DISPLACEMENT = "displacement"
     STRESS = "stress"
+    PRESSURE = "pressure"
     CONTACT = "contact"
 
 

@@ -6,9 +6,9 @@ are of its nodes, which are a mesh's first; a gel inside is left out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,17 @@ from numpy.typing import NDArray
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import MarkerLayout, Symmetry, rotation_vector
-from palpate.fea import Branch, Press, WallSpec, nodal_von_mises
+from palpate.fea import Branch, Press, WallSpec, contact_traction, nodal_von_mises
 from palpate.mesh import Mesh, locate_nodes, mesh_skin
 from palpate.surrogate import PressField, Series, build_field, surface_displacement
 
 Array32 = NDArray[np.float32]
 _SAME_MM, _SAME_DEG = 1e-6, 1e-9
+NODAL_FIELDS: dict[str, Callable[[Press], FloatArray]] = {
+    "stress": nodal_von_mises,
+    "pressure": lambda press: contact_traction(press).pressure,
+}
+"""Fields of the skin's colour (n, n_nodes), MPa: von Mises stress and contact pressure."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +105,7 @@ class PressedSkin:
     press_field: PressField | None
     rest_tilt_deg: float = 0.0
     _fields: dict[bytes, PressField] = field(default_factory=dict, kw_only=True)
+    _series: dict[str, Series] = field(default_factory=dict, kw_only=True)
 
     @property
     def solved(self) -> tuple[Press, ...]:
@@ -175,12 +181,14 @@ class PressedSkin:
             way=wall.approach_axis(self.mesh),
         )
 
-    def stress(self, motion: SurfaceMotion) -> Array32:
-        """Von Mises stress (k, n) in MPa for a motion, interpolated like displacement; slow at first."""
+    def nodal_field(self, motion: SurfaceMotion, name: str) -> Array32:
+        """One of `NODAL_FIELDS` (k, n) for a motion, interpolated like displacement; slow at first."""
         deep = len(motion.depths_mm)
         if self.press_field is None:
             return np.zeros((deep, len(self.nodes)), np.float32)
-        found = self._read(self._stress, motion.tilt_deg, motion.azimuth_deg, deep)
+        if name not in self._series:
+            self._series[name] = self.press_field.nodal(self.mesh, partial(_nodal_field, name), linear=False)
+        found = self._read(self._series[name], motion.tilt_deg, motion.azimuth_deg, deep)
         return found[..., 0].clip(min=0.0).astype(np.float32)
 
     def positions(self, layout: MarkerLayout, motion: SurfaceMotion, azimuth_deg: float) -> FloatArray:
@@ -223,11 +231,6 @@ class PressedSkin:
     def _moved(self) -> Series:
         assert self.press_field is not None
         return self.press_field.nodal(self.mesh, surface_displacement, linear=True)
-
-    @cached_property
-    def _stress(self) -> Series:
-        assert self.press_field is not None
-        return self.press_field.nodal(self.mesh, _nodal_stress, linear=False)
 
     def _read(self, series: Series, tilt_deg: float, azimuth_deg: float, deep: int) -> FloatArray:
         """A quantity (k, …) at the first depths of a pose."""
@@ -300,10 +303,10 @@ def build_pressed_skin(presses: Sequence[Press]) -> PressedSkin:
     return PressedSkin(mesh, build_field(presses, depths_mm=depths))
 
 
-def _nodal_stress(press: Press, mesh: Mesh) -> FloatArray:
-    """Von Mises stress (i, n, 1) in MPa of a press at the nodes of another mesh of its skin; 0 at rest."""
-    stress = np.nan_to_num(nodal_von_mises(press))[..., None]
-    return locate_nodes(press.mesh, mesh).interpolate(stress)
+def _nodal_field(name: str, press: Press, mesh: Mesh) -> FloatArray:
+    """One of `NODAL_FIELDS` (i, n, 1) of a press at the nodes of another mesh of its skin; 0 at rest."""
+    values = np.nan_to_num(NODAL_FIELDS[name](press))[..., None]
+    return locate_nodes(press.mesh, mesh).interpolate(values)
 
 
 def _finite(azimuth_deg: float) -> float:

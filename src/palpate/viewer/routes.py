@@ -30,10 +30,10 @@ def make_routes(shelf: DesignCache, sensors: Mapping[str, TrainedSensor] | None 
         return Response(describe_shell(specimen, design.design.layout, design.design.camera), media_type=BINARY)
 
     @router.get("/motion/{name:path}")
-    def motion(name: str, tilt: float = 0.0, azimuth: float = 0.0, stress: bool = False) -> Response:
+    def motion(name: str, tilt: float = 0.0, azimuth: float = 0.0, field: str = "") -> Response:
         _, specimen = shelf.find(name)
         seen = specimen.pressed.at(tilt, azimuth)
-        return Response(describe_motion(specimen, seen, stress=stress), media_type=BINARY)
+        return Response(describe_motion(specimen, seen, field), media_type=BINARY)
 
     @router.get("/markers/{name:path}")
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:

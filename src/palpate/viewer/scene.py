@@ -11,7 +11,7 @@ from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 from palpate.viewer.library import RenderedSkin
 from palpate.viewer.message import write_message
-from palpate.viewer.pressed_skin import SurfaceMotion, VisibleMarkers
+from palpate.viewer.pressed_skin import NODAL_FIELDS, SurfaceMotion, VisibleMarkers
 
 _EDGE = 97
 """Points of an edge; the first and the last coincide."""
@@ -50,15 +50,15 @@ def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera)
     return write_message(meta, {**arrays, "rest_px": np.nan_to_num(arrays["rest_px"], nan=-1e4)})
 
 
-def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
-    """The press at one pose: displacement (k, v, 3) mm and, if asked for, stress (k, v) MPa.
+def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, field: str = "") -> bytes:
+    """The press at one pose: displacement (k, v, 3) mm and, if asked for, one of `NODAL_FIELDS` (k, v).
 
     Of a skin of revolution in the tilt frame, for all azimuths.
     """
     nodes = specimen.shell.nodes
     arrays = {"displacement": motion.displacement[:, nodes]}
-    if stress:
-        arrays["stress"] = specimen.pressed.stress(motion)[:, nodes]
+    if field in NODAL_FIELDS:
+        arrays[field] = specimen.pressed.nodal_field(motion, field)[:, nodes]
     return write_message(_motion_sentence(motion), arrays)
 
 

@@ -8,6 +8,7 @@ of random blobs one in eleven.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,8 +81,8 @@ class FieldCandidate:
     roundness: float = 0.0
 
 
-def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
-    """Choose polarity and size of the markers in grey levels (h, w), unless given; `None` without a field."""
+def choose_fields(grey: Image, spec: DetectSpec) -> Iterator[FieldCandidate]:
+    """Return the cleanest and the most regular field of grey levels (h, w), the better one first."""
     tries = [
         (dark, size)
         for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
@@ -90,16 +91,17 @@ def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
     ]
     fields = [_evaluate(grey, dark, size, spec) for dark, size in tries]
     best = max(fields, key=lambda field: field.score, default=None)
-    if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
-        return best
+    if best is None:
+        return
+    if sure := best.dots >= _MANY and best.clean >= _CLEAN:
+        yield best
     ordered = [_order(grey, dark, size, spec) for dark, size in tries]
-    if ordered:
-        first = int(np.argmax([field.score for field in ordered]))
-        own = ordered[fields.index(best)].score if best is not None else 0.0
-        if ordered[first].score > max(own, 0.0) + _ORDERED:
-            return ordered[first]
+    first = int(np.argmax([field.score for field in ordered]))
+    if ordered[first].score > max(ordered[fields.index(best)].score, 0.0) + _ORDERED:
+        yield ordered[first]
     known = spec.diameter_px is not None and spec.polarity != "auto"
-    return best if best is not None and best.score > 0.0 and (best.dots >= _LEAST or known) else None
+    if not sure and best.score > 0.0 and (best.dots >= _LEAST or known):
+        yield best
 
 
 def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
@@ -130,12 +132,18 @@ def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCa
         return FieldCandidate(dark, size, 0, 0.0, 0.0)
     diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
     typical = float(np.median(diameter))
-    alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
+    alike = _are_alike(diameter, contrast)
     area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
     fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
     score = alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))
     round_ = float(np.median(segments.roundness[chosen]))
     return FieldCandidate(dark, typical * step, int(alike.sum()), area, float(score), round_)
+
+
+def _are_alike(diameter: FloatArray, contrast: FloatArray) -> BoolArray:
+    """Return whether each blob (n,) has about the median diameter and contrast."""
+    similar = np.abs(np.log(diameter / np.median(diameter))) < 0.4
+    return np.asarray(similar & (np.abs(np.log(contrast / np.median(contrast))) < 0.7))
 
 
 def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
@@ -175,13 +183,20 @@ def is_printed(blobs: Blobs, field: FieldCandidate) -> bool:
     count = len(blobs)
     if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
         return False
+    contrast = np.maximum(blobs.contrast, 1e-9)
     clear = float(np.median(blobs.contrast)) / blobs.noise * float(np.median(blobs.diameter_px)) > _DISTINCT
-    share = float(is_midpoint(blobs.positions_px).mean())
-    above = (share - AT_RANDOM) * np.sqrt(count / (AT_RANDOM * (1.0 - AT_RANDOM)))
-    in_order = share > _IN_ORDER and above > _ABOVE_CHANCE
-    alike = _spread(np.log(np.maximum(blobs.contrast, 1e-9))) < _EQUAL and field.roundness > _OVAL
+    similar = blobs.positions_px[_are_alike(blobs.diameter_px, contrast)]
+    in_order = _are_in_order(blobs.positions_px) or _are_in_order(similar)
+    alike = _spread(np.log(contrast)) < _EQUAL and field.roundness > _OVAL
     one_way = field.roundness < _DISC and _in_one_direction(blobs.positions_px) > _ONE_WAY
     return bool(clear and not one_way and (in_order or alike))
+
+
+def _are_in_order(points: FloatArray) -> bool:
+    """Return whether more points (n, 2) lie midway between two neighbours than of random ones."""
+    share = float(is_midpoint(points).mean()) if len(points) else 0.0
+    above = (share - AT_RANDOM) * np.sqrt(len(points) / (AT_RANDOM * (1.0 - AT_RANDOM)))
+    return bool(share > _IN_ORDER and above > _ABOVE_CHANCE)
 
 
 def _in_one_direction(points: FloatArray) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.vision.centre import fit_centres
-from palpate.vision.choose_field import choose_dots, choose_field, is_printed
+from palpate.vision.choose_field import choose_dots, choose_fields, is_printed
 from palpate.vision.neighbours import largest_group
 from palpate.vision.opencv import fill_hull, grow, simple_blobs
 from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
@@ -171,17 +171,16 @@ def prepare_detector(
 
 
 def _prepare(grey: Image, spec: DetectSpec, doubt: bool, gap: float) -> Detector | None:
-    """Return the detector of the field of markers in grey levels (h, w); `None` without one."""
-    field = choose_field(grey, spec)
-    if field is None:
-        return None
-    rough = Detector(spec, field.dark, spec.diameter_px or field.diameter_px, None)
-    blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
-    mask = _find_mask(blobs, grey.shape, max(gap, _GAP)) if spec.mask == "auto" else None
-    found = Detector(spec, field.dark, rough.diameter_px, mask, edge, doubt)
+    """Return the detector of the first field in grey levels (h, w) that looks printed, or `None`."""
     known = spec.diameter_px is not None and spec.polarity != "auto"
-    unlike = doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field)
-    return None if unlike else found
+    for field in choose_fields(grey, spec):
+        rough = Detector(spec, field.dark, spec.diameter_px or field.diameter_px, None)
+        blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
+        mask = _find_mask(blobs, grey.shape, max(gap, _GAP)) if spec.mask == "auto" else None
+        found = Detector(spec, field.dark, rough.diameter_px, mask, edge, doubt)
+        if not doubt or known or is_printed(found._fit(grey, _ROUNDS)[0], field):
+            return found
+    return None
 
 
 def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:

@@ -70,6 +70,7 @@ def test_press_exports_what_it_solved(tmp_path: Path, capsys: pytest.CaptureFixt
         "press_0001.vtu",
         "press.pvd",
         "force.csv",
+        "contact.csv",
     }
 
 

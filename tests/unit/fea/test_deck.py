@@ -8,8 +8,9 @@ from check_deck import cards, faults, read
 
 from errors import refused
 from palpate.design import DomeSpec, Rim, build_skin
-from palpate.fea import DeckSpec, WallSpec, deck_text, write_deck
+from palpate.fea import DeckSpec, WallSpec, write_deck
 from palpate.fea.deck_material import hyperelastic
+from palpate.fea.write_deck import deck_text
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 

@@ -5,9 +5,10 @@ import pytest
 
 from errors import refused
 from palpate.design import DomeSpec, MarkerSpec, place_markers
-from palpate.fea import Branch, Press, WallSpec, deck_text, obstacle_from_data, read_obstacle
+from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle
 from palpate.fea.route import RouteSpec, Waypoint
 from palpate.fea.spec import ObstacleSpec
+from palpate.fea.write_deck import deck_text
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin

@@ -11,8 +11,9 @@ from needs import needs_program
 from palpate.core import FloatArray
 from palpate.design import DomeSpec, MarkerSpec, PoseSpace, Rim, Skin, build_skin, place_markers
 from palpate.design.barrel import BarrelSpec
-from palpate.fea import DeckSpec, ObstacleSpec, Press, WallSpec, deck_text, solve_press, solve_press_calculix
+from palpate.fea import DeckSpec, ObstacleSpec, Press, WallSpec, solve_press, solve_press_calculix
 from palpate.fea.side_wall import SideWallSpec
+from palpate.fea.write_deck import deck_text
 from palpate.material import get_material
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh, MeshSpec, centre_mesh, mesh_skin

@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from errors import refused
+from errors import check_refusal, refused
 from palpate.camera import Source
 from palpate.cli import main
 from palpate.core import PalpateError
@@ -353,3 +353,15 @@ def test_an_image_of_fewer_bits_than_its_type_is_checked_by_its_own_range(bits: 
 def test_a_covered_lens_is_blank_in_16_bits(level: int, noise: int) -> None:
     dark = np.clip(np.random.default_rng(0).normal(level, noise, (480, 640)).round(), 0, None).astype(np.uint16)
     assert find_image_fault(dark, None, SPEC)
+
+
+@pytest.mark.parametrize(
+    ("robot", "code"), [("tcp:127.0.0.1:1", "robot-lost"), ("ur:", "robot-address"), ("nobody", "kind-unknown")]
+)
+def test_a_robot_that_cannot_be_opened_is_refused_before_the_camera(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], robot: str, code: str
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["recording", "take", str(tmp_path / "new"), "--robot", robot, "--source", "no_camera.mp4"])
+    assert left.value.code == 2
+    check_refusal(capsys.readouterr().err, code, robot.rpartition(":")[0] and robot.partition(":")[2])

@@ -31,7 +31,10 @@ def test_what_the_page_draws_is_whole(library):
     assert meta["tilts_deg"] == [0, 3, 6]
     assert arrays["cells"].max() == len(arrays["rest"]) - 1
     motion = specimen.pressed.at(2.5)
-    meta, moved = read_message(describe_motion(specimen, motion, stress=True))
+    _, pressed = read_message(describe_motion(specimen, motion, "pressure"))
+    assert pressed["pressure"].shape == (6, len(arrays["rest"]))
+    assert pressed["pressure"][0].max() == 0 < pressed["pressure"][-1].max()
+    meta, moved = read_message(describe_motion(specimen, motion, "stress"))
     assert moved["displacement"].shape == (6, *arrays["rest"].shape)
     assert moved["stress"].shape == (6, len(arrays["rest"]))
     assert np.abs(moved["stress"][0]).max() == 0

@@ -231,6 +231,36 @@ def test_dots_before_a_cluttered_room_are_recognised_by_their_order(seed):
     assert missed <= 6  # those that lie on the edge of something dark
 
 
+@pytest.mark.parametrize("bright", [False, True], ids=["dark", "bright"])
+@pytest.mark.parametrize("tilted", [False, True], ids=["even", "uneven"])
+def test_a_small_field_before_a_dark_room_with_a_rim_is_found(bright, tilted):
+    """37 markers in rings; the skin between them looks like light blobs, and stray blobs dilute their order."""
+    centres = np.array([(160.0, 120.0)] + [ring_point(k, j) for k in (1, 2, 3) for j in range(6 * k)])
+    y, x = np.mgrid[:240, :320].astype(float)
+    light = 1.0 - (0.35 * (x + y) / 560.0 if tilted else 0.0)
+    image = np.full((240, 320), 16.0)
+    skin, dot = (70.0, 120.0) if bright else (130.0, 60.0)
+    image[np.hypot(x - 160, y - 120) < 94] = 110.0  # the rim
+    image[np.hypot(x - 160, y - 120) < 90] = skin
+    for column, row in centres:
+        image[np.hypot(x - column, y - row) < 3.2] = dot
+    for column, row, radius, level in ((30, 40, 7, 90), (290, 60, 5, 70), (280, 200, 3, 60), (40, 210, 8, 100)):
+        image[np.hypot(x - column, y - row) < radius] = level
+    noise = generator(5, "rim").normal(0, 1.0, image.shape)
+    image = np.clip(cv2.GaussianBlur(image * light, (0, 0), 0.9) + noise, 0, 255).astype(np.uint8)
+    detector = prepare_detector(image)
+    assert detector.dark is not bright
+    assert detector.diameter_px == pytest.approx(6.4, rel=0.15)
+    _, missed, _ = match(detector.find(image).positions_px, centres)
+    assert missed == 0
+
+
+def ring_point(ring, number):
+    """Centre (px) of a marker of a ring of six times its number."""
+    angle = 2.0 * np.pi * number / (6 * ring)
+    return 160.0 + 26.0 * ring * np.cos(angle), 120.0 + 26.0 * ring * np.sin(angle)
+
+
 def test_texture_without_dots_is_no_field():
     rng = generator(2, "texture")
     with refused("markers-not-found"):

@@ -5,7 +5,7 @@ import { drawGauge, GAUGE } from "palpate-stage/gauge.js";
 import { buildSection, placeSection } from "palpate-stage/section.js";
 import { colour, FAR_MM, isBlank, ramp, topOfAll } from "palpate-stage/tones.js";
 
-const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
+const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", pressure: "contact pressure (MPa)", contact: "distance to the wall (mm)" };
 const CLAMP_MM = [4, 3];
 const REST_MS = 250;
 const [COARSE, SHARP] = [0.7, 1.5]; // pixels of a moving and of a resting picture without a graphics card
@@ -122,7 +122,7 @@ export default {
       this.$refs.what.dataset.colour = this.colour;
       this.$refs.ramp.style.background = waits ? "#9aa3ab" : `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
       const ended = place.depth < stage.pose.depth - 1e-6;
-      this.$refs.note.textContent = newFault() || (waits ? "Computing the stress …" : ended
+      this.$refs.note.textContent = newFault() || (waits ? `Computing the ${this.colour} …` : ended
         ? `Ended at ${place.depth.toFixed(1)} mm: ${slot.motion.meta.ended}.` : "");
     },
     // Without a graphics card a moving picture is coarse; at rest it is drawn once with smooth edges.

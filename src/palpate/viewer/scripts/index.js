@@ -7,6 +7,9 @@ export const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "
 export const CIVIDIS = ["#00224e", "#083370", "#35456c", "#4f576c", "#666970", "#7d7c78", "#948e77", "#aea371",
   "#c8b866", "#e5cf52", "#fee838"];
 
+// Fields that the server computes on request.
+export const FIELDS = ["stress", "pressure"];
+
 const listeners = new Set();
 let drawn = false;
 
@@ -90,10 +93,10 @@ async function fetchPose(slot) {
   const tilt = Math.min(Math.max(stage.pose.tilt, tilts[0]), tilts[tilts.length - 1]);
   const azimuth = stage.pose.azimuth;
   const way = slot.shell.meta.turned ? 0 : azimuth;
-  const stress = stage.look.colour === "stress";
-  const known = slot.motion && slot.motion.tilt === tilt && slot.motion.way === way && (!stress || slot.motion.arrays.stress);
+  const field = FIELDS.includes(stage.look.colour) ? stage.look.colour : "";
+  const known = slot.motion && slot.motion.tilt === tilt && slot.motion.way === way && (!field || slot.motion.arrays[field]);
   const [motion, markers] = await Promise.all([
-    known ? slot.motion : ask(`/data/motion/${encodeURIComponent(name)}?tilt=${tilt}&azimuth=${way}&stress=${stress}`),
+    known ? slot.motion : ask(`/data/motion/${encodeURIComponent(name)}?tilt=${tilt}&azimuth=${way}&field=${field}`),
     ask(`/data/markers/${encodeURIComponent(name)}?tilt=${tilt}&azimuth=${azimuth}`),
   ]);
   if (slot.name !== name || !motion || !markers) return;

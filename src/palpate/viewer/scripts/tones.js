@@ -1,10 +1,10 @@
 // Colours of the skin by a quantity, in one range for all designs on the stage: equal colours are equal values.
 import { THREE } from "nicegui-scene";
-import { between, CIVIDIS, mix, stage, VIRIDIS } from "palpate-stage";
+import { between, CIVIDIS, FIELDS, mix, stage, VIRIDIS } from "palpate-stage";
 
 export const FAR_MM = 2;
 const TABLE = 256;
-const TABLES = { displacement: VIRIDIS, stress: VIRIDIS, contact: CIVIDIS };
+const TABLES = { displacement: VIRIDIS, stress: VIRIDIS, pressure: VIRIDIS, contact: CIVIDIS };
 const GREY = 0.45;
 
 // Whether the quantity of the colour is missing: stress that is not computed yet, or a skin that was not pressed.
@@ -22,8 +22,8 @@ function maximum(motion) {
   motion.tops ??= {};
   if (name in motion.tops) return motion.tops[name];
   let top = 0;
-  if (name === "stress") {
-    for (const value of motion.arrays.stress) top = Math.max(top, value);
+  if (FIELDS.includes(name)) {
+    for (const value of motion.arrays[name]) top = Math.max(top, value);
   } else {
     const values = motion.arrays.displacement;
     for (let i = 0; i < values.length; i += 3) top = Math.max(top, Math.hypot(values[i], values[i + 1], values[i + 2]));
@@ -58,8 +58,8 @@ export function colour(three, slot, place, top) {
   }
   const { field, moved } = three;
   const name = stage.look.colour;
-  if (name === "stress") {
-    between(slot.motion.arrays.stress, field.length, place, field);
+  if (FIELDS.includes(name)) {
+    between(slot.motion.arrays[name], field.length, place, field);
   } else if (name === "contact") {
     const { normal: n, touch_mm: touch, way } = slot.motion.meta;
     const at = three.positions.array;
