@@ -9,7 +9,7 @@ from scipy.spatial.distance import cdist
 
 from errors import refused
 from palpate.vision.assign_markers import assign_markers
-from palpate.vision.choose_field import AT_RANDOM, FieldCandidate, choose_dots, choose_field, is_midpoint, is_printed
+from palpate.vision.choose_field import AT_RANDOM, FieldCandidate, choose_dots, choose_fields, is_midpoint, is_printed
 from palpate.vision.detector import Detector, inside, to_grey
 from palpate.vision.pattern import build_pattern, wrap_deg
 from palpate.vision.segment import Blobs, Segments, heights, measure_noise, segment
@@ -239,12 +239,12 @@ def test_polarity_and_size_of_a_drawn_field_are_found(dark: bool, diameter: floa
     away = np.hypot((x + step / 2) % step - step / 2, (y + step / 2) % step - step / 2)
     dots = 1 / (1 + np.exp(3 * (away - diameter / 2)))
     image = np.where(True, 120 + (-80 if dark else 80) * dots, 0) + np.random.default_rng(6).normal(0, 1.5, x.shape)
-    found = choose_field(image.astype(np.float32), DetectSpec())
-    assert found is not None
+    found = next(choose_fields(image.astype(np.float32), DetectSpec()))
     assert found.dark == dark
     assert found.diameter_px == pytest.approx(0.76 * diameter, rel=0.1), "half the height of the smoothed disc"
-    assert choose_field(image.astype(np.float32), DetectSpec(polarity="dark" if dark else "bright")) is not None
-    assert choose_field(np.full((60, 60), 100.0, np.float32), DetectSpec()) is None
+    of_known = next(choose_fields(image.astype(np.float32), DetectSpec(polarity="dark" if dark else "bright")))
+    assert of_known == found
+    assert list(choose_fields(np.full((60, 60), 100.0, np.float32), DetectSpec())) == []
 
 
 def hexagon_layout() -> np.ndarray:
