@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy import optimize
+from scipy.spatial.distance import cdist
 
 from errors import refused
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
@@ -19,6 +20,7 @@ from palpate.learn.learning_curve import CurvePoint, compute_learning_curve, ext
 from palpate.learn.member import MarkerNetwork, MarkerProcess, MarkerRidge, TrainingRun
 from palpate.learn.metrics import measure_errors
 from palpate.learn.preprocess import Preprocessor, choose_preprocessor, first_duplicate, preprocess_images
+from palpate.learn.recording_model import RecordedModel
 from palpate.learn.ridge import solve_ridge
 from palpate.learn.row_offset import find_row_offset
 from palpate.learn.training_set import TrainingSet, flat_features
@@ -385,3 +387,18 @@ def test_a_recording_without_a_readable_image_is_refused_by_the_first_reason(tmp
     eye = Preprocessor((16, 24), None, (16, 24), False)
     with refused("images-unreadable", "7 is damaged"):
         preprocess_images(unreadable(damaged), eye, ArtefactStore(tmp_path), Progress())
+
+
+def test_the_distance_of_an_image_is_that_from_the_nearest_of_the_bank() -> None:
+    rng = np.random.default_rng(13)
+    bank, moved = rng.normal(size=(6, 4, 2)), rng.normal(size=(3, 4, 2))
+    none = np.zeros((0, 0))
+    eye = Preprocessor((16, 24), None, (16, 24), False)
+    model = RecordedModel(eye, None, (bank, none, none, none), {}, None, None, np.zeros(3), (), {})
+    apart = cdist(moved.reshape(3, 8), bank.reshape(6, 8)) / np.sqrt(8)
+    assert model.nearest_px(moved) == pytest.approx(apart.min(axis=1))
+    own = cdist(bank.reshape(6, 8), bank.reshape(6, 8)) / np.sqrt(8) + np.diag(np.full(6, np.inf))
+    assert model.reach_px == pytest.approx(2.0 * own.min(axis=1).max())
+    empty = replace(model, reference_bank=(np.zeros((0, 4, 2)), none, none, none))
+    assert empty.nearest_px(moved).tolist() == [0.0, 0.0, 0.0]
+    assert np.isinf(replace(model, reference_bank=(bank[:1], none, none, none)).reach_px)

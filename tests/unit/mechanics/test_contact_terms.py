@@ -12,7 +12,7 @@ from palpate.fea import Ball, Plane
 from palpate.material import get_material
 from palpate.mechanics import SingularMatrixError
 from palpate.mechanics.contact import Contact
-from palpate.mechanics.element import System
+from palpate.mechanics.element import System, determinant, spatial_gradients
 from palpate.mechanics.friction import (
     ContactHistory,
     ContactLaw,
@@ -258,3 +258,14 @@ def test_a_backend_that_is_not_installed_is_refused_with_its_package(monkeypatch
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "rslab" else object())
     with refused("solver-missing", "rslab"):
         make_linear_solver("rslab")
+
+
+def test_determinant_and_spatial_gradients_are_those_of_the_inverse() -> None:
+    rng = np.random.default_rng(9)
+    gradient, found = rng.normal(size=(27, 3)), np.empty((27, 3))
+    for _ in range(5):
+        F = np.eye(3) + 0.5 * rng.normal(size=(3, 3))
+        F *= np.sign(np.linalg.det(F))
+        assert determinant(F) == pytest.approx(np.linalg.det(F))
+        assert spatial_gradients(gradient, F, found) == pytest.approx(np.linalg.det(F))
+        assert found == pytest.approx(gradient @ np.linalg.inv(F))
