@@ -15,7 +15,7 @@ from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.core.report import Column, Report
 from palpate.sensor import AlignSpec
-from palpate.simulation import SimulatedRobotSpec
+from palpate.simulation import SimulatedRobotSpec, WorkpieceSpec
 
 if TYPE_CHECKING:
     from palpate.simulation import AlignmentTrial
@@ -44,8 +44,9 @@ _SEED = "Random seed of units, walls and robot errors."
 @Parameter(name="*")
 @dataclass(frozen=True)
 class AlignFlags:
-    """Simulated unit, number of walls, seed and output folder."""
+    """Simulated unit, number of walls and their support, seed and output folder."""
 
+    workpiece: Annotated[WorkpieceSpec, flags_of(WorkpieceSpec, group="Workpiece")] = WorkpieceSpec()
     walls: Annotated[int, Parameter(help=_WALLS)] = 3
     unit_number: Annotated[int, Parameter(help=_NUMBER)] = 1
     calibration_presses: Annotated[int, Parameter(help=_KNOWN)] = 5
@@ -98,6 +99,7 @@ def align(
         designed,
         align=spec,
         robot=robot,
+        workpiece=run.workpiece,
         calibration_presses=run.calibration_presses,
         seed=run.seed,
     )
@@ -111,6 +113,7 @@ def align(
     facts = {
         "align": spec.model_dump(mode="json"),
         "robot": robot.model_dump(mode="json"),
+        "workpiece": run.workpiece.model_dump(mode="json"),
         "unit": unit.deviation.as_dict(),
         "calibration_presses": run.calibration_presses,
         "seed": run.seed,
@@ -122,13 +125,15 @@ def align(
     described = [describe_wall(wall) | {"each": list_touches(wall.alignment)} for wall in walls]
     file = str(run.out / "touches.csv") if run.out is not None else ""
     table = Report("touches", _COLUMNS, list_wall_touches(walls), file=file)
-    output.show(facts | {"walls": described}, table, *map(_sentence, range(1, len(walls) + 1), walls))
+    sentences = (_sentence(number, wall, run.workpiece) for number, wall in enumerate(walls, 1))
+    output.show(facts | {"walls": described}, table, *sentences)
 
 
-def _sentence(number: int, wall: AlignmentTrial) -> str:
+def _sentence(number: int, wall: AlignmentTrial, workpiece: WorkpieceSpec) -> str:
     estimate = wall.alignment
+    clamp = workpiece.clamping_force
     return (
         f"Wall {number}: {estimate.outcome}; true residual angle {wall.final_deg:.3f}°, estimated "
         f"{estimate.residual_deg:.3f}° ± {estimate.residual_half_width_deg:.3f}°, maximum force "
-        f"{wall.max_force_n:.3f} N."
+        f"{wall.max_force_n:.3f} N" + (f"; {wall.clamped_deg:.3f}° clamped by {clamp:g} N." if clamp else ".")
     )

@@ -17,7 +17,7 @@ from palpate.simulation.simulated_rig import simulate_rig
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.simulation.simulated_source import SimulatedSource, sample_presses, simulate_sensor
 from palpate.simulation.simulated_unit import SimulatedUnit
-from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec, VirtualBenchSpec
+from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec, VirtualBenchSpec, WorkpieceSpec
 from palpate.simulation.trial import read_trial
 from palpate.simulation.write_budget import describe_budget, write_budget
 
@@ -38,6 +38,7 @@ __all__ = [
     "VirtualBench",
     "VirtualBenchSpec",
     "VirtualUnit",
+    "WorkpieceSpec",
     "bench_summary",
     "describe_bench",
     "describe_budget",

@@ -38,7 +38,7 @@ from palpate.simulation.backend import SolverBackend, TwinBackend, UnitBackend
 from palpate.simulation.simulated_cell import FlatWall, SimulatedCell, seat_unit
 from palpate.simulation.simulated_robot import SimulatedRobot
 from palpate.simulation.simulated_unit import SimulatedUnit
-from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec
+from palpate.simulation.spec import DEGRADED, SimulatedRobotSpec, WorkpieceSpec
 from palpate.surrogate import Twin
 
 WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
@@ -66,6 +66,8 @@ class AlignmentScenario:
         Its markers and camera; skin and material for presses that are solved for each touch.
     align, robot, tolerance
         Alignment, errors of the robot, and tolerances of units and walls.
+    workpiece
+        Support of the walls, each of which rotates about a random axis under force.
     max_tilt_deg
         Maximum tilt of a wall.
     calibration_presses
@@ -81,6 +83,7 @@ class AlignmentScenario:
     align: AlignSpec = field(default_factory=AlignSpec)
     robot: SimulatedRobotSpec = field(default_factory=SimulatedRobotSpec)
     tolerance: ToleranceSpec = WALLS
+    workpiece: WorkpieceSpec = field(default_factory=WorkpieceSpec)
     max_tilt_deg: float = 10.0
     calibration_presses: int = 5
     by_solver: bool = False
@@ -98,6 +101,8 @@ class AlignmentTrial(NamedTuple):
         Result of the aligner.
     final_deg
         True angle between drill and wall's normal at the end.
+    clamped_deg
+        The same under the clamping force.
     max_force_n
         Maximum true force.
     """
@@ -106,6 +111,7 @@ class AlignmentTrial(NamedTuple):
     friction: float
     alignment: Alignment
     final_deg: float
+    clamped_deg: float
     max_force_n: float
 
 
@@ -196,13 +202,21 @@ class VirtualUnit:
         self.offset_error_deg = _angle(true, self.tool.drill_in_sensor)
 
     def _before(
-        self, tilt_deg: FloatArray, inverse_friction: float, rng: np.random.Generator
+        self,
+        tilt_deg: FloatArray,
+        inverse_friction: float,
+        rng: np.random.Generator,
+        support: WorkpieceSpec | None = None,
+        support_axis: float = 0.0,
     ) -> tuple[SimulatedCell, SimulatedRobot]:
         """Return a cell whose wall is tilted relative to the drill, and a robot in front of it."""
         spec = self.play.robot
         start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
-        wall = FlatWall(np.zeros(3), normal, inverse_friction)
+        across = np.cross(normal, start.rotation[:, 0])
+        across /= np.linalg.norm(across)
+        axis = np.cos(support_axis) * across + np.sin(support_axis) * np.cross(normal, across)
+        wall = FlatWall(np.zeros(3), normal, inverse_friction, support or WorkpieceSpec(), axis)
         cell = self._cell(wall, self._mounted, spec.dropout, rng)
         gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
         way = (start @ self._mounted).rotation[:, 2]
@@ -216,10 +230,13 @@ class VirtualUnit:
         tilt = float(PoseDensity.UNIFORM_DISC.radius(rng.uniform(), play.max_tilt_deg))
         tilts = rotation_vector(tilt, rng.uniform(0.0, 2.0 * np.pi))
         friction = play.tolerance.friction_at(float(rng.uniform()))
-        cell, robot = self._before(tilts, 1.0 / friction, rng)
+        about = float(generator(play.seed, "support", self.number, wall).uniform(0.0, 2.0 * np.pi))
+        cell, robot = self._before(tilts, 1.0 / friction, rng, play.workpiece, about)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
-        return AlignmentTrial(tilt, friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
+        forces = 0.0, play.workpiece.clamping_force
+        final, clamped = (cell.angle_deg(self.tool.drill, force) for force in forces)
+        return AlignmentTrial(tilt, friction, said, final, clamped, cell.max_force_n)
 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:
@@ -239,6 +256,7 @@ def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
         "friction": wall.friction,
         **describe_alignment(said),
         "final_deg": wall.final_deg,
+        "clamped_deg": wall.clamped_deg,
         "max_force_n": wall.max_force_n,
         "held": bool(wall.final_deg <= said.residual_deg + said.residual_half_width_deg),
     }

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from palpate.calibration import CONTACT_STATE, Deviation
 from palpate.core import FloatArray, PalpateError
@@ -15,6 +16,7 @@ from palpate.design import TILT_SPACE
 from palpate.sensor import Placement, rotation_from_vector
 from palpate.simulation.backend import UnitBackend
 from palpate.simulation.simulated_robot import SimulatedRobot
+from palpate.simulation.spec import WorkpieceSpec
 from palpate.surrogate import LATERAL
 
 _REST_NOISES = 12
@@ -33,11 +35,23 @@ class FlatWall:
         (3,) unit vector into it, away from the robot.
     inverse_friction
         1/µ between it and the dome.
+    support
+        How it gives under force.
+    axis
+        (3,) unit vector in the wall, about which it rotates under force.
     """
 
     point: FloatArray
     normal: FloatArray
     inverse_friction: float
+    support: WorkpieceSpec = field(default_factory=WorkpieceSpec)
+    axis: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+    def under(self, force_n: float) -> FlatWall:
+        """Return the wall under a force along its normal, about whose point it rotates."""
+        turn = rotation_from_vector(self.support.tilt_give * force_n * self.axis)
+        moved = self.point + self.support.give * force_n * self.normal
+        return replace(self, point=moved, normal=turn @ self.normal)
 
 
 class SimulatedCell:
@@ -106,12 +120,10 @@ class SimulatedCell:
         edges = self._backend.edges(self._contact(pose).add(LATERAL, self._drift(sensor, pose)))
         return unit.render(edges, int(self._rng.integers(2**31)))
 
-    def angle_deg(self, drill: FloatArray) -> float:
-        """True angle between the drill (3,) in the flange's frame and the wall's normal."""
-        axis = self.robot.true_pose.rotation @ drill
-        return float(
-            np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, self._wall.normal)), axis @ self._wall.normal))
-        )
+    def angle_deg(self, drill: FloatArray, force_n: float = 0.0) -> float:
+        """True angle between the drill (3,) in the flange's frame and the normal of the wall under a force."""
+        axis, normal = self.robot.true_pose.rotation @ drill, self._wall.under(force_n).normal
+        return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, normal)), axis @ normal)))
 
     def depth_at(self, base_from_flange: Placement) -> float:
         """Depth (mm) of the wall at a true placement of the flange; negative without contact."""
@@ -123,9 +135,26 @@ class SimulatedCell:
 
     def _pose(self, sensor: Placement) -> FloatArray:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths are no contact."""
+        wall, support = self._wall, self._wall.support
+        free = self._push_on(wall, sensor) if support.give or support.tilt_give else 0.0
+        if free > 0.0:  # the force at which wall and skin are in equilibrium
+            most = free
+            while self._push_on(wall.under(most), sensor) > most:
+                most *= 2.0
+            found = brentq(lambda force: self._push_on(wall.under(force), sensor) - force, 0.0, most)
+            wall = wall.under(float(found))
+        return self._pose_before(wall, sensor)
+
+    def _push_on(self, wall: FlatWall, sensor: Placement) -> float:
+        """Return the force (N) along the normal of a wall that does not give."""
+        pose = self._pose_before(wall, sensor)
+        if pose[2] <= 0.0:
+            return 0.0
+        return float(sensor.rotation @ self._backend.force(self._contact(pose)) @ wall.normal)
+
+    def _pose_before(self, wall: FlatWall, sensor: Placement) -> FloatArray:
         unit = self._backend.unit
-        point, normal = self._wall.point, self._wall.normal
-        return sensor.wall_pose(point, normal, unit.design.skin, unit.deviation.thickness)
+        return sensor.wall_pose(wall.point, wall.normal, unit.design.skin, unit.deviation.thickness)
 
     def _contact(self, pose: FloatArray) -> State:
         """Return the contact at a pose (3,), without motion in the plane of the wall."""

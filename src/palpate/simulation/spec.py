@@ -118,3 +118,13 @@ class SimulatedRobotSpec(Spec):
         le=10,
     )
     dropout: float = parameter(0.01, unit="1", meaning="share of corrupted images", ge=0, le=1)
+
+
+class WorkpieceSpec(Spec):
+    """Support of a workpiece, which gives in proportion to the force along its normal."""
+
+    give: float = parameter(0.0, unit="mm/N", meaning="motion of the wall along its normal, per force", ge=0, le=10)
+    tilt_give: float = parameter(0.0, unit="deg/N", meaning="rotation of the wall, per force", ge=0, le=5)
+    clamping_force: float = parameter(
+        0.0, unit="N", meaning="force of the tool on the wall after the alignment", ge=0, le=5000
+    )

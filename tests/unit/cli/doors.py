@@ -271,6 +271,8 @@ ROWS = {
             "--calibration-presses 9",
             "--tolerance 0",
             "--force 0.000001",
+            "--tilt-give 6",
+            "--clamping-force -1",
             "--model {model}",
             "--height 10",
             "--level 2",

@@ -33,6 +33,7 @@ from palpate.simulation import (
     SolverBackend,
     TwinBackend,
     VirtualUnit,
+    WorkpieceSpec,
     write_alignments,
 )
 from palpate.surrogate import Twin, read_twin, write_twin
@@ -77,6 +78,36 @@ def test_a_drill_stands_square_after_some_touches_and_the_force_is_kept(unit: Vi
     rows = (tmp_path / "new" / "touches.csv").read_text().splitlines()
     assert len(rows) == 1 + sum(len(wall.alignment.touches) for wall in walls)
     assert '"made_by"' in (tmp_path / "new" / "alignment.json").read_text()
+
+
+def test_a_wall_that_gives_is_in_equilibrium_with_the_skin(unit: VirtualUnit) -> None:
+    """Springs in series: the force is that of a rigid wall at the depth that the skin is left with."""
+    tilt = np.array([2.0, 1.0])
+    stiff, robot = unit._before(tilt, 1.0, np.random.default_rng(3))
+    way = robot.true_pose.rotation[:, 2]
+    pressed = robot.true_pose.moved((3.0 - stiff.depth_at(robot.true_pose)) * way)
+    soft, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(give=5.0))
+    force = -soft.push(pressed) @ soft._wall.normal
+    assert 0.3 * force < 0.8 * -stiff.push(pressed) @ stiff._wall.normal
+    left = pressed.moved(-5.0 * force * (soft._wall.normal @ way) ** -1 * way)
+    assert -stiff.push(left) @ stiff._wall.normal == pytest.approx(force, rel=1e-3)
+    assert soft.depth_at(pressed) == pytest.approx(stiff.depth_at(left), abs=1e-3)
+    turned, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(tilt_give=2.0), 0.7)
+    loaded = turned._wall.under(1.5)
+    assert np.degrees(np.arccos(loaded.normal @ turned._wall.normal)) == pytest.approx(3.0)
+    assert turned._wall.axis @ turned._wall.normal == pytest.approx(0.0, abs=1e-12)
+    assert stiff.depth_at(pressed.moved(-10.0 * way)) == soft.depth_at(pressed.moved(-10.0 * way)) < 0
+
+
+def test_a_workpiece_that_tilts_is_aligned_under_the_force_of_the_touch(twin: Twin, unit: VirtualUnit) -> None:
+    """The skin reads the loaded wall: the free one is off by its rotation in the touch, the clamped one by more."""
+    rigid = unit.square(1)
+    given = VirtualUnit(play(twin, workpiece=WorkpieceSpec(tilt_give=4.0, clamping_force=0.9)), 1).square(1)
+    assert rigid.clamped_deg == rigid.final_deg < 0.2
+    assert given.alignment.square
+    touch = given.alignment.touches[-1].fit.force.normal_force.value
+    assert given.final_deg == pytest.approx(4.0 * touch, abs=rigid.final_deg + 0.05)
+    assert given.clamped_deg == pytest.approx(4.0 * (0.9 - touch), abs=rigid.final_deg + 0.05)
 
 
 def test_the_tools_offset_is_told_by_six_touches(unit: VirtualUnit) -> None:
