@@ -93,7 +93,7 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
     """
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
-    bare, unit = split_unit(low)
+    bare, unit = split_lower(name)
     most, note = float(np.nanmax(np.abs(values), initial=0.0)), ""
     if unit not in FACTORS or not bare:
         bare = low
@@ -124,6 +124,12 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
         )
     target, factor = FACTORS[unit]
     return PoseColumn(name, short_name(bare), target, values * factor, note)
+
+
+def split_lower(name: str) -> tuple[str, str]:
+    """Return the bare name of a column and its unit, in lower case; `mN` is known by its capital."""
+    bare, unit = split_unit(name.strip())
+    return (bare.lower(), unit.lower()) if unit else split_unit(name.strip().lower())
 
 
 def _are_degrees(table: RecordingTable, low: str) -> bool:

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
-from palpate.core.units import split_unit
 from palpate.datasets.column_mapping import ColumnMapping
-from palpate.datasets.pose_column import FACTORS
+from palpate.datasets.pose_column import FACTORS, split_lower
 from palpate.datasets.recording_columns import TIME, list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink
@@ -121,7 +120,7 @@ def _wrench(table: RecordingTable, choice: ColumnMapping) -> tuple[list[str], Fl
     """Names of the forces and torques of a table, and their values (n, k), N and N m."""
     found: dict[str, FloatArray] = {}
     for name in table.columns:
-        bare, unit = split_unit(name.strip().lower())
+        bare, unit = split_lower(name)
         axis = _AXIS.search(bare)
         if not table.is_numeric(name) or (axis is None and bare not in _ONE):
             continue

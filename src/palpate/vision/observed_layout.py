@@ -102,6 +102,8 @@ def _find_neighbours(places: FloatArray) -> IntArray:
     near = np.full((len(places), NEIGHBOURS), -1)
     for dot in range(len(places)):
         around = starts[1][first[dot] : first[dot + 1]]
+        if not len(around):  # a copy of another
+            continue
         far = np.linalg.norm(places[around] - places[dot], axis=1)
         order = np.argsort(far, kind="stable")
         around, far = around[order], far[order]

@@ -7,6 +7,7 @@ import pytest
 
 from palpate.calibration import (
     CONTACT_STATE,
+    IMPERFECTIONS,
     UNIT_PARAMETERS,
     AccuracySpec,
     Deviation,
@@ -121,4 +122,28 @@ def test_a_line_of_few_degrees_of_freedom_raises_the_coverage_factor(budget: Unc
     assert both.dof == pytest.approx(np.full(3, 10.0))
     assert both.with_line("c", np.full(3, 0.2), 9, without="b").combined_deg == pytest.approx(
         np.full(3, np.hypot(0.1, 0.2))
+    )
+
+
+def test_a_quantity_within_its_tolerance_has_the_deviation_of_a_uniform_one(budget: UncertaintyBudget) -> None:
+    uniform = float(np.std(np.linspace(-1.0, 1.0, 200_001)))
+    found = {line.name: line for line in budget.components}
+    told = [item for item in IMPERFECTIONS if item.label in found]
+    assert len(told) > 8
+    for item in told:
+        line = found[item.label]
+        assert (line.unit, line.kind, line.distribution) == (item.unit, "B", "uniform")
+        assert line.standard == pytest.approx(uniform * getattr(TOLERANCE, item.name), rel=1e-4)
+        assert line.sensitivity == pytest.approx(line.contribution_deg[2] / line.standard)
+    thermal = ReferenceSpec().thermal
+    warm = uniform * thermal["change_k"]
+    assert found["temperature"].standard == pytest.approx(warm, rel=1e-4)
+    softer = np.hypot(uniform * TOLERANCE.modulus, thermal["modulus_per_k"] * warm)
+    assert found["stiffness of the skin"].standard == pytest.approx(softer, rel=1e-4)
+    assert found["marker noise, of the image and at rest"].standard == SPEC.noise_px
+    assert [line.contribution_deg[2] for line in budget.components] == sorted(
+        (line.contribution_deg[2] for line in budget.components), reverse=True
+    )
+    assert budget.combined_deg**2 == pytest.approx(
+        np.sum([line.contribution_deg**2 for line in found.values()], axis=0)
     )

@@ -3,7 +3,10 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 from errors import refused
+from palpate import core
 from palpate.core import load_extra
 
 
@@ -22,3 +25,19 @@ def test_a_library_that_lacks_one_of_the_system_says_which(tmp_path: Path, monke
     monkeypatch.delitem(sys.modules, "half_there", raising=False)
     with refused("library-unloadable", "half_there", "libGL.so.1", "palpate doctor"):
         load_extra("half_there", "cad")
+
+
+def test_an_interrupt_that_a_compiled_module_wraps_stays_an_interrupt(tmp_path: Path, monkeypatch) -> None:
+    lines = "try:\n    raise KeyboardInterrupt\nexcept KeyboardInterrupt as stop:\n    raise ImportError from stop"
+    (tmp_path / "interrupted.py").write_text(lines)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "interrupted", raising=False)
+    with pytest.raises(KeyboardInterrupt):
+        load_extra("interrupted", "cad")
+
+
+def test_an_unknown_public_name_is_an_attribute_error() -> None:
+    assert not hasattr(core, "no_such_name")
+    with pytest.raises(AttributeError):
+        core.no_such_name  # noqa: B018
+    assert "load_extra" in dir(core)

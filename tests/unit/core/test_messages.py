@@ -189,6 +189,21 @@ def test_every_problem_names_a_value() -> None:
     assert WITHOUT_VALUE.total() <= 80
 
 
+REMEDIES_BEGIN = listed(
+    """
+    Give Choose Use Write Check Make Record Leave Name Run Correct Take Start Export Change Save Train Draw Set Solve
+    Reduce Open Add Connect Lower Fill Install Put Repair Number Begin Move Refine Reinstall Calibrate Create Mesh
+    Request Hold Ask Call Look Keep Predict Copy See Uninstall Separate Increase Sample Paint Report Fit Tilt Measure
+    Generate Widen Average Supported Known Flip Let Assign pip
+    """
+)
+
+
+def test_no_problem_begins_as_a_remedy_does() -> None:
+    """Else the two have changed places."""
+    assert [each.place for each in messages() if each.problem.split(" ")[0] in REMEDIES_BEGIN] == []
+
+
 @cache
 def spec_codes() -> set[str]:
     """Types of the faults that specs find themselves."""

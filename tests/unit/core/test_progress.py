@@ -5,6 +5,7 @@ import itertools
 
 import pytest
 
+from palpate.core.progress import _duration_text
 from palpate.core.run import Progress
 
 
@@ -110,3 +111,37 @@ def test_the_start_of_workers_is_forgotten_when_as_much_other_work_is_done() -> 
             progress.finish(f"{name}{number}")
         if number in (1, 4):
             assert progress.remaining_s == pytest.approx(5.0 * (9 - number))
+
+
+def test_the_share_of_the_work_counts_what_is_done_of_running_pieces_and_ends_at_one() -> None:
+    clock = Clock()
+    progress = Progress(clock)
+    assert progress.share == 0.0
+    progress.plan(10.0)
+    progress.begin("a", 4.0)
+    progress.advance("a", 1.0)
+    assert progress.share == pytest.approx(0.1)
+    progress.advance("a", 9.0)
+    assert progress.share == pytest.approx(0.4), "never more than the piece"
+    progress.finish("a")
+    progress.begin("b", 8.0)
+    progress.advance("b", 2.0)
+    assert progress.share == pytest.approx(0.6)
+    progress.advance("b", 8.0)
+    assert progress.share == 1.0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.4, "0 s"),
+        (119.9, "120 s"),
+        (120.0, "2.0 min"),
+        (596.9, "9.9 min"),
+        (597.0, "10 min"),
+        (7199.0, "120 min"),
+        (7200.0, "2.0 h"),
+    ],
+)
+def test_a_time_changes_its_unit_at_two_minutes_and_at_two_hours(seconds: float, text: str) -> None:
+    assert _duration_text(seconds) == text

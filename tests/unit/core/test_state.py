@@ -39,3 +39,16 @@ def test_rows_of_derivatives_have_the_names_of_their_columns() -> None:
 def test_names_and_values_belong_together() -> None:
     with pytest.raises(TypeError):
         State(("a",), np.zeros(2))
+
+
+def test_states_are_made_of_mappings_and_of_zeros_and_know_their_length() -> None:
+    made = State.from_mapping({"b": 2.0, "a": 1})
+    assert (made.names, made.values.tolist(), len(made)) == (("b", "a"), [2.0, 1.0], 2)
+    assert State.zeros(("x", "y", "z")).values.tolist() == [0.0, 0.0, 0.0]
+    for names in (("a", "none"), ("none",)):
+        with pytest.raises(KeyError):
+            made.to_array(names)
+    with pytest.raises(TypeError):
+        made.to_array((0,))  # type: ignore[arg-type]
+    with pytest.raises(TypeError):
+        State(("a",), np.array([1.0, 2.0]))

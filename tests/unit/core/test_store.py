@@ -86,3 +86,14 @@ def test_a_folder_that_cannot_be_written_is_an_error_with_a_remedy(tmp_path: Pat
     (tmp_path / "file").write_text("not a folder")
     with refused("store-unwritable", "--out"):
         write_text(ArtefactStore(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("key", ["", "a", "../up", "ABC", "g" * 8, "0" * 65, "00/00"])
+def test_a_key_that_is_not_one_never_leaves_the_store(store: ArtefactStore, key: str) -> None:
+    good = "0123456789abcdef"
+    assert store.locate("press", good, ".h5").name == f"{good}.h5"
+    assert store.locate("press", good).is_relative_to(store.root / "press")
+    with refused("artefact-key-malformed", key[:40]):
+        store.locate("press", key)
+    with refused("artefact-kind-malformed"):
+        store.locate("../press", good)

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from palpate.datasets import (
     sample_poses,
     write_dataset,
 )
+from palpate.datasets.generate_dataset import _refuse_forces
+from palpate.design import OFFSET_SPACE
 
 LAYOUT, CAMERA = rings(), PinholeCamera()
 SMALL = DatasetSpec(n_presses=60)
@@ -176,3 +179,9 @@ def test_a_file_of_another_version_is_refused(dataset, tmp_path):
         file.attrs["palpate_dataset_version"] = "0"
     with refused("dataset-version", "0"):
         read_dataset(path)
+
+
+def test_forces_of_an_obstacle_that_does_not_tilt_are_refused():
+    ball = SimpleNamespace(obstacle=SimpleNamespace(pose_space=OFFSET_SPACE))
+    with refused("forces-need-wall"):
+        _refuse_forces([ball])

@@ -51,6 +51,7 @@ def values(found: Recording) -> dict[str, np.ndarray]:
     [
         ("time_s,Fx_N,Fy_N,Fz_N,Tx_Nm,Ty_Nm,Tz_Nm", np.ones(6), {}),
         ("Time,Fx (mN),Fy (mN),Fz (mN),Tx (N-mm),Ty (N-mm),Tz (N-mm)", np.full(6, 1e3), {}),
+        ("Time,Fx_mN,Fy_mN,Fz_mN,Tx_mNm,Ty_mNm,Tz_mNm", np.full(6, 1e3), {}),
         ("t,force.x,force.y,force.z,torque.x,torque.y,torque.z", np.ones(6), {"force_unit": "N"}),
     ],
 )
@@ -132,3 +133,15 @@ def test_a_clock_that_is_late_is_corrected_and_reported(tmp_path: Path) -> None:
 def fast(time: np.ndarray) -> np.ndarray:
     """(n,) N, with changes of speed that mark a time."""
     return np.sin(2 * np.pi * (time - START) + np.sin(7 * (time - START)))
+
+
+def test_times_of_images_that_begin_again_are_refused(tmp_path: Path) -> None:
+    path = write_recording(tmp_path)
+    head, *rows = path.read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    for number in range(8):
+        cells[40 + number][1] = cells[number][1]
+    path.write_text("\n".join([head, *(",".join(row) for row in cells)]) + "\n")
+    forces = write_forces(tmp_path / "ft.csv", "time_s,Fz_N", wrench(TIMES_S)[:, 2:3], TIMES_S)
+    with refused("times-restart", "poses.csv", 41):
+        read(tmp_path, forces)

@@ -1,6 +1,7 @@
 """ROS bags: images, poses and forces of topics at their time stamps, written by rosbags itself."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from errors import refused
 from needs import needs
 from palpate.datasets import ColumnMapping, read_recording
-from palpate.datasets.read_rosbag import RosbagReader, _presses
+from palpate.datasets.read_rosbag import RosbagReader, _decode, _presses
 
 COUNT, FPS, RATE = 240, 30.0, 125.0
 START = 1_700_000_000.0
@@ -241,3 +242,60 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / "cut.mcap").write_bytes(cut.read_bytes()[:5000])
     with refused(("recording-unreadable", "recording-no-images", "recording-no-table"), "cut.mcap"):
         RosbagReader().read(tmp_path / "cut.mcap")
+
+
+def message(encoding: str, pixels: np.ndarray, padding: int = 4, big: int = 0) -> SimpleNamespace:
+    """An image message whose rows end in some bytes of padding."""
+    rows = np.ascontiguousarray(pixels.reshape(len(pixels), -1)).view(np.uint8)
+    raw = np.pad(rows, ((0, 0), (0, padding)), constant_values=7)
+    return SimpleNamespace(
+        encoding=encoding,
+        height=pixels.shape[0],
+        width=pixels.shape[1],
+        step=raw.shape[1],
+        is_bigendian=big,
+        data=raw.reshape(-1),
+    )
+
+
+@pytest.mark.parametrize(
+    ("encoding", "kind", "channels", "order"),
+    [
+        ("mono8", "u1", 1, [0]),
+        ("8UC1", "u1", 1, [0]),
+        ("mono16", "<u2", 1, [0]),
+        ("16UC1", ">u2", 1, [0]),
+        ("bgr8", "u1", 3, [0, 1, 2]),
+        ("rgb8", "u1", 3, [2, 1, 0]),
+        ("8UC3", "u1", 3, [0, 1, 2]),
+        ("bgra8", "u1", 4, [0, 1, 2]),
+        ("rgba8", "u1", 4, [2, 1, 0]),
+        ("rgb16", "<u2", 3, [2, 1, 0]),
+        ("8UC4", "u1", 4, [0, 1, 2]),
+    ],
+)
+def test_every_encoding_becomes_grey_or_blue_green_red(encoding: str, kind: str, channels: int, order: list) -> None:
+    top = 255 if kind == "u1" else 60_000
+    pixels = np.random.default_rng(2).integers(0, top, (5, 6, channels)).astype(kind)
+    found = _decode(message(encoding, pixels, big=int(kind[0] == ">")), "/camera")
+    wanted = pixels[..., 0] if channels == 1 else pixels[..., order]
+    assert found.tolist() == wanted.tolist()
+    assert found.dtype.itemsize == pixels.dtype.itemsize
+
+
+def test_an_encoding_that_is_not_known_is_refused() -> None:
+    with refused("image-encoding-unknown", "yuv422", "/camera"):
+        _decode(message("yuv422", np.zeros((4, 4, 2), np.uint8)), "/camera")
+
+
+@pytest.mark.parametrize(("image", "key"), [("a/x", "a/x"), ("/b/y/", "b/y"), ("y", "b/y"), ("x", ""), ("z", "")])
+def test_a_camera_is_chosen_by_its_whole_name_or_by_the_last_part(image: str, key: str) -> None:
+    reader = RosbagReader()
+    reader.image = image
+    if key:
+        assert reader.choose("f", ["a/x", "b.x", "b/y"]) == key
+    else:
+        with refused("recording-several-cameras" if image == "x" else "column-unknown", "f"):
+            reader.choose("f", ["a/x", "b.x", "b/y"])
+    reader.image = ""
+    assert reader.choose("f", ["only"]) == "only"

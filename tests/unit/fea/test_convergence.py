@@ -1,11 +1,14 @@
 """Convergence study of a press."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from errors import refused
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, plot_convergence, study_convergence
+from palpate.fea.convergence import _deepest_shared
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -42,3 +45,10 @@ def test_plot_convergence_shows_every_mesh_and_the_papers_limit(results) -> None
     assert errors.lines[1].get_ydata() == pytest.approx([100 * abs(result.force_error) for result in results[:-1]])
     assert all("mathdefault" not in label.get_text() for label in errors.get_yticklabels())
     assert len(errors.lines) == 4
+
+
+def test_presses_that_share_rest_alone_cannot_be_compared() -> None:
+    presses = [SimpleNamespace(depth=np.array(depth)) for depth in ([0.0, 0.8, 1.6], [0.0, 0.8 + 1e-9, 2.0])]
+    assert _deepest_shared(presses) == pytest.approx(0.8)  # type: ignore[arg-type]
+    with refused("presses-share-no-depth"):
+        _deepest_shared([presses[0], SimpleNamespace(depth=np.array([0.0, 0.7]))])  # type: ignore[list-item]

@@ -177,3 +177,9 @@ def test_a_deck_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     with refused("file-unwritable"):
         write_deck(tmp_path / "taken", mesh, SILICONE, WallSpec())
     assert sorted(path.name for path in tmp_path.iterdir()) == ["press.inp", "taken"]
+
+
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+def test_a_curved_wall_is_refused_by_a_deck(dialect: str) -> None:
+    with refused("deck-wall-bent"):
+        text_of(dialect, "solid", WallSpec(curvature=5.0))

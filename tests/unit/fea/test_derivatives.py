@@ -9,7 +9,7 @@ from errors import refused
 from palpate.design import DomeSpec, build_skin
 from palpate.fea import BallSpec, Press, WallSpec, read_press, write_press
 from palpate.material import get_material, material_from_data
-from palpate.mechanics import SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import Mesh, MeshSpec, centre_mesh, locate_inner, mesh_skin, reshape_mesh
 from presses import solve_press
 
@@ -185,3 +185,12 @@ def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
         if contact == "frictionless":  # 3e-4 are the rounding of the differences, another on another processor
             assert np.abs(force[3] - force[1]).max() < 1e-3 * np.abs(force[1]).max()
     assert left["no-slip"] > 5 * left["frictionless"]
+
+
+def test_where_a_press_broke_off_there_is_no_derivative(press: Press) -> None:
+    broken = replace(press, ended=EndReason.NOT_CONVERGED, ended_depth=1.2)
+    assert broken.derivative("depth", depth=1.19) is press.derivatives["depth"]
+    for depth in (1.2, None):
+        with refused("derivative-beyond-end", "1.2"):
+            broken.derivative("depth", depth=depth)
+    assert replace(broken, ended=EndReason.WALL_AT_CLAMP).derivative("depth") is press.derivatives["depth"]

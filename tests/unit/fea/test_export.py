@@ -13,6 +13,7 @@ from errors import refused
 from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, export_press
 from palpate.fea.export import nodal_stress
+from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material
 from palpate.mechanics.solid import Solid
 from palpate.mechanics.stress import von_mises
@@ -137,3 +138,8 @@ def test_a_missing_meshio_is_reported_with_the_remedy(
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)
     with refused("extra-missing", ".[viz]"):
         export_press(tmp_path / "press", press)
+
+
+def test_a_press_by_calculix_is_refused_stress_at_its_nodes(press: Press) -> None:
+    with refused("press-no-nodal-stress", "calculix"):
+        nodal_von_mises(replace(press, solved_by="calculix"))

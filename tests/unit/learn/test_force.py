@@ -105,3 +105,15 @@ def test_the_file_says_what_its_forces_are_worth(dataset: Dataset, files: tuple[
 def test_images_without_forces_teach_none(dataset: Dataset) -> None:
     with refused("dataset-no-forces"):
         train_forces(replace(dataset, forces=None))
+
+
+def test_intervals_of_forces_are_no_wider_than_their_errors_ask(dataset: Dataset, files: tuple[Path, Path]) -> None:
+    """Of level 0.9: about the ninth decile of the errors, of every axis."""
+    held = dataset.subset(validation=True)
+    found = open_predictor(files[1]).predict(held.images_px)
+    assert found.forces is not None
+    assert found.forces_half_width is not None
+    decile = np.quantile(np.abs(found.forces - pushes(held.poses)), 0.9, axis=0)
+    ratio = np.median(found.forces_half_width, axis=0) / decile
+    assert (ratio > 0.5).all()
+    assert (ratio < 3.0).all()

@@ -333,3 +333,23 @@ def test_a_gel_inside_is_weighed_too() -> None:
     assert both.mass_kg == pytest.approx(1e-6 * 2 / 3 * np.pi * 21.0**3, rel=1e-5)
     assert both.centre_mm[2] == pytest.approx(3 / 8 * 21.0, rel=1e-5)
     assert compute_mass_properties(skin, 1000.0).mass_kg < 0.2 * both.mass_kg
+
+
+def test_a_force_curve_needs_four_images_before_the_press_jumps(press: Press, camera: Camera) -> None:
+    assert build_asset(replace(press, jump_depth=float(press.depth[4])), camera).reach == pytest.approx(1.5e-3)
+    with refused("asset-few-images", "3", "4"):
+        build_asset(replace(press, jump_depth=float(press.depth[3])), camera)
+
+
+def test_usd_sees_by_a_lens_of_two_focal_lengths_and_a_principal_point_aside(press: Press, tmp_path: Path) -> None:
+    needs("pxr")
+    from pxr import Usd, UsdGeom
+
+    wide = build_camera(LEANING.model_copy(update={"fx_px": 250.0, "fy_px": 380.0, "cx_px": 150.0, "cy_px": 160.0}))
+    path = export_asset(tmp_path / "wide", build_asset(press, wide), AssetFormat.USD)
+    stage = Usd.Stage.Open(str(path))
+    seen = UsdGeom.Camera(stage.GetDefaultPrim().GetChild("camera")).GetCamera().frustum
+    through = np.array(seen.ComputeViewMatrix() * seen.ComputeProjectionMatrix())
+    clip = np.column_stack([POINTS / 1e3, np.ones(len(POINTS))]) @ through
+    pixels = (clip[:, :2] / clip[:, 3:] * [1, -1] + 1) / 2 * [wide.width_px, wide.height_px] - 0.5
+    assert pixels == pytest.approx(wide.project(POINTS), abs=0.01)

@@ -96,3 +96,16 @@ def test_a_grid_without_specs_gives_one_line_not_fifty():
 def test_a_metric_that_is_none_is_refused(metric, says):
     with refused(*says):
         compare_grids(evaluate_grid(FIRST), evaluate_grid(FIRST), [metric])
+
+
+@pytest.mark.parametrize(("off", "moved"), [(2.0, 0), (2.0001, 1), (-2.0001, 1), (0.0, 0)])
+def test_a_row_has_moved_beyond_two_standard_deviations_either_way(off, moved):
+    comparison = compare_grids(grid_of(*FIRST), grid_of(*FIRST))
+    rows = tuple({**row, "moved": off if number == 0 else None} for number, row in enumerate(comparison.rows))
+    assert len(replace(comparison, rows=rows).moved) == moved
+
+
+@pytest.mark.parametrize(("second", "moved"), [(0.20, -float("inf")), (0.28, float("inf")), (0.24, 0.0)])
+def test_without_any_spread_every_difference_has_moved(second, moved):
+    comparison = compare_grids(with_spread(0.24, 0.0, 0.0, 0.0), with_spread(second, 0.0, 0.0, 0.0))
+    assert {row["moved"] for row in comparison.rows} == {moved}

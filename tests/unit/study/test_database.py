@@ -120,3 +120,19 @@ def test_a_folder_without_a_database_is_read_from_its_json(tmp_path, grid, monke
 def test_an_empty_grid_is_kept(tmp_path):
     write_database(tmp_path / "grid.sqlite", evaluate_grid([]))
     assert read_database(tmp_path / "grid.sqlite").designs == ()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "PRAGMA application_id = 7",
+        "UPDATE design SET design = design + 1 WHERE design = (SELECT max(design) FROM design)",
+        "UPDATE design SET markers = x'00' WHERE design = 0",
+        "UPDATE by_depth SET design = 99",
+    ],
+)
+def test_a_database_of_another_kind_or_with_a_changed_cell_is_refused(path, change):
+    with closing(sqlite3.connect(path, isolation_level=None)) as database:
+        database.execute(change)
+    with refused("grid-unreadable"):
+        read_database(path)

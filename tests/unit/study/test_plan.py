@@ -216,3 +216,42 @@ def test_a_whole_mesh_costs_twice_a_half_and_a_filled_skin_ten_times_a_hollow_on
         for change in ({"whole": False}, {"whole": True}, {"filled": True})
     )
     assert [whole / half, filled / half] == pytest.approx([2.0, 10.0])
+
+
+@pytest.mark.parametrize("checks", [1, 2, 3])
+def test_validation_presses_lie_between_the_tilts_and_the_slips_of_the_twin(checks: int) -> None:
+    study = Study.model_validate(
+        {
+            "name": "a",
+            "tilts_deg": (0.0, 4.0, 8.0, 12.0),
+            "built": {"contacts": ("no-slip", 2.0, 0.5), "checks": checks, "inverted": False},
+        }
+    )
+    twin = plan_twin(study, study.designs.skins()[0])
+    walls = [check.obstacle for check in twin.checks]
+    assert len(walls) == checks
+    tilts = {1: [6.0], 2: [2.0, 10.0], 3: [2.0, 6.0, 10.0]}[checks]
+    slips = {1: [1.25], 2: [0.25, 1.25], 3: [0.25, 1.25, 1.25]}[checks]
+    assert [wall.tilt_deg for wall in walls] == pytest.approx(tilts)
+    assert [1 / float(wall.contact) for wall in walls] == pytest.approx(slips, rel=1e-5)
+    assert len({wall.azimuth_deg for wall in walls} - {0.0}) == checks
+    assert all(not task.solver.derivatives for task in twin.checks)
+    assert len(twin.presses) == 4 * 3
+    assert {task.obstacle.tilt_deg for task in twin.presses} == {0.0, 4.0, 8.0, 12.0}
+    assert {task.obstacle.contact for task in twin.presses} == {"no-slip", 2.0, 0.5}
+
+
+@pytest.mark.parametrize(
+    ("tilts", "step_deg", "kept"),
+    [
+        ((0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), 4.0, (0.0, 4.0, 8.0, 12.0)),
+        ((0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), 0.0, (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0)),
+        ((0.0, 2.0, 4.0, 6.0), 4.0, (0.0, 2.0, 4.0, 6.0)),
+        ((0.0, 3.0, 5.0, 6.0, 9.0, 11.0, 12.0), 4.0, (0.0, 3.0, 6.0, 9.0, 12.0)),
+    ],
+)
+def test_tilts_of_a_twin_are_as_far_apart_as_they_may(tilts: tuple, step_deg: float, kept: tuple) -> None:
+    built = {"tilt_step_deg": step_deg, "contacts": ("no-slip",), "inverted": False, "checks": 0}
+    study = Study.model_validate({"name": "a", "tilts_deg": tilts, "built": built})
+    twin = plan_twin(study, study.designs.skins()[0])
+    assert tuple(task.obstacle.tilt_deg for task in twin.presses) == kept

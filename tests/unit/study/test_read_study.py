@@ -159,3 +159,41 @@ def test_seeds_come_from_the_study_unless_given() -> None:
     assert drawn == Study(name="a", seed=5).seeded() != Study(name="a", seed=6).seeded()
     given = Study.model_validate({"name": "a", "seed": 5, "dataset": {"seed": 3}}).seeded()
     assert given.dataset.seed == 3
+
+
+@pytest.mark.parametrize(
+    ("choice", "says"),
+    [
+        ({"tilts_deg": (2.0, 2.0)}, ("positions-not-ascending", "tilts_deg")),
+        ({"azimuths_deg": (0.0,)}, ("azimuths-uneven",)),
+        ({"azimuths_deg": (0.0, 40.0, 90.0)}, ("azimuths-uneven",)),
+        ({"azimuths_deg": (0.0, 40.0, 80.0)}, ("azimuths-uneven",)),
+        ({"obstacle": {"kind": "route"}}, ("obstacle-without-position", "route")),
+        ({"obstacle": {"kind": "ball"}}, ("positions-of-another-obstacle", "offsets_mm")),
+        ({"obstacle": {"kind": "ball"}, "offsets_mm": (0.0, 0.0)}, ("positions-not-ascending", "offsets_mm")),
+        ({"offsets_mm": (0.0, 1.0)}, ("positions-of-another-obstacle", "tilts_deg")),
+        ({"obstacle": {"kind": "ball"}, "offsets_mm": (0.0, 1.0), "forces": True}, ("key-needs-wall", "forces")),
+    ],
+)
+def test_positions_that_do_not_fit_each_other_or_the_obstacle_are_refused(
+    choice: dict[str, object], says: tuple[str, ...]
+) -> None:
+    with refused(*says):
+        Study.model_validate({"name": "a", **choice})
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"tilts_deg": (0.0, 0.1, 30.0)},
+        {"azimuths_deg": (0.0, 90.0)},
+        {"azimuths_deg": (0.0, 22.5, 45.0, 67.5, 90.0)},
+        {"obstacle": {"kind": "ball"}, "offsets_mm": (0.0, 1.0)},
+    ],
+)
+def test_positions_that_fit_are_kept_and_written(choice: dict[str, object]) -> None:
+    written = Study.model_validate({"name": "a", **choice}).model_dump()
+    assert {name: written.get(name) for name in choice if name != "obstacle"} == {
+        name: value for name, value in choice.items() if name != "obstacle"
+    }
+    assert {"azimuths_deg", "offsets_mm"} & written.keys() == {"azimuths_deg", "offsets_mm"} & choice.keys()

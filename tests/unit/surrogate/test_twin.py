@@ -10,12 +10,13 @@ import pytest
 from errors import refused
 from palpate.camera import build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec
+from palpate.fea import BallSpec, Press, WallSpec
 from palpate.fea.press import IncrementFields
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.surrogate import TWIN_DERIVATIVES, TWIN_STATE, Twin, measure_interpolation_error, read_twin, write_twin
+from palpate.surrogate.press_field import find_nodes
 from palpate.surrogate.tensor_spline import fit_spline
 from presses import build_twin, solve_press
 from small_chain import EDGE_SHARE, TWIN_CELLS, TWIN_TILTS, twin_presses
@@ -346,3 +347,54 @@ def test_splines_give_cubics_exactly(places: tuple[float, ...]) -> None:
         for axis in range(3):
             orders = tuple(int(axis == k) for k in range(3))
             assert found[1 + axis] == pytest.approx(value(place, orders), rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_spline_is_held_before_its_first_place_and_a_quarter_step_beyond_its_last(axis: int) -> None:
+    axes = (np.array([0.0, 1.0, 3.0]), np.array([0.0, 1.0, 1.5, 4.0]), np.array([-2.0, -1.0, 1.0, 2.0]))
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    spline = fit_spline(axes, grid @ np.diag([1.0, 2.0, 3.0]))
+    middle = np.array([1.2, 1.1, 0.4])
+    knots = np.unique(spline.knots[axis])
+    most = knots[-1] + 0.25 * (knots[-1] - knots[-2])
+    for asked, given in ((axes[axis][0] - 1.0, axes[axis][0]), (most - 0.01, most - 0.01), (most + 1.0, most)):
+        at = np.where(np.arange(3) == axis, asked, middle)
+        assert spline.evaluate(at)[0, axis] == pytest.approx(given * (axis + 1))
+
+
+def test_presses_with_other_steps_or_obstacles_or_too_few_images_make_no_twin(presses: list[Press]) -> None:
+    step = replace(presses[3], obstacle=presses[3].obstacle.model_copy(update={"depth_step": 0.25}))
+    with refused("presses-steps-differ", "0.25", "0.5"):
+        build_twin([*presses[:3], step, *presses[4:]])
+    with refused("twin-few-images"):
+        build_twin([replace(each.cut(0, 3), ended_depth=1.0) for each in presses])
+    with refused("twin-needs-flat-wall"):
+        build_twin([replace(each, obstacle=BallSpec(depth=4.0, depth_step=0.5)) for each in presses])
+
+
+@pytest.mark.parametrize("name", ["modes", "amplitudes", "lateral"])
+def test_a_file_with_a_number_that_is_not_finite_is_no_twin(twin: Twin, tmp_path: Path, name: str) -> None:
+    write_twin(tmp_path / "dome.h5", twin)
+    with h5py.File(tmp_path / "dome.h5", "r+") as file:
+        values = file[name][:]
+        values.flat[5] = np.inf
+        file[name][...] = values
+    with refused("twin-not-finite", "dome.h5"):
+        read_twin(tmp_path / "dome.h5")
+
+
+def test_a_file_of_another_kind_or_version_is_no_twin(twin: Twin, tmp_path: Path) -> None:
+    for name, value, code in (("kind", "palpate press", "twin-unreadable"), ("version", "1", "twin-version")):
+        write_twin(tmp_path / "dome.h5", twin)
+        with h5py.File(tmp_path / "dome.h5", "r+") as file:
+            file.attrs[name] = value
+        with refused(code, "dome.h5"):
+            read_twin(tmp_path / "dome.h5")
+
+
+def test_mirror_images_of_nodes_are_nodes() -> None:
+    nodes = np.random.default_rng(1).normal(size=(20, 3))
+    order = np.random.default_rng(2).permutation(20)
+    assert find_nodes(nodes, nodes[order] + 1e-9).tolist() == order.tolist()
+    with refused("mesh-not-symmetric"):
+        find_nodes(nodes, nodes + 0.01)

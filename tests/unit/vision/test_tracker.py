@@ -122,3 +122,26 @@ def test_images_become_tracks():
     assert tracks.found.all()
     assert not tracks.jumped.any()
     np.testing.assert_allclose(tracks.positions_px, truth, atol=0.05)
+
+
+@pytest.mark.parametrize(("kept", "jumped"), [(10, False), (9, True)])
+def test_half_of_the_markers_are_enough_to_go_on(kept: int, jumped: bool) -> None:
+    grid = np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), axis=-1).reshape(-1, 2) * 10.0 + 50.0
+    tracker = Tracker(MotionModel(grid))
+    seen = np.arange(20) % 2 == 0
+    seen[np.flatnonzero(seen)[kept:]] = False
+    for found, state in (tracker.follow(grid[seen], tracker.begin()), tracker.reassign(grid[seen], grid)):
+        assert found.found.tolist() == seen.tolist()
+        assert found.jumped == jumped
+        assert found.positions_px == pytest.approx(grid, abs=1e-6)
+        assert state.last_px == pytest.approx(grid, abs=1e-6)
+    step = np.array([2.0, -1.0])
+    moved = grid + step
+    first, state = tracker.follow(moved, tracker.begin())
+    assert not first.jumped
+    second, _ = tracker.follow(moved + step, state)
+    assert second.positions_px == pytest.approx(moved + step)
+    nothing, same = tracker.follow(np.empty((0, 2)), state)
+    assert nothing.jumped
+    assert same is state
+    assert nothing.positions_px.tolist() == state.last_px.tolist()
