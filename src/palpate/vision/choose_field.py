@@ -33,7 +33,7 @@ regularity. By hand.
 _HALF = 0.8
 """Minimum fullness of a blob: a disc has 1, two touching discs 0.9, a ring 0.7."""
 _NEIGHBOURS, _HALF_WAY = 6, 0.15
-"""Number of neighbours; maximum offset of a midpoint blob, over the distance of its two neighbours.
+"""Number of neighbours; maximum sum of the arms to two of them, over the mean length of the two arms.
 By hand."""
 AT_RANDOM = 0.092
 """Share of random blobs midway between two of their neighbours (measured, 40 fields of 60)."""
