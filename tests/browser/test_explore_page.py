@@ -213,7 +213,7 @@ def test_a_resting_picture_has_more_pixels_than_the_screen(page, link):
 def test_no_colour_is_shown_before_the_stress_is_there(page, link):
     open_page(page, link, "?depth=3&trails=0")
     held = []
-    page.route("**/data/motion/*stress=true*", lambda route: held.append(route))
+    page.route("**/data/motion/*field=stress*", lambda route: held.append(route))
     page.get_by_test_id("colour").get_by_role("button", name="stress", exact=True).click()
     page.wait_for_function("document.querySelector('.dome-note').textContent !== ''")
     legend = page.locator(".dome-legend span:last-of-type").first

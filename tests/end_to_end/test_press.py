@@ -37,6 +37,7 @@ def test_the_layout_is_the_agreed_one(pressed: dict[str, object]) -> None:
             "dissipation_mj",
             "work_mj",
             "branch",
+            "peak_pressure_mpa",
             "peak_stress_mpa",
             "contact_area_mm2",
             "points_mm",

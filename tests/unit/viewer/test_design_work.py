@@ -67,7 +67,7 @@ def test_a_press_of_a_sketch_reports_its_depth():
     pytest.importorskip("meshio")
     with zipfile.ZipFile(io.BytesIO(press_archive(press))) as archive:
         increments = [f"press/press_{k:04d}.vtu" for k in range(len(press.depth))]
-        assert set(archive.namelist()) == {"press/press.pvd", "press/force.csv", *increments}
+        assert set(archive.namelist()) == {"press/press.pvd", "press/force.csv", "press/contact.csv", *increments}
         assert len(archive.read("press/force.csv").splitlines()) == 1 + len(press.depth)
 
 

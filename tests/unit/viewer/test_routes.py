@@ -32,7 +32,7 @@ def browser(tmp_path_factory):
 
 def test_shell_motion_and_markers_are_served(browser):
     _, shell = read_message(browser.get("/data/shell/1").content)
-    meta, motion = read_message(browser.get("/data/motion/1?tilt=2&stress=true").content)
+    meta, motion = read_message(browser.get("/data/motion/1?tilt=2&field=stress").content)
     _, markers = read_message(browser.get("/data/markers/1?tilt=2&azimuth=45").content)
     assert motion["displacement"].shape[1:] == shell["rest"].shape
     assert markers["positions"].shape == (len(meta["depths_mm"]), 19, 3)
