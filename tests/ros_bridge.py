@@ -57,7 +57,7 @@ TYPES = {
 }
 OPERATIONS = {
     "advertise": {"topic", "type"},
-    "subscribe": {"topic", "type", "queue_length"},
+    "subscribe": {"topic", "type", "queue_length", "throttle_rate"},
     "publish": {"topic", "msg"},
     "call_service": {"service", "args"},
     "send_action_goal": {"action", "action_type", "args"},
@@ -88,8 +88,9 @@ class RosBridge:
 
         self.position, self.turn = START.copy(), DOWN
         self.force = np.array([0.0, 0.0, -8.0])
-        self.fault, self.pose_fault, self.stopped, self.heard = "", "", False, []
+        self.fault, self.pose_fault, self.stopped, self.heard, self.late_s = "", "", False, [], 0.0
         self.goals: list[dict[str, Any]] = []
+        self.names: list[str] = []
         self.advertised: dict[str, str] = {}
         self.places: list[np.ndarray] = []
         self._alive = True
@@ -138,6 +139,7 @@ class RosBridge:
         elif operation == "send_action_goal":
             check_message(message["args"], TYPES[message["action_type"]])
             self.goals.append(message["args"])
+            self.names.append(message["id"])
             threading.Thread(target=self._move, args=(socket, message), daemon=True).start()
 
     def _answer_pose(self, socket: Any, message: dict[str, Any]) -> None:
@@ -154,6 +156,10 @@ class RosBridge:
             values["pose_stamped"] = []
         elif self.pose_fault == "null":
             pose["position"]["x"] = None  # rosbridge's text of not a number
+        elif self.pose_fault == "large":
+            pose["position"]["x"] = 10**400
+        elif self.pose_fault == "infinite":
+            pose["orientation"]["x"] = float("inf")
         elif self.pose_fault == "no service":
             answer.update(values="Service /compute_fk does not exist", result=False)
         elif self.pose_fault == "text":
@@ -162,6 +168,7 @@ class RosBridge:
         socket.send(json.dumps(answer))
 
     def _publish(self, socket: Any, topic: str) -> None:
+        time.sleep(self.late_s)
         while self._alive and self.fault != "no forces":
             force = self.force + (self.fault == "force") * np.array([0.0, 48.0, -64.0])
             wrench = {"force": dict(zip("xyz", force.tolist(), strict=True)), "torque": {}}

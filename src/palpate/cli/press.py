@@ -32,7 +32,13 @@ _COLUMNS = (
     Column("work_mj", form=".4f", meaning="work of the obstacle", deciding=False),
     Column("peak_stress_mpa", "peak stress", form=".4f", meaning="maximum von Mises stress"),
     Column("contact_area_mm2", "contact area", "mm²", form=".1f"),
-    Column("peak_pressure_mpa", "peak pressure", form=".4f", meaning="maximum contact pressure", deciding=False),
+    Column(
+        "peak_pressure_mpa",
+        "peak pressure",
+        form=".4f",
+        meaning="maximum contact pressure; it depends on the mesh",
+        deciding=False,
+    ),
     Column(
         "hold_tension_kpa",
         "stabilisation tension",

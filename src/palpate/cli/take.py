@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 _OUT = "Folder of the recording: images, poses.csv and recording.json. The same command resumes it."
 _ROBOT = (
     "Robot as NAME or NAME:TEXT: 'manual' (the user sets each pose with a goniometer or sine plate), 'simulated' (a "
-    "unit on a simulated rig, by the twin), 'ur:HOST' (Universal Robots), 'tcp:HOST:PORT' (a server of text lines), "
-    "or another package's robot."
+    "unit on a simulated rig, by the twin), 'ur:HOST' (Universal Robots), 'ros2:HOST' (MoveIt by rosbridge), "
+    "'tcp:HOST:PORT' (a server of text lines), or another package's robot."
 )
 _SOURCE = "Camera of the sensor: its number, or the text of another package's source; not with --robot simulated."
 _SEED = "Random seed of the simulated unit and rig."
@@ -133,9 +134,14 @@ def _open_rig(
         return
     from palpate.rig import images_of, open_robot
 
+    # the end of the process from outside stops the robot, as Ctrl-C does
+    ends = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {end: signal.signal(end, signal.default_int_handler) for end in ends}
     robot = open_robot(rig.robot)
     try:
         with open_source(rig.source or "") as source:
             yield robot, images_of(source, spec.buffered)
     finally:
         robot.close()
+        for end, handler in before.items():
+            signal.signal(end, handler)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import TypeVar
 from urllib.parse import parse_qsl
 
 import numpy as np
+from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from palpate.core import PalpateError, Spec, parameter
 from palpate.sensor import Placement, Robot
+
+S = TypeVar("S", bound=Spec)
 
 
 class RobotLimitsSpec(Spec):
@@ -51,7 +55,7 @@ class RemoteRobot(Robot):
         here = self.flange_pose()
         off = float(np.linalg.norm(here.position - base_from_flange.position))
         askew = np.degrees(Rotation.from_matrix(here.rotation.T @ base_from_flange.rotation).magnitude())
-        if max(off, askew) > self._apart:
+        if not (off <= self._apart and askew <= self._apart):
             raise self._stop(f"reports a pose {off:.2f} mm and {askew:.2f}° from the one that it was moved to")
 
     @abstractmethod
@@ -68,13 +72,13 @@ class RemoteRobot(Robot):
         )
 
 
-def parse_address(text: str, kind: str) -> tuple[str, dict[str, str]]:
+def parse_address(text: str, kind: str, spec: type[S]) -> tuple[str, S]:
     """Return host and settings of an address such as ``192.168.0.10?tilt=30&workspace=10``.
 
     Raises
     ------
     PalpateError
-        If there is no host, or a setting is given twice.
+        If there is no host, or a setting is unknown, out of bounds or given twice.
     """
     host, _, query = text.partition("?")
     settings = parse_qsl(query, keep_blank_values=True)
@@ -84,4 +88,12 @@ def parse_address(text: str, kind: str) -> tuple[str, dict[str, str]]:
             f"Give --robot {kind}:HOST, or {kind}:HOST?NAME=VALUE with each name once.",
             code="robot-address",
         )
-    return host, dict(settings)
+    try:
+        return host, spec.model_validate(dict(settings))
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise PalpateError(
+            f"The address of the robot is '{text}', with {first['loc'][0]} = {first['input']}: {first['msg']}.",
+            f"Settings of {kind}: {', '.join(spec.model_fields)}.",
+            code="robot-setting",
+        ) from error

@@ -6,6 +6,8 @@ import json
 import time
 from contextlib import ExitStack, suppress
 from typing import Any, final
+from urllib.parse import urlsplit
+from uuid import uuid4
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -34,6 +36,7 @@ class RosSpec(RobotLimitsSpec):
         gt=0,
         le=500,
     )
+    force_period: int = parameter(10, unit="ms", meaning="minimum time between two force messages", ge=0, le=100)
     position_tolerance: float = parameter(0.1, unit="mm", meaning="tolerance of a goal's position", gt=0, le=1)
     angle_tolerance: float = parameter(0.05, unit="deg", meaning="tolerance of a goal's orientation", gt=0, le=1)
     planning_s: float = parameter(5.0, unit="s", meaning="maximum time of the planning of a move", gt=0, le=60)
@@ -66,18 +69,28 @@ class RosRobot(RemoteRobot):
     """
 
     def __init__(self, text: str, timeout_s: float = 60.0, apart: float = 0.5) -> None:
-        address, settings = parse_address(text, "ros2")
+        address, self._spec = parse_address(text, "ros2", RosSpec)
         super().__init__(address, apart)
-        self._spec, self._timeout_s = RosSpec(**settings), timeout_s
-        self._number, self._forces, self._goal = 0, 0, ""
+        self._timeout_s, self._forces, self._goal = timeout_s, 0, ""
         self._zero: FloatArray | None = None
         self._left = ExitStack()
         self._halting = {"topic": "/trajectory_execution_event", "type": "std_msgs/msg/String"}
         client = load_extra("websockets.sync.client", "ros2", "websockets")
-        host, _, port = address.partition(":")
         try:
-            url = f"ws://{host}:{port or 9090}"
-            connection = client.connect(url, open_timeout=timeout_s, close_timeout=1.0, max_size=None, proxy=None)
+            place = urlsplit(f"ws://{address}")
+            if place.hostname is None or place.netloc != address or "@" in address:
+                raise ValueError("no host")
+            url = f"ws://{address}" if place.port else f"ws://{address}:9090"
+        except ValueError as error:
+            raise PalpateError(
+                f"The address of the robot is '{text}': {error}.",
+                "Give --robot ros2:HOST or ros2:HOST:PORT; an IPv6 address in brackets.",
+                code="robot-address",
+            ) from error
+        try:  # messages are received without limit, since forces arrive during pauses, too
+            connection = client.connect(
+                url, open_timeout=timeout_s, close_timeout=1.0, max_size=None, max_queue=None, proxy=None
+            )
             self._socket = self._left.enter_context(connection)
         except Exception as error:  # of the address, the network and the protocol
             raise PalpateError(
@@ -88,7 +101,9 @@ class RosRobot(RemoteRobot):
         self._send("advertise", **self._halting)
         if self._spec.wrench:
             kind = "geometry_msgs/msg/WrenchStamped"
-            self._send("subscribe", topic=self._spec.wrench, type=kind, queue_length=1)
+            self._send(
+                "subscribe", topic=self._spec.wrench, type=kind, queue_length=1, throttle_rate=self._spec.force_period
+            )
             while self._zero is None:
                 self._receive(time.monotonic() + self._timeout_s)
         self._first = self.flange_pose()
@@ -107,11 +122,12 @@ class RosRobot(RemoteRobot):
             pose = values["pose_stamped"][0]["pose"]
             position = 1e3 * np.array([pose["position"][axis] for axis in "xyz"], float)
             turn = Rotation.from_quat([float(pose["orientation"][axis]) for axis in "xyzw"])
-        except (LookupError, TypeError, ValueError) as error:
+        except (ArithmeticError, LookupError, TypeError, ValueError) as error:
             raise self._stop(f"answered '{values}' to a request of its pose") from error
-        if not np.isfinite(position).all():
-            raise self._stop(f"reports the position {position} mm")
-        return Placement(turn.as_matrix(), position)
+        here = Placement(turn.as_matrix(), position)
+        if not (np.isfinite(here.position).all() and np.isfinite(here.rotation).all()):
+            raise self._stop(f"reports a pose that is not finite: {pose}")
+        return here
 
     def _go(self, goal: Placement) -> None:
         for name, place in (("the commanded pose", goal), ("the flange", self.flange_pose())):
@@ -156,8 +172,7 @@ class RosRobot(RemoteRobot):
 
     def _request(self, operation: str, **fields: Any) -> dict[str, Any]:
         """Send a request, and return the values of its answer."""
-        self._number += 1
-        name = f"palpate-{self._number}"
+        name = f"palpate-{uuid4().hex}"
         self._goal = name if operation == "send_action_goal" else ""
         self._send(operation, id=name, **fields)
         forces, end = self._forces, time.monotonic() + self._timeout_s
@@ -179,7 +194,7 @@ class RosRobot(RemoteRobot):
         """Return the next message, after checks of errors and forces, or stop at a time."""
         wait = max(end - time.monotonic(), 0.0)
         try:
-            text = self._socket.recv(timeout=min(wait, self._spec.stall_s) if self._spec.wrench else wait)
+            text = self._socket.recv(timeout=wait if self._zero is None else min(wait, self._spec.stall_s))
         except TimeoutError as error:
             late = time.monotonic() >= end
             problem = f"did not answer in {self._timeout_s:g} s" if late else f"sends no force on {self._spec.wrench}"
@@ -190,7 +205,7 @@ class RosRobot(RemoteRobot):
             message = json.loads(text)
             if message["op"] == "publish":
                 self._check_force(np.array([message["msg"]["wrench"]["force"][axis] for axis in "xyz"], float))
-        except (LookupError, TypeError, ValueError) as error:
+        except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
             raise self._stop(f"sent a message that cannot be read: {error}") from error
         if message["op"] == "status" and message.get("level") == "error":
             raise self._stop(f"refused a request: {message.get('msg')}")

@@ -58,8 +58,7 @@ class UrRobot(TcpRobot):
     """
 
     def __init__(self, text: str, timeout_s: float = 60.0, apart: float = 0.5) -> None:
-        host, settings = parse_address(text, "ur")
-        spec = UrSpec(**settings)
+        host, spec = parse_address(text, "ur", UrSpec)
         load_extra("rtde_control", "ur", "ur-rtde")
         with socket.create_server(("127.0.0.1", 0)) as listening:
             listening.settimeout(0.2)

@@ -128,3 +128,14 @@ class WorkpieceSpec(Spec):
     clamping_force: float = parameter(
         0.0, unit="N", meaning="force of the tool on the wall after the alignment", ge=0, le=5000
     )
+
+    @model_validator(mode="after")
+    def _rotations_are_small(self) -> WorkpieceSpec:
+        turn = self.tilt_give * self.clamping_force
+        if turn > 30.0:
+            raise PydanticCustomError(
+                "workpiece-turned",
+                "tilt_give times clamping_force is {turn}°; at most 30° are simulated.",
+                {"turn": f"{turn:g}"},
+            )
+        return self

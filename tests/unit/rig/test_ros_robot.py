@@ -1,10 +1,13 @@
 """A robot of ROS 2, by rosbridge and MoveIt's action, with a simulated server that fails in every way."""
 
 import itertools
+import subprocess
+import sys
 import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,6 +93,19 @@ def test_an_interrupted_move_is_stopped(bridge: RosBridge) -> None:
     assert bridge.position[2] < START[2] + 0.0055
 
 
+def test_a_terminated_process_stops_the_robot(bridge: RosBridge, tmp_path: Path) -> None:
+    images = Path(__file__).parents[3] / "examples" / "data" / "recording"
+    take = f"recording take --robot ros2:{bridge.host}?speed=0.0005 --tilts 1 --azimuths 1 --depths 1 --markers 37"
+    command = ["-m", "palpate", *take.split(), "--source", str(images), "--out", str(tmp_path / "new")]
+    process = subprocess.Popen([sys.executable, *command], stderr=subprocess.PIPE, text=True)
+    while not bridge.goals and process.poll() is None:
+        time.sleep(0.05)
+    process.terminate()
+    said = process.communicate(timeout=60)[1]
+    assert (process.returncode, said.count("Interrupted")) == (130, 1), said
+    assert bridge.stopped
+
+
 def test_no_move_leaves_the_workspace(bridge: RosBridge) -> None:
     robot = opened(bridge, "workspace=10&tilt=20")
     with refused("robot-lost", "11 mm", "10 mm"):
@@ -115,7 +131,29 @@ def test_forces_are_checked_at_the_connection_and_when_the_pose_is_read(bridge: 
         opened(bridge)
 
 
-@pytest.mark.parametrize("fault", ["no pose", "null", "no service", "text"])
+def test_the_first_force_may_come_late_and_each_goal_has_its_own_name(bridge: RosBridge) -> None:
+    bridge.late_s = 0.4
+    first = opened(bridge)  # no force for more than the 0.2 s of `FORCES`
+    first.move(first.flange_pose().moved(np.array([0.0, 0.0, 0.5])))
+    first.close()
+    bridge.late_s = 0.0
+    second = opened(bridge)
+    second.move(second.flange_pose().moved(np.array([0.0, 0.0, 0.5])))
+    assert len(bridge.names) == len(set(bridge.names)) == 2
+
+
+def test_forces_during_a_pause_are_received_and_checked(bridge: RosBridge) -> None:
+    robot = opened(bridge)
+    time.sleep(0.3)  # sixty messages, more than the sixteen of the library's queue
+    assert robot._socket.recv_messages.frames.qsize() > 30
+    bridge.force = np.array([0.0, 0.0, 80.0])
+    time.sleep(0.05)
+    bridge.force = np.array([0.0, 0.0, -8.0])
+    with refused("robot-lost", "50 N"):
+        robot.flange_pose()
+
+
+@pytest.mark.parametrize("fault", ["no pose", "null", "large", "infinite", "no service", "text"])
 def test_a_pose_that_cannot_be_read_is_refused(bridge: RosBridge, fault: str) -> None:
     robot = opened(bridge)
     bridge.pose_fault = fault
@@ -142,10 +180,15 @@ def test_an_unknown_group_moves_nothing(bridge: RosBridge) -> None:
         ("", "robot-address", "''"),
         ("?force=30", "robot-address", "force=30"),
         ("127.0.0.1:1?force=30&force=500", "robot-address", "force=500"),
-        ("127.0.0.1:1?speed=1.5", "less_than_equal", "1.5"),
-        ("127.0.0.1:1?power=3", "extra_forbidden", "power"),
+        ("127.0.0.1:1?speed=1.5", "robot-setting", "1.5"),
+        ("127.0.0.1:1?power=3", "robot-setting", "power"),
         ("127.0.0.1:1", "robot-lost", "127.0.0.1:1"),
-        ("127.0.0.1:ninety", "robot-lost", "ninety"),
+        ("[::1]:1", "robot-lost", "[::1]:1"),
+        ("127.0.0.1:ninety", "robot-address", "ninety"),
+        ("127.0.0.1:99999", "robot-address", "99999"),
+        ("::1", "robot-address", "::1"),
+        ("ws://127.0.0.1:1", "robot-address", "ws://127.0.0.1:1"),
+        ("name:word@127.0.0.1:1", "robot-address", "word"),
     ],
 )
 def test_a_wrong_address_is_refused(text: str, code: str, value: str) -> None:

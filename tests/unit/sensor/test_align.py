@@ -110,6 +110,12 @@ def test_a_workpiece_that_tilts_is_aligned_under_the_force_of_the_touch(twin: Tw
     assert given.clamped_deg == pytest.approx(4.0 * (0.9 - touch), abs=rigid.final_deg + 0.05)
 
 
+def test_a_support_that_turns_far_is_refused() -> None:
+    assert WorkpieceSpec(tilt_give=1.0, clamping_force=30.0).clamping_force == 30.0
+    with refused("workpiece-turned", "31"):
+        WorkpieceSpec(tilt_give=1.0, clamping_force=31.0)
+
+
 def test_the_tools_offset_is_told_by_six_touches(unit: VirtualUnit) -> None:
     assert unit.offset_touches == 6
     assert unit.offset_error_deg < 0.2
