@@ -16,7 +16,7 @@ _BETTER = 0.6
 
 
 def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:
-    """Find the row offset of poses that makes them fit the images far better; 0 if none does.
+    """Find the row offset of poses that makes them fit the images far better, or 0.
 
     Parameters
     ----------
@@ -25,6 +25,8 @@ def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray)
     train
         (n,) images of the linear fits; the remaining images test them.
     """
+    if train.all():
+        return 0
     centred = features - features.mean(axis=0)
     _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)
     components = centred @ right[: min(_FEATURES, len(right))].T

@@ -25,3 +25,8 @@ def test_a_slow_motion_and_poses_of_another_run_have_no_offset() -> None:
     slow = np.column_stack([time, time**2])
     assert find_row_offset(slow[2:] + 0.05 * rng.normal(size=(198, 2)), slow[:-2], train[2:]) == 0
     assert find_row_offset(rng.normal(size=(200, 5)), rng.normal(size=(200, 2)), train) == 0
+
+
+def test_without_an_image_to_test_the_fits_there_is_no_offset():
+    rng = np.random.default_rng(0)
+    assert find_row_offset(rng.normal(size=(8, 4)), rng.normal(size=(8, 3)), np.ones(8, bool)) == 0

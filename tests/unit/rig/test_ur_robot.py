@@ -133,7 +133,7 @@ def test_a_wrong_address_is_refused(text: str, code: str, value: str) -> None:
 @pytest.mark.slow
 def test_a_thousand_moves_with_faults_stay_in_the_workspace(controller: UrController) -> None:
     rng, met = np.random.default_rng(5), Counter[str]()
-    query = "speed=200&acceleration=9000&workspace=20&stall_s=0.1"
+    query = "speed=200&acceleration=9000&workspace=20&stall_s=0.3"
     robot = opened(controller, query)
     frame = PressFrame(robot.flange_pose(), build_skin(DomeSpec()))
     faults = itertools.cycle((*FAULTS, "workspace"))
