@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -136,12 +136,9 @@ def _open_rig(
 
     # the end of the process from outside stops the robot, as Ctrl-C does
     ends = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {end: signal.signal(end, signal.default_int_handler) for end in ends}
-    robot = open_robot(rig.robot)
-    try:
-        with open_source(rig.source or "") as source:
-            yield robot, images_of(source, spec.buffered)
-    finally:
-        robot.close()
-        for end, handler in before.items():
-            signal.signal(end, handler)
+    with ExitStack() as closed:
+        for end in ends:
+            closed.callback(signal.signal, end, signal.signal(end, signal.default_int_handler))
+        robot = open_robot(rig.robot)
+        closed.callback(robot.close)
+        yield robot, images_of(closed.enter_context(open_source(rig.source or "")), spec.buffered)

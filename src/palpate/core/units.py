@@ -36,3 +36,12 @@ def split_unit(name: str) -> tuple[str, str]:
     if tail and is_unit(tail[2]) and tail[2] not in ("-", "1"):
         return tail[1].strip(), tail[2]
     return bare, ""
+
+
+def split_lower(name: str) -> tuple[str, str]:
+    """Split a column's name as `split_unit`, and return both parts in lower case.
+
+    The unit is read in the case of the name first: ``mN`` is known by its capital, ``MM`` in lower case only.
+    """
+    bare, unit = split_unit(name)
+    return (bare.lower(), unit.lower()) if unit else split_unit(name.lower())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.core.units import is_unit, split_unit
+from palpate.core.units import is_unit, split_lower
 from palpate.datasets.column_mapping import ColumnMapping
 from palpate.datasets.table import RecordingTable, as_numbers
 
@@ -124,12 +124,6 @@ def with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseCo
         )
     target, factor = FACTORS[unit]
     return PoseColumn(name, short_name(bare), target, values * factor, note)
-
-
-def split_lower(name: str) -> tuple[str, str]:
-    """Return the bare name of a column and its unit, in lower case; `mN` is known by its capital."""
-    bare, unit = split_unit(name.strip())
-    return (bare.lower(), unit.lower()) if unit else split_unit(name.strip().lower())
 
 
 def _are_degrees(table: RecordingTable, low: str) -> bool:

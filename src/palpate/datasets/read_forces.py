@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
+from palpate.core.units import split_lower
 from palpate.datasets.column_mapping import ColumnMapping
-from palpate.datasets.pose_column import FACTORS, split_lower
+from palpate.datasets.pose_column import FACTORS
 from palpate.datasets.recording_columns import TIME, list_columns
 from palpate.datasets.recording_images import ImageSet
 from palpate.datasets.samples import Samples, find_offset, shrink

@@ -39,7 +39,7 @@ class ContactTraction(NamedTuple):
 
     @property
     def traction(self) -> FloatArray:
-        """(n, n_nodes, 3) MPa."""
+        """(n, n_nodes, 3) MPa, of the skin on the obstacle, in the frame of the displacements."""
         return self.pressure[..., None] * self.normal + self.shear
 
 
@@ -59,7 +59,7 @@ def contact_traction(press: Press) -> ContactTraction:
     rows = []
     for depth, u in zip(press.depth, press.displacement, strict=True):
         traction, area = surface_traction(solid, surface, state_of(solid, u))
-        traction[mesh.mirror, 0] = 0.0  # the reaction of the other half
+        traction[mesh.mirror, 0] = 0.0  # the reaction of the mirrored half
         traction[mesh.base] = 0.0  # the reaction of the mount
         normal = path(float(depth)).gap(mesh.nodes + u).normal
         pressure = np.einsum("ni,ni->n", traction, normal)

@@ -82,12 +82,12 @@ def _write_images(folder: Path, press: Press, contact: ContactTraction | None) -
     mesh, turn = press.mesh, press.obstacle.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
     path = press.obstacle.path(mesh)
-    solid = None if contact is None else clamped_solid(press)
+    solid = clamped_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
         gap = -path(float(depth)).penetration(mesh.nodes + u)
         fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": gap}
-        if solid is not None and contact is not None:
+        if contact is not None:
             fields |= _stress_fields(solid, u, turn)
             fields["contact_pressure_mpa"] = contact.pressure[k]
             fields["shear_traction_mpa"] = contact.shear[k] @ turn.T

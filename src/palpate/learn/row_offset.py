@@ -23,7 +23,7 @@ def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray)
     features, targets
         (n, p) features of images and (n, k) poses, in the order of the table.
     train
-        (n,) images of the linear fits; the remaining images test them.
+        (n,) images of the linear fits; the remaining images test them. Without any there is no offset.
     """
     if train.all():
         return 0

@@ -17,13 +17,21 @@ S = TypeVar("S", bound=Spec)
 
 
 class RobotLimitsSpec(Spec):
-    """Limits of the flange's pose, from that at the connection."""
+    """Limits of the flange's pose and force, from those at the connection."""
 
     workspace: float = parameter(
         150.0, unit="mm", meaning="maximum distance of the flange from its position at the connection", gt=0, le=1000
     )
     tilt: float = parameter(
         45.0, unit="deg", meaning="maximum angle of the flange's axis from that at the connection", gt=0, le=180
+    )
+
+    force: float = parameter(
+        50.0,
+        unit="N",
+        meaning="maximum force at the connection, and maximum change of the force since then",
+        gt=0,
+        le=500,
     )
 
     def find_breach(self, first: Placement, here: Placement) -> str:

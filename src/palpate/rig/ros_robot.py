@@ -29,13 +29,6 @@ class RosSpec(RobotLimitsSpec):
     wrench: str = parameter(
         "", unit="", meaning="topic of geometry_msgs/WrenchStamped; without it, forces are not checked"
     )
-    force: float = parameter(
-        50.0,
-        unit="N",
-        meaning="maximum force at the connection, and maximum change of the force since then",
-        gt=0,
-        le=500,
-    )
     force_period: int = parameter(10, unit="ms", meaning="minimum time between two force messages", ge=0, le=100)
     position_tolerance: float = parameter(0.1, unit="mm", meaning="tolerance of a goal's position", gt=0, le=1)
     angle_tolerance: float = parameter(0.05, unit="deg", meaning="tolerance of a goal's orientation", gt=0, le=1)
@@ -73,14 +66,14 @@ class RosRobot(RemoteRobot):
         super().__init__(address, apart)
         self._timeout_s, self._forces, self._goal = timeout_s, 0, ""
         self._zero: FloatArray | None = None
-        self._left = ExitStack()
-        self._halting = {"topic": "/trajectory_execution_event", "type": "std_msgs/msg/String"}
+        self._connection = ExitStack()
+        self._stop_topic = {"topic": "/trajectory_execution_event", "type": "std_msgs/msg/String"}
         client = load_extra("websockets.sync.client", "ros2", "websockets")
         try:
-            place = urlsplit(f"ws://{address}")
-            if place.hostname is None or place.netloc != address or "@" in address:
+            parts = urlsplit(f"ws://{address}")
+            if parts.hostname is None or parts.netloc != address or "@" in address:
                 raise ValueError("no host")
-            url = f"ws://{address}" if place.port else f"ws://{address}:9090"
+            url = f"ws://{address}:9090" if parts.port is None else f"ws://{address}"
         except ValueError as error:
             raise PalpateError(
                 f"The address of the robot is '{text}': {error}.",
@@ -91,19 +84,17 @@ class RosRobot(RemoteRobot):
             connection = client.connect(
                 url, open_timeout=timeout_s, close_timeout=1.0, max_size=None, max_queue=None, proxy=None
             )
-            self._socket = self._left.enter_context(connection)
+            self._socket = self._connection.enter_context(connection)
         except Exception as error:  # of the address, the network and the protocol
             raise PalpateError(
                 f"The robot at {address} does not answer: {str(error) or type(error).__name__}.",
                 "Start rosbridge_server.",
                 code="robot-lost",
             ) from error
-        self._send("advertise", **self._halting)
+        self._send("advertise", **self._stop_topic)
         if self._spec.wrench:
-            kind = "geometry_msgs/msg/WrenchStamped"
-            self._send(
-                "subscribe", topic=self._spec.wrench, type=kind, queue_length=1, throttle_rate=self._spec.force_period
-            )
+            topic = {"topic": self._spec.wrench, "type": "geometry_msgs/msg/WrenchStamped"}
+            self._send("subscribe", **topic, queue_length=1, throttle_rate=self._spec.force_period)
             while self._zero is None:
                 self._receive(time.monotonic() + self._timeout_s)
         self._first = self.flange_pose()
@@ -132,7 +123,7 @@ class RosRobot(RemoteRobot):
     def _go(self, goal: Placement) -> None:
         for name, place in (("the commanded pose", goal), ("the flange", self.flange_pose())):
             if breach := self._spec.find_breach(self._first, place):
-                raise self._stop(f"has a limit: {name} {breach}")
+                raise self._stop(f"has limits: {name} {breach}")
         self._request(
             "send_action_goal",
             action="/move_action",
@@ -171,7 +162,7 @@ class RosRobot(RemoteRobot):
         }
 
     def _request(self, operation: str, **fields: Any) -> dict[str, Any]:
-        """Send a request, and return the values of its answer."""
+        """Send a request, and return the values of its answer, after a force has been checked."""
         name = f"palpate-{uuid4().hex}"
         self._goal = name if operation == "send_action_goal" else ""
         self._send(operation, id=name, **fields)
@@ -191,7 +182,7 @@ class RosRobot(RemoteRobot):
         return dict(values)
 
     def _receive(self, end: float) -> dict[str, Any]:
-        """Return the next message, after checks of errors and forces, or stop at a time."""
+        """Return the next message, after checks of errors and forces; `end` is of `time.monotonic`, s."""
         wait = max(end - time.monotonic(), 0.0)
         try:
             text = self._socket.recv(timeout=wait if self._zero is None else min(wait, self._spec.stall_s))
@@ -214,6 +205,7 @@ class RosRobot(RemoteRobot):
         return dict(message)
 
     def _check_force(self, force: FloatArray) -> None:
+        """Stop if a force (3,) N exceeds its limit; keep the first one as zero."""
         size = float(np.linalg.norm(force - (0.0 if self._zero is None else self._zero)))
         if not size <= self._spec.force:
             raise self._stop(f"stopped: the force is {size:.0f} N, over {self._spec.force:g} N")
@@ -230,9 +222,9 @@ class RosRobot(RemoteRobot):
     def close(self) -> None:
         if self._goal:
             name, self._goal = self._goal, ""
-            stop = {"op": "publish", "topic": self._halting["topic"], "msg": {"data": "stop"}}
+            stop = {"op": "publish", "topic": self._stop_topic["topic"], "msg": {"data": "stop"}}
             cancel = {"op": "cancel_action_goal", "id": name, "action": "/move_action"}
             with suppress(Exception):  # the connection may be lost
                 for message in (stop, cancel):
                     self._socket.send(json.dumps(message))
-        self._left.close()
+        self._connection.close()

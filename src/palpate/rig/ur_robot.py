@@ -17,13 +17,6 @@ from palpate.rig.tcp_robot import TcpRobot
 class UrSpec(RobotLimitsSpec):
     """Limits and speed of a robot of Universal Robots."""
 
-    force: float = parameter(
-        50.0,
-        unit="N",
-        meaning="maximum force at the connection, and maximum change of the force since then",
-        gt=0,
-        le=500,
-    )
     speed: float = parameter(20.0, unit="mm/s", meaning="speed of the flange", ge=1, le=1000)
     acceleration: float = parameter(200.0, unit="mm/s²", meaning="acceleration of the flange", gt=0, le=10000)
     stall_s: float = parameter(

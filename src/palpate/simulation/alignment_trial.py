@@ -206,8 +206,8 @@ class VirtualUnit:
         tilt_deg: FloatArray,
         inverse_friction: float,
         rng: np.random.Generator,
-        support: WorkpieceSpec | None = None,
-        support_axis: float = 0.0,
+        workpiece: WorkpieceSpec | None = None,
+        axis_rad: float = 0.0,
     ) -> tuple[SimulatedCell, SimulatedRobot]:
         """Return a cell whose wall is tilted relative to the drill, and a robot in front of it."""
         spec = self.play.robot
@@ -215,8 +215,8 @@ class VirtualUnit:
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
         across = np.cross(normal, start.rotation[:, 0])
         across /= np.linalg.norm(across)
-        axis = np.cos(support_axis) * across + np.sin(support_axis) * np.cross(normal, across)
-        wall = FlatWall(np.zeros(3), normal, inverse_friction, support or WorkpieceSpec(), axis)
+        axis = np.cos(axis_rad) * across + np.sin(axis_rad) * np.cross(normal, across)
+        wall = FlatWall(np.zeros(3), normal, inverse_friction, workpiece or WorkpieceSpec(), axis)
         cell = self._cell(wall, self._mounted, spec.dropout, rng)
         gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
         way = (start @ self._mounted).rotation[:, 2]

@@ -35,8 +35,8 @@ class FlatWall:
         (3,) unit vector into it, away from the robot.
     inverse_friction
         1/µ between it and the dome.
-    support
-        How it gives under force.
+    workpiece
+        Its compliance.
     axis
         (3,) unit vector in the wall, about which it rotates under force.
     """
@@ -44,13 +44,13 @@ class FlatWall:
     point: FloatArray
     normal: FloatArray
     inverse_friction: float
-    support: WorkpieceSpec = field(default_factory=WorkpieceSpec)
+    workpiece: WorkpieceSpec = field(default_factory=WorkpieceSpec)
     axis: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def under(self, force_n: float) -> FlatWall:
         """Return the wall under a force along its normal, about whose point it rotates."""
-        turn = rotation_from_vector(self.support.tilt_give * force_n * self.axis)
-        moved = self.point + self.support.give * force_n * self.normal
+        turn = rotation_from_vector(self.workpiece.wall_tilt_compliance * force_n * self.axis)
+        moved = self.point + self.workpiece.wall_compliance * force_n * self.normal
         return replace(self, point=moved, normal=turn @ self.normal)
 
 
@@ -135,8 +135,8 @@ class SimulatedCell:
 
     def _pose(self, sensor: Placement) -> FloatArray:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths are no contact."""
-        wall, support = self._wall, self._wall.support
-        free = self._push_on(wall, sensor) if support.give or support.tilt_give else 0.0
+        wall, workpiece = self._wall, self._wall.workpiece
+        free = self._push_on(wall, sensor) if workpiece.wall_compliance or workpiece.wall_tilt_compliance else 0.0
         if free > 0.0:  # the force at which wall and skin are in equilibrium
             most = free
             while self._push_on(wall.under(most), sensor) > most:
@@ -146,7 +146,7 @@ class SimulatedCell:
         return self._pose_before(wall, sensor)
 
     def _push_on(self, wall: FlatWall, sensor: Placement) -> float:
-        """Return the force (N) along the normal of a wall that does not give."""
+        """Return the force (N) along the normal of a rigid wall."""
         pose = self._pose_before(wall, sensor)
         if pose[2] <= 0.0:
             return 0.0

@@ -121,21 +121,23 @@ class SimulatedRobotSpec(Spec):
 
 
 class WorkpieceSpec(Spec):
-    """Support of a workpiece, which gives in proportion to the force along its normal."""
+    """Compliance of a workpiece: motion and rotation are proportional to the force along the normal."""
 
-    give: float = parameter(0.0, unit="mm/N", meaning="motion of the wall along its normal, per force", ge=0, le=10)
-    tilt_give: float = parameter(0.0, unit="deg/N", meaning="rotation of the wall, per force", ge=0, le=5)
+    wall_compliance: float = parameter(
+        0.0, unit="mm/N", meaning="motion of the wall along its normal, per force", ge=0, le=10
+    )
+    wall_tilt_compliance: float = parameter(0.0, unit="deg/N", meaning="rotation of the wall, per force", ge=0, le=5)
     clamping_force: float = parameter(
         0.0, unit="N", meaning="force of the tool on the wall after the alignment", ge=0, le=5000
     )
 
     @model_validator(mode="after")
     def _rotations_are_small(self) -> WorkpieceSpec:
-        turn = self.tilt_give * self.clamping_force
+        turn = self.wall_tilt_compliance * self.clamping_force
         if turn > 30.0:
             raise PydanticCustomError(
                 "workpiece-turned",
-                "tilt_give times clamping_force is {turn}°; at most 30° are simulated.",
+                "wall_tilt_compliance times clamping_force is {turn}°; at most 30° are simulated.",
                 {"turn": f"{turn:g}"},
             )
         return self

@@ -271,7 +271,7 @@ ROWS = {
             "--calibration-presses 9",
             "--tolerance 0",
             "--force 0.000001",
-            "--tilt-give 6",
+            "--wall-tilt-compliance 6",
             "--clamping-force -1",
             "--model {model}",
             "--height 10",

@@ -80,19 +80,19 @@ def test_a_drill_stands_square_after_some_touches_and_the_force_is_kept(unit: Vi
     assert '"made_by"' in (tmp_path / "new" / "alignment.json").read_text()
 
 
-def test_a_wall_that_gives_is_in_equilibrium_with_the_skin(unit: VirtualUnit) -> None:
+def test_a_compliant_wall_is_in_equilibrium_with_the_skin(unit: VirtualUnit) -> None:
     """Springs in series: the force is that of a rigid wall at the depth that the skin is left with."""
     tilt = np.array([2.0, 1.0])
     stiff, robot = unit._before(tilt, 1.0, np.random.default_rng(3))
     way = robot.true_pose.rotation[:, 2]
     pressed = robot.true_pose.moved((3.0 - stiff.depth_at(robot.true_pose)) * way)
-    soft, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(give=5.0))
+    soft, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(wall_compliance=5.0))
     force = -soft.push(pressed) @ soft._wall.normal
     assert 0.3 * force < 0.8 * -stiff.push(pressed) @ stiff._wall.normal
     left = pressed.moved(-5.0 * force * (soft._wall.normal @ way) ** -1 * way)
     assert -stiff.push(left) @ stiff._wall.normal == pytest.approx(force, rel=1e-3)
     assert soft.depth_at(pressed) == pytest.approx(stiff.depth_at(left), abs=1e-3)
-    turned, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(tilt_give=2.0), 0.7)
+    turned, _ = unit._before(tilt, 1.0, np.random.default_rng(3), WorkpieceSpec(wall_tilt_compliance=2.0), 0.7)
     loaded = turned._wall.under(1.5)
     assert np.degrees(np.arccos(loaded.normal @ turned._wall.normal)) == pytest.approx(3.0)
     assert turned._wall.axis @ turned._wall.normal == pytest.approx(0.0, abs=1e-12)
@@ -102,7 +102,9 @@ def test_a_wall_that_gives_is_in_equilibrium_with_the_skin(unit: VirtualUnit) ->
 def test_a_workpiece_that_tilts_is_aligned_under_the_force_of_the_touch(twin: Twin, unit: VirtualUnit) -> None:
     """The skin reads the loaded wall: the free one is off by its rotation in the touch, the clamped one by more."""
     rigid = unit.square(1)
-    given = VirtualUnit(play(twin, workpiece=WorkpieceSpec(tilt_give=4.0, clamping_force=0.9)), 1).square(1)
+    given = VirtualUnit(play(twin, workpiece=WorkpieceSpec(wall_tilt_compliance=4.0, clamping_force=0.9)), 1).square(
+        1
+    )
     assert rigid.clamped_deg == rigid.final_deg < 0.2
     assert given.alignment.square
     touch = given.alignment.touches[-1].fit.force.normal_force.value
@@ -111,9 +113,9 @@ def test_a_workpiece_that_tilts_is_aligned_under_the_force_of_the_touch(twin: Tw
 
 
 def test_a_support_that_turns_far_is_refused() -> None:
-    assert WorkpieceSpec(tilt_give=1.0, clamping_force=30.0).clamping_force == 30.0
+    assert WorkpieceSpec(wall_tilt_compliance=1.0, clamping_force=30.0).clamping_force == 30.0
     with refused("workpiece-turned", "31"):
-        WorkpieceSpec(tilt_give=1.0, clamping_force=31.0)
+        WorkpieceSpec(wall_tilt_compliance=1.0, clamping_force=31.0)
 
 
 def test_the_tools_offset_is_told_by_six_touches(unit: VirtualUnit) -> None:
