@@ -1,11 +1,9 @@
 """A robot of ROS 2, by rosbridge and MoveIt's action, with a simulated server that fails in every way."""
 
-import itertools
 import subprocess
 import sys
 import threading
 import time
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,10 +12,10 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.design import DomeSpec, build_skin
-from palpate.rig import PressFrame, open_robot
+from palpate.rig import open_robot
 from palpate.rig.ros_robot import RosRobot
-from palpate.sensor import Placement, rotation_from_vector
+from palpate.sensor import Placement, Robot, rotation_from_vector
+from robot_moves import WORKSPACE, move_a_thousand_times
 from ros_bridge import DOWN, START, RosBridge
 
 needs("websockets")
@@ -198,32 +196,17 @@ def test_a_wrong_address_is_refused(text: str, code: str, value: str) -> None:
 
 @pytest.mark.slow(40)
 def test_a_thousand_moves_with_faults_stay_in_the_workspace(bridge: RosBridge) -> None:
-    rng, met = np.random.default_rng(5), Counter[str]()
     query = f"{FORCES}&workspace=20&speed=0.4"
-    robot = opened(bridge, query)
-    frame = PressFrame(robot.flange_pose(), build_skin(DomeSpec()))
-    faults = itertools.cycle((*FAULTS, "workspace"))
-    for number in range(1000):
-        goal = frame.flange_at(np.array([*rng.uniform(-8, 8, 2), rng.uniform(-3, 4)]))
-        if number % 20 != 7:
-            robot.move(goal)
-            assert robot.flange_pose().position == pytest.approx(goal.position, abs=0.01)
-            continue
-        fault = next(faults)
-        robot = _with_fault(bridge, robot, fault, query)
-        met[fault] += 1
-    assert sum(met.values()) == 50
-    places = np.array(bridge.places)
-    assert np.linalg.norm(places - START, axis=1).max() < 0.02
 
+    def inject(robot: Robot, fault: str) -> None:
+        bridge.fault = fault
+        robot._timeout_s = 0.4 if fault == "silence" else 5.0  # type: ignore[attr-defined]
 
-def _with_fault(bridge: RosBridge, robot: RosRobot, fault: str, query: str) -> RosRobot:
-    """Move with a fault, which must stop the robot, and open a new connection at the start."""
-    here = robot.flange_pose()
-    bridge.fault = fault
-    robot._timeout_s = 0.4 if fault == "silence" else 5.0
-    with refused("robot-lost"):
-        robot.move(here.moved(np.array([0.0, 0.0, 60.0 if fault == "workspace" else 8.0])))
-    time.sleep(0.05)
-    bridge.fault, bridge.position, bridge.turn = "", START.copy(), DOWN
-    return opened(bridge, query)
+    def reopen(_: Robot) -> RosRobot:
+        time.sleep(0.05)
+        bridge.fault, bridge.position, bridge.turn = "", START.copy(), DOWN
+        return opened(bridge, query)
+
+    met = move_a_thousand_times(opened(bridge, query), FAULTS, inject, reopen, apart_mm=0.01)
+    assert min(met[fault] for fault in (*FAULTS, WORKSPACE)) >= 5
+    assert np.linalg.norm(np.array(bridge.places) - START, axis=1).max() < 0.02

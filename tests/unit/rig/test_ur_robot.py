@@ -1,9 +1,7 @@
 """A robot of Universal Robots, by ur-rtde, with a simulated controller that fails in every way."""
 
-import itertools
 import threading
 import time
-from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,10 +9,10 @@ import pytest
 
 from errors import refused
 from needs import needs
-from palpate.design import DomeSpec, build_skin
-from palpate.rig import PressFrame, open_robot
+from palpate.rig import open_robot
 from palpate.rig.ur_robot import UrRobot
-from palpate.sensor import Placement, rotation_from_vector
+from palpate.sensor import Placement, Robot, rotation_from_vector
+from robot_moves import WORKSPACE, move_a_thousand_times
 from ur_controller import START, UrController
 
 needs("rtde_control")
@@ -132,29 +130,19 @@ def test_a_wrong_address_is_refused(text: str, code: str, value: str) -> None:
 
 @pytest.mark.slow
 def test_a_thousand_moves_with_faults_stay_in_the_workspace(controller: UrController) -> None:
-    rng, met = np.random.default_rng(5), Counter[str]()
     query = "speed=200&acceleration=9000&workspace=20&stall_s=0.3"
-    robot = opened(controller, query)
-    frame = PressFrame(robot.flange_pose(), build_skin(DomeSpec()))
-    faults = itertools.cycle((*FAULTS, "workspace"))
-    for number in range(1000):
-        goal = frame.flange_at(np.array([*rng.uniform(-8, 8, 2), rng.uniform(-3, 4)]))
-        if number % 20 != 7:
-            robot.move(goal)
-            assert robot.flange_pose().position == pytest.approx(goal.position, abs=0.11)
-            continue
-        fault = next(faults)
+
+    def inject(_: Robot, fault: str) -> None:
         controller.fault = fault
-        here = robot.flange_pose()
-        with refused("robot-lost"):
-            robot.move(here.moved(np.array([0.0, 0.0, 60.0 if fault == "workspace" else 8.0])))
-        met[fault] += 1
+
+    def reopen(robot: Robot) -> UrRobot:
         robot.close()
         time.sleep(0.3)
         assert not controller.running or controller.safety != 1
         controller.fault, controller.safety, controller.silent, controller.force = "", 1, False, np.zeros(6)
         controller.drop()
-        robot = opened(controller, query)
-    robot.close()
-    assert min(met[fault] for fault in (*FAULTS, "workspace")) >= 5
+        return opened(controller, query)
+
+    met = move_a_thousand_times(opened(controller, query), FAULTS, inject, reopen, apart_mm=0.11)
+    assert min(met[fault] for fault in (*FAULTS, WORKSPACE)) >= 5
     assert 1e3 * np.linalg.norm(np.array(controller.places)[:, :3] - START[:3], axis=1).max() < 20.0
